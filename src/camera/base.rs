@@ -1,0 +1,161 @@
+//! The base: what stands still while the camera turns.
+
+use super::FocalCurve;
+use crate::geometry::rotation::{q_pan, rotation_vector};
+use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
+
+/// What is known of a fixed camera before a frame is looked at (the paper's prior C and S, section 3.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraBase {
+    /// C: the centre of projection in `world`, m.
+    pub position_m: Vec3,
+    /// S: the rotation from `world` to `base`.
+    pub base_from_world: Mat3,
+    /// The principal point, px.
+    pub principal_point: ImagePoint,
+    /// k₁ by focal length.
+    pub distortion: FocalCurve,
+    /// How far position and rotation are known.
+    pub sigma: BaseSigma,
+}
+
+/// Prior 1-σ of a base; zero means exactly known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BaseSigma {
+    /// Of the position, along world x, y, z, m.
+    pub position_m: Vec3,
+    /// Of the base rotation, about world x, y, z (z is the pan gauge), rad.
+    pub rotation: Vec3,
+}
+
+/// A base rotation in words a person understands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BaseAngles {
+    /// Where the base's z axis points seen from above; 0 is world +y, positive towards +x (clockwise).
+    pub heading: Angle,
+    /// How far the base's z axis points above the horizon.
+    pub pitch: Angle,
+    /// How far the camera leans to its right about its z axis.
+    pub roll: Angle,
+}
+
+impl BaseAngles {
+    /// The rotation `base_from_world` of these angles: roll · pitch · heading · level-looking-along-+y.
+    #[must_use]
+    pub fn base_from_world(self) -> Mat3 {
+        use crate::geometry::rotation::q_tilt;
+        let level = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        q_roll(self.roll) * q_tilt(self.pitch) * q_pan(self.heading) * level
+    }
+
+    /// The angles of a rotation. Looking straight up or down the heading is taken as zero.
+    #[must_use]
+    pub fn from_base_from_world(base_from_world: &Mat3) -> Self {
+        let forward = base_from_world.row(2).transpose();
+        let horizontal = forward.x.hypot(forward.y);
+        let heading = if horizontal < 1e-12 { Angle::ZERO } else { Angle::from_radians(forward.x.atan2(forward.y)) };
+        let pitch = Angle::from_radians(forward.z.atan2(horizontal));
+        let without_roll = Self { heading, pitch, roll: Angle::ZERO }.base_from_world();
+        let roll_only = base_from_world * without_roll.transpose();
+        Self { heading, pitch, roll: Angle::from_radians(roll_only[(0, 1)].atan2(roll_only[(0, 0)])) }
+    }
+}
+
+/// Turns about the viewing axis; positive leans the camera to its right.
+fn q_roll(roll: Angle) -> Mat3 {
+    let (s, c) = roll.sin_cos();
+    Mat3::new(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0)
+}
+
+impl CameraBase {
+    /// A base that is exactly known, without distortion.
+    #[must_use]
+    pub fn new(position_m: Vec3, base_from_world: Mat3, principal_point: ImagePoint) -> Self {
+        Self { position_m, base_from_world, principal_point, distortion: FocalCurve::NONE, sigma: BaseSigma::default() }
+    }
+
+    /// The direction from the camera to a world point, in `base`, not normalised (m).
+    #[must_use]
+    pub fn base_from_world_point(&self, point_in_world: Vec3) -> Vec3 {
+        self.base_from_world * (point_in_world - self.position_m)
+    }
+
+    /// Every entry is a number.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.position_m.iter().chain(self.base_from_world.iter()).all(|x| x.is_finite())
+            && self.principal_point.is_finite()
+            && self.distortion.is_finite()
+    }
+
+    /// The base rotation as heading, pitch and roll.
+    #[must_use]
+    pub fn angles(&self) -> BaseAngles {
+        BaseAngles::from_base_from_world(&self.base_from_world)
+    }
+
+    /// The same base in the pan gauge of the conventions (at pan 0 it looks, seen from above, along world +y) and the
+    /// angle to add to every pan of frames solved with the old one.
+    #[must_use]
+    pub fn in_pan_gauge(&self) -> (Self, Angle) {
+        let forward = self.base_from_world.row(2).transpose();
+        let right = self.base_from_world.row(0).transpose();
+        // A pan of δ turns the forward axis to sin δ · right + cos δ · forward: pick δ so that its world x vanishes.
+        let mut delta = Angle::from_radians((-forward.x).atan2(right.x));
+        let turned = q_pan(delta) * self.base_from_world;
+        if turned[(2, 1)] < 0.0 {
+            delta = (delta + Angle::from_degrees(180.0)).wrapped();
+        }
+        let base = Self { base_from_world: q_pan(delta) * self.base_from_world, ..*self };
+        (base, -delta)
+    }
+
+    /// The rotation vector (in `world`, rad) that leads from another base's rotation to this one's.
+    #[must_use]
+    pub fn rotation_from(&self, other: &Self) -> Vec3 {
+        rotation_vector(&(other.base_from_world.transpose() * self.base_from_world))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::rotation::{angle_between, q_tilt};
+
+    #[test]
+    fn angles_survive_the_round_trip_and_mean_what_they_say() {
+        for (heading, pitch, roll) in [(0.0, 0.0, 0.0), (30.0, -12.0, 1.5), (-150.0, 40.0, -20.0)] {
+            let angles = BaseAngles {
+                heading: Angle::from_degrees(heading),
+                pitch: Angle::from_degrees(pitch),
+                roll: Angle::from_degrees(roll),
+            };
+            let again = BaseAngles::from_base_from_world(&angles.base_from_world());
+            for (got, want) in [(again.heading, heading), (again.pitch, pitch), (again.roll, roll)] {
+                assert!((got.degrees() - want).abs() < 1e-9, "{again:?} for {angles:?}");
+            }
+        }
+        let right_and_down =
+            BaseAngles { heading: Angle::from_degrees(90.0), pitch: Angle::from_degrees(-10.0), roll: Angle::ZERO };
+        let forward = right_and_down.base_from_world().row(2).transpose();
+        assert!(forward.x > 0.98 && forward.z < -0.17);
+        let leaning = BaseAngles { roll: Angle::from_degrees(5.0), ..BaseAngles::default() };
+        let right = leaning.base_from_world().row(0).transpose();
+        assert!(right.z < 0.0, "leaning right lowers the right-hand side");
+    }
+
+    #[test]
+    fn the_pan_gauge_changes_no_picture() {
+        let tilted = q_tilt(Angle::from_degrees(2.0))
+            * q_pan(Angle::from_degrees(-100.0))
+            * BaseAngles { roll: Angle::from_degrees(1.0), ..BaseAngles::default() }.base_from_world();
+        let base = CameraBase::new(Vec3::new(1.0, -60.0, 15.0), tilted, ImagePoint::new(640.0, 360.0));
+        let (gauged, added) = base.in_pan_gauge();
+        let forward = gauged.base_from_world.row(2).transpose();
+        assert!(forward.x.abs() < 1e-12 && forward.y > 0.0);
+        let pan = Angle::from_degrees(33.0);
+        let before = q_pan(pan) * base.base_from_world;
+        let after = q_pan(pan + added) * gauged.base_from_world;
+        assert!(angle_between(&before, &after).degrees() < 1e-9);
+    }
+}

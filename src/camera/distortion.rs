@@ -1,0 +1,133 @@
+//! Radial distortion on normalised coordinates, and its inverse.
+//!
+//! Brown's model with one coefficient, the ideal point on the right: `x_d` = `x_n` (1 + k₁ r²), r = |`x_n`|, as OpenCV has it.
+//! A zoom lens changes k₁ with the focal length, so a camera holds a curve and not a number.
+
+use crate::geometry::Vec2;
+use thiserror::Error;
+
+/// k₁ as a function of the focal length: value + `per_1000_px` · (f − `at_focal_px`) / 1000.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FocalCurve {
+    /// The focal length at which `value` holds, px.
+    pub at_focal_px: f64,
+    /// k₁ there.
+    pub value: f64,
+    /// The change of k₁ per 1000 px of focal length.
+    pub per_1000_px: f64,
+}
+
+impl FocalCurve {
+    /// No distortion.
+    pub const NONE: Self = Self::constant(0.0);
+
+    /// The same k₁ at every focal length.
+    #[must_use]
+    pub const fn constant(k1: f64) -> Self {
+        Self { at_focal_px: 0.0, value: k1, per_1000_px: 0.0 }
+    }
+
+    /// k₁ at a focal length.
+    #[must_use]
+    pub fn at(&self, focal_px: f64) -> f64 {
+        self.value + self.slope_per_px() * (focal_px - self.at_focal_px)
+    }
+
+    /// dk₁/df, per px.
+    #[must_use]
+    pub fn slope_per_px(&self) -> f64 {
+        self.per_1000_px / 1000.0
+    }
+
+    /// All three are numbers.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.at_focal_px.is_finite() && self.value.is_finite() && self.per_1000_px.is_finite()
+    }
+}
+
+/// Why a distorted point has no ideal one.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum UndistortError {
+    /// The lens model folds before it reaches this radius.
+    #[error("the distortion model (k1 = {k1}) folds at normalised radius {fold}, the point lies at {radius}")]
+    BeyondFold {
+        /// The coefficient.
+        k1: f64,
+        /// The distorted radius at which the model folds, focal lengths.
+        fold: f64,
+        /// The point's distorted radius, focal lengths.
+        radius: f64,
+    },
+}
+
+/// The largest ideal r² that has an image: 1 / (−3 k₁) for a barrel, infinite otherwise.
+pub(crate) fn fold_radius_squared(k1: f64) -> f64 {
+    if k1 < 0.0 { -1.0 / (3.0 * k1) } else { f64::INFINITY }
+}
+
+/// The distorted point of an ideal one (normalised coordinates).
+pub(crate) fn distort(ideal: Vec2, k1: f64) -> Vec2 {
+    ideal * (1.0 + k1 * ideal.norm_squared())
+}
+
+/// The ideal point of a distorted one (normalised coordinates): Newton on r (1 + k₁ r²) = `r_d`, to the last digit.
+pub(crate) fn undistort(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
+    if k1 == 0.0 {
+        return Ok(distorted);
+    }
+    let radius = distorted.norm();
+    let fold_squared = fold_radius_squared(k1);
+    let fold = fold_squared.sqrt() * 2.0 / 3.0;
+    if fold_squared.is_finite() && radius >= fold {
+        return Err(UndistortError::BeyondFold { k1, fold, radius });
+    }
+    if radius == 0.0 {
+        return Ok(distorted);
+    }
+    // Both shapes are monotonic and without inflection between zero and the start, so Newton cannot leave the branch.
+    let mut ideal = if k1 < 0.0 { radius } else { radius / (1.0 + k1 * radius * radius).cbrt() };
+    for _ in 0..64 {
+        let step = (ideal * (1.0 + k1 * ideal * ideal) - radius) / (1.0 + 3.0 * k1 * ideal * ideal);
+        let next = ideal - step;
+        if (next - ideal).abs() <= 1e-16 * ideal.abs() || !next.is_finite() {
+            break;
+        }
+        ideal = next;
+    }
+    Ok(distorted * (ideal / radius))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn undistorting_undoes_distorting_up_to_the_fold() {
+        for k1 in [-0.2, -0.12, -0.02, 0.0, 0.1, 0.5, 4.0] {
+            for step in 0..200 {
+                let radius = f64::from(step) * 0.005;
+                if radius * radius >= 0.98 * fold_radius_squared(k1) {
+                    continue;
+                }
+                let ideal = Vec2::new(0.6, -0.8) * radius;
+                let again = undistort(distort(ideal, k1), k1).unwrap();
+                assert!((again - ideal).norm() < 1e-12, "k1 {k1} radius {radius}: {}", (again - ideal).norm());
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_fold_there_is_no_image() {
+        let far = Vec2::new(5.0, 0.0);
+        assert!(matches!(undistort(far, -0.1), Err(UndistortError::BeyondFold { .. })));
+        assert!(undistort(far, 0.1).is_ok());
+    }
+
+    #[test]
+    fn a_curve_is_linear_in_the_focal_length() {
+        let curve = FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21 };
+        assert!((curve.at(2410.0) - 0.0661).abs() < 1e-12);
+        assert!((FocalCurve::constant(-0.1).at(9000.0) + 0.1).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,149 @@
+//! Derivatives of the projection, analytic.
+
+use super::distortion::fold_radius_squared;
+use super::{MIN_DEPTH, ProjectError, PtzCamera};
+use crate::geometry::rotation::skew;
+use crate::geometry::{ImagePoint, Vec2, Vec3};
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6};
+
+/// An image point and how it moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectionJacobian {
+    /// The image point, px.
+    pub point: ImagePoint,
+    /// By pan (px/rad), tilt (px/rad) and focal length (px/px); the curve of k₁ is followed.
+    pub by_ptz: Matrix2x3<f64>,
+    /// By the base: position x, y, z (px/m), then a rotation vector in `world` applied before the base rotation,
+    /// `base_from_world · exp([ω]×)` (px/rad).
+    pub by_base: Matrix2x6<f64>,
+    /// By the world point (px/m).
+    pub by_world: Matrix2x3<f64>,
+    /// By k₁ alone (px).
+    pub by_k1: Vec2,
+}
+
+impl PtzCamera {
+    /// The image of a world point and its derivatives.
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    pub fn image_from_world_jacobian(&self, point_in_world: Vec3) -> Result<ProjectionJacobian, ProjectError> {
+        let offset = point_in_world - self.base().position_m;
+        let in_base = self.base().base_from_world * offset;
+        let in_cam = self.cam_from_base() * in_base;
+        let (point, by_cam, by_focal_fixed_k1, by_k1) = self.image_from_cam_jacobian(in_cam)?;
+
+        // d(Q_pan b)/dθ = Q_pan (−b_z, 0, b_x); d(Q_tilt p)/dφ = (0, p_z, −p_y) in cam.
+        let by_pan = by_cam * (self.cam_from_base() * Vec3::new(-in_base.z, 0.0, in_base.x));
+        let by_tilt = by_cam * Vec3::new(0.0, in_cam.z, -in_cam.y);
+        let by_focal = by_focal_fixed_k1 + by_k1 * self.base().distortion.slope_per_px();
+
+        let by_world = by_cam * self.cam_from_world();
+        let by_rotation = by_world * -skew(offset);
+        let mut by_base = Matrix2x6::zeros();
+        by_base.fixed_columns_mut::<3>(0).copy_from(&-by_world);
+        by_base.fixed_columns_mut::<3>(3).copy_from(&by_rotation);
+        Ok(ProjectionJacobian {
+            point,
+            by_ptz: Matrix2x3::from_columns(&[by_pan, by_tilt, by_focal]),
+            by_base,
+            by_world,
+            by_k1,
+        })
+    }
+
+    /// The image of a point in `cam`; its derivatives by that point, by the focal length at fixed k₁, and by k₁.
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    pub fn image_from_cam_jacobian(
+        &self,
+        point_in_cam: Vec3,
+    ) -> Result<(ImagePoint, Matrix2x3<f64>, Vec2, Vec2), ProjectError> {
+        let p = point_in_cam;
+        let distance = p.norm();
+        if !(p.z > MIN_DEPTH * distance) {
+            return Err(ProjectError::BehindCamera { depth: if distance > 0.0 { p.z / distance } else { 0.0 } });
+        }
+        let (focal_px, k1) = (self.ptz().focal_px, self.k1());
+        let ideal = Vec2::new(p.x / p.z, p.y / p.z);
+        let radius_squared = ideal.norm_squared();
+        if radius_squared >= fold_radius_squared(k1) {
+            return Err(ProjectError::BeyondFold { k1 });
+        }
+        let stretch = 1.0 + k1 * radius_squared;
+        let distorted = ideal * stretch;
+        let by_ideal = Matrix2::identity() * stretch + ideal * ideal.transpose() * (2.0 * k1);
+        let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / p.z;
+        Ok((
+            self.base().principal_point.moved(distorted * focal_px),
+            by_ideal * ideal_by_cam * focal_px,
+            distorted,
+            ideal * (radius_squared * focal_px),
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::geometry::Angle;
+    use crate::geometry::rotation::from_rotation_vector;
+
+    fn camera() -> PtzCamera {
+        let angles = BaseAngles {
+            heading: Angle::from_degrees(5.0),
+            pitch: Angle::from_degrees(-1.0),
+            roll: Angle::from_degrees(0.7),
+        };
+        let base = CameraBase {
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.06, per_1000_px: 0.21 },
+            ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
+        };
+        PtzCamera::new(base, Ptz::from_degrees(-14.0, -13.0, 2310.0))
+    }
+
+    fn difference(f: impl Fn(f64) -> ImagePoint, step: f64) -> Vec2 {
+        (f(step).offset_from(ImagePoint::default()) - f(-step).offset_from(ImagePoint::default())) / (2.0 * step)
+    }
+
+    #[test]
+    fn every_group_of_parameters_agrees_with_central_differences() {
+        let camera = camera();
+        for world in [Vec3::new(-10.0, 8.0, 0.0), Vec3::new(-25.0, -20.0, 2.44), Vec3::new(4.0, 30.0, 0.0)] {
+            let at = camera.image_from_world_jacobian(world).unwrap();
+            assert!(at.point.distance_px(camera.image_from_world(world).unwrap()) < 1e-9);
+            let (base, ptz) = (*camera.base(), camera.ptz());
+            let project = |base, ptz, world| PtzCamera::new(base, ptz).image_from_world(world).unwrap();
+            let radians = Angle::from_radians;
+            let pan = difference(|h| project(base, Ptz { pan: ptz.pan + radians(h), ..ptz }, world), 1e-6);
+            let tilt = difference(|h| project(base, Ptz { tilt: ptz.tilt + radians(h), ..ptz }, world), 1e-6);
+            let focal = difference(|h| project(base, Ptz { focal_px: ptz.focal_px + h, ..ptz }, world), 1e-3);
+            for (column, numeric) in [pan, tilt, focal].into_iter().enumerate() {
+                let error = (at.by_ptz.column(column) - numeric).norm();
+                assert!(error < 1e-6 * (1.0 + numeric.norm()), "ptz column {column}: {error}");
+            }
+            for axis in 0..3 {
+                let unit = Vec3::ith(axis, 1.0);
+                let moved = difference(|h| project(base, ptz, world + unit * h), 1e-4);
+                assert!((at.by_world.column(axis) - moved).norm() < 1e-6 * (1.0 + moved.norm()));
+                let shifted = |h: f64| CameraBase { position_m: base.position_m + unit * h, ..base };
+                let position = difference(|h| project(shifted(h), ptz, world), 1e-4);
+                assert!((at.by_base.column(axis) - position).norm() < 1e-6 * (1.0 + position.norm()));
+                let turned = |h: f64| CameraBase {
+                    base_from_world: base.base_from_world * from_rotation_vector(unit * h),
+                    ..base
+                };
+                let rotation = difference(|h| project(turned(h), ptz, world), 1e-6);
+                assert!((at.by_base.column(3 + axis) - rotation).norm() < 1e-6 * (1.0 + rotation.norm()));
+            }
+            let lens = |h: f64| CameraBase {
+                distortion: FocalCurve { value: base.distortion.value + h, ..base.distortion },
+                ..base
+            };
+            let k1 = difference(|h| project(lens(h), ptz, world), 1e-6);
+            assert!((at.by_k1 - k1).norm() < 1e-6 * (1.0 + k1.norm()));
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! From the world to the picture and back, exactly.
+
+use super::distortion::{UndistortError, distort, fold_radius_squared, undistort};
+use super::{CameraBase, PanTilt, Ptz};
+use crate::geometry::rotation::{q_pan, q_tilt};
+use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
+use thiserror::Error;
+
+/// Points nearer to the camera's plane than this share of their distance are behind the camera.
+pub const MIN_DEPTH: f64 = 1e-6;
+
+/// Why a point has no image.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum ProjectError {
+    /// The point is behind the camera, or beside it.
+    #[error("the point is behind the camera (depth {depth} of its distance)")]
+    BehindCamera {
+        /// Depth along the optical axis as a share of the distance, −1 to 1.
+        depth: f64,
+    },
+    /// The point lies beyond the radius at which the distortion model folds.
+    #[error("the point lies beyond the fold of the distortion model (k1 = {k1})")]
+    BeyondFold {
+        /// The coefficient.
+        k1: f64,
+    },
+}
+
+/// A camera that has been pointed: base + pan, tilt and focal length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PtzCamera {
+    base: CameraBase,
+    ptz: Ptz,
+    k1: f64,
+    cam_from_base: Mat3,
+}
+
+impl PtzCamera {
+    /// A base, pointed; k₁ follows from the base's curve at this focal length.
+    #[must_use]
+    pub fn new(base: CameraBase, ptz: Ptz) -> Self {
+        Self { base, ptz, k1: base.distortion.at(ptz.focal_px), cam_from_base: q_tilt(ptz.tilt) * q_pan(ptz.pan) }
+    }
+
+    /// The base.
+    #[must_use]
+    pub const fn base(&self) -> &CameraBase {
+        &self.base
+    }
+
+    /// Pan, tilt and focal length.
+    #[must_use]
+    pub const fn ptz(&self) -> Ptz {
+        self.ptz
+    }
+
+    /// The radial distortion in use.
+    #[must_use]
+    pub const fn k1(&self) -> f64 {
+        self.k1
+    }
+
+    /// `Q_tilt` · `Q_pan`.
+    #[must_use]
+    pub const fn cam_from_base(&self) -> &Mat3 {
+        &self.cam_from_base
+    }
+
+    /// `Q_tilt` · `Q_pan` · `base_from_world`.
+    #[must_use]
+    pub fn cam_from_world(&self) -> Mat3 {
+        self.cam_from_base * self.base.base_from_world
+    }
+
+    /// A world point in `cam`, m.
+    #[must_use]
+    pub fn cam_from_world_point(&self, point_in_world: Vec3) -> Vec3 {
+        self.cam_from_base * self.base.base_from_world_point(point_in_world)
+    }
+
+    /// The image of a point given in `cam` (any scale).
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    pub fn image_from_cam(&self, point_in_cam: Vec3) -> Result<ImagePoint, ProjectError> {
+        let p = point_in_cam;
+        let distance = p.norm();
+        if !(p.z > MIN_DEPTH * distance) {
+            return Err(ProjectError::BehindCamera { depth: if distance > 0.0 { p.z / distance } else { 0.0 } });
+        }
+        let ideal = Vec2::new(p.x / p.z, p.y / p.z);
+        if ideal.norm_squared() >= fold_radius_squared(self.k1) {
+            return Err(ProjectError::BeyondFold { k1: self.k1 });
+        }
+        Ok(self.base.principal_point.moved(distort(ideal, self.k1) * self.ptz.focal_px))
+    }
+
+    /// The image of a world point, px.
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    pub fn image_from_world(&self, point_in_world: Vec3) -> Result<ImagePoint, ProjectError> {
+        self.image_from_cam(self.cam_from_world_point(point_in_world))
+    }
+
+    /// The image of a ray, px.
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    pub fn image_from_ray(&self, ray: PanTilt) -> Result<ImagePoint, ProjectError> {
+        self.image_from_cam(self.cam_from_base * ray.direction())
+    }
+
+    /// The ideal point on the plane z = 1 of `cam` that an image point shows.
+    ///
+    /// # Errors
+    /// The point lies beyond the fold of the distortion model.
+    pub fn cam_plane_from_image(&self, point: ImagePoint) -> Result<Vec2, UndistortError> {
+        undistort(point.offset_from(self.base.principal_point) / self.ptz.focal_px, self.k1)
+    }
+
+    /// The unit direction in `cam` that an image point shows.
+    ///
+    /// # Errors
+    /// The point lies beyond the fold of the distortion model.
+    pub fn cam_from_image(&self, point: ImagePoint) -> Result<Vec3, UndistortError> {
+        let ideal = self.cam_plane_from_image(point)?;
+        Ok(Vec3::new(ideal.x, ideal.y, 1.0).normalize())
+    }
+
+    /// The ray that an image point shows.
+    ///
+    /// # Errors
+    /// The point lies beyond the fold of the distortion model.
+    pub fn ray_from_image(&self, point: ImagePoint) -> Result<PanTilt, UndistortError> {
+        Ok(PanTilt::from_direction(self.cam_from_base.transpose() * self.cam_from_image(point)?))
+    }
+
+    /// The unit direction in `world` that an image point shows.
+    ///
+    /// # Errors
+    /// The point lies beyond the fold of the distortion model.
+    pub fn world_direction_from_image(&self, point: ImagePoint) -> Result<Vec3, UndistortError> {
+        Ok(self.cam_from_world().transpose() * self.cam_from_image(point)?)
+    }
+
+    /// Where the ray of an image point meets the plane z = `height_m`; none if it does not, ahead of the camera.
+    #[must_use]
+    pub fn plane_from_image(&self, point: ImagePoint, height_m: f64) -> Option<Vec3> {
+        let direction = self.world_direction_from_image(point).ok()?;
+        let distance = (height_m - self.base.position_m.z) / direction.z;
+        (distance.is_finite() && distance > 0.0).then(|| self.base.position_m + direction * distance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::geometry::rotation::rotation_vector;
+    use proptest::prelude::*;
+
+    fn base(k1: f64) -> CameraBase {
+        CameraBase {
+            distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: 0.0 },
+            ..CameraBase::new(
+                Vec3::new(2.0, -60.0, 18.0),
+                BaseAngles::default().base_from_world(),
+                ImagePoint::new(960.0, 540.0),
+            )
+        }
+    }
+
+    #[test]
+    fn the_centre_of_the_picture_shows_the_optical_axis() {
+        let camera = PtzCamera::new(base(-0.1), Ptz::from_degrees(12.0, -8.0, 2400.0));
+        let ray = camera.ray_from_image(ImagePoint::new(960.0, 540.0)).unwrap();
+        assert!((ray.pan.degrees() - 12.0).abs() < 1e-12 && (ray.tilt.degrees() + 8.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn right_of_the_axis_is_right_in_the_picture_and_up_is_up() {
+        let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(0.0, -15.0, 2000.0));
+        let middle = camera.image_from_world(Vec3::new(0.0, 0.0, 0.0)).unwrap();
+        assert!(camera.image_from_world(Vec3::new(5.0, 0.0, 0.0)).unwrap().x > middle.x);
+        assert!(camera.image_from_world(Vec3::new(0.0, 0.0, 2.0)).unwrap().y < middle.y);
+        assert!(camera.image_from_world(Vec3::new(0.0, 5.0, 0.0)).unwrap().y < middle.y);
+    }
+
+    #[test]
+    fn a_point_behind_the_camera_is_named() {
+        let camera = PtzCamera::new(base(0.0), Ptz::from_degrees(0.0, -15.0, 2000.0));
+        let error = camera.image_from_world(Vec3::new(0.0, -120.0, 0.0)).unwrap_err();
+        assert!(matches!(error, ProjectError::BehindCamera { depth } if depth < 0.0));
+        assert!(camera.image_from_world(camera.base().position_m).is_err());
+    }
+
+    #[test]
+    fn the_authors_rotation_convention_is_ours() {
+        // One frame of the published sequence: R = Rx(tilt) · Ry(pan) · R_base (formats.md, section 13).
+        let base_from_world = crate::geometry::rotation::from_rotation_vector(Vec3::new(1.230319, 1.129962, -1.157628));
+        let base =
+            CameraBase::new(Vec3::new(114.32318, 1.114215, 6.375646), base_from_world, ImagePoint::new(640.5, 360.5));
+        let camera =
+            PtzCamera::new(base, Ptz::from_degrees(53.364_833_724_635_1, -5.866_202_476_869_829, 3733.765_356));
+        let published = Vec3::new(1.617_735_862_435_805_6, 0.445_567_365_524_574_3, -0.436_192_571_451_583_4);
+        assert!((rotation_vector(&camera.cam_from_world()) - published).norm() < 1e-6);
+    }
+
+    proptest! {
+        #[test]
+        fn every_point_of_the_picture_comes_back(
+            x in 0.0..1920.0f64, y in 0.0..1080.0f64, pan in -40.0..40.0f64, tilt in -30.0..-5.0f64,
+            focal in 1300.0..6000.0f64, k1 in -0.12..0.3f64,
+        ) {
+            let camera = PtzCamera::new(base(k1), Ptz::from_degrees(pan, tilt, focal));
+            let point = ImagePoint::new(x, y);
+            let ray = camera.ray_from_image(point).unwrap();
+            prop_assert!(camera.image_from_ray(ray).unwrap().distance_px(point) < 1e-8);
+            if let Some(ground) = camera.plane_from_image(point, 0.0) {
+                prop_assert!(ground.z.abs() < 1e-9);
+                prop_assert!(camera.image_from_world(ground).unwrap().distance_px(point) < 1e-7);
+            }
+        }
+    }
+}

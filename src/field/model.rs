@@ -1,0 +1,214 @@
+//! A field of one venue: a template with its parameters filled in.
+
+use crate::geometry::{Angle, Vec3};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+
+macro_rules! name_type {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub struct $name(Arc<str>);
+
+        impl $name {
+            /// The name as the document writes it.
+            #[must_use]
+            pub fn as_str(&self) -> &str {
+                &self.0
+            }
+        }
+
+        impl From<&str> for $name {
+            fn from(name: &str) -> Self {
+                Self(name.into())
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(&self.0)
+            }
+        }
+
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "{:?}", &*self.0)
+            }
+        }
+    };
+}
+
+name_type! {
+    /// The name of a landmark, such as `centre_mark`; unique within a template.
+    LandmarkId
+}
+name_type! {
+    /// The name of a line, such as `halfway_line`; unique within a template.
+    LineId
+}
+
+/// A point of the field that a person can click, on the ground or above it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Landmark {
+    /// Its name in documents.
+    pub id: LandmarkId,
+    /// What a person reads: "Centre mark".
+    pub label: String,
+    /// Two to four letters to type: "cm".
+    pub code: String,
+    /// Where the rules put it, `world`, m; the crown is not in it.
+    pub nominal_m: Vec3,
+    /// How well people hit it: 1-σ of a click in px at 1920 px width.
+    pub click_sigma_px: f64,
+}
+
+/// A straight marking, circle, arc or post on which a click can lie.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldLine {
+    /// Its name in documents.
+    pub id: LineId,
+    /// What a person reads: "Halfway line".
+    pub label: String,
+    /// Two to four letters to type.
+    pub code: String,
+    /// Where the rules put it.
+    pub curve: Curve,
+    /// The width of the paint (or of the post), m.
+    pub width_m: f64,
+    /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping only.
+    pub edge: PaintEdge,
+    /// Painted on the ground; false for posts, crossbars, nets and boards.
+    pub painted: bool,
+}
+
+/// Which edge of the paint a nominal line is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PaintEdge {
+    /// The paint is centred on the nominal line.
+    #[default]
+    Centre,
+    /// The nominal line is the paint's edge towards the outside of the area it bounds.
+    Outer,
+    /// The nominal line is the paint's edge towards the inside.
+    Inner,
+}
+
+/// A curve in `world`, m, nominal (without the crown).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Curve {
+    /// A straight piece.
+    Segment {
+        /// One end.
+        from: Vec3,
+        /// The other end.
+        to: Vec3,
+    },
+    /// A circle or a part of one, in a horizontal plane.
+    Arc {
+        /// The centre.
+        centre: Vec3,
+        /// The radius, m.
+        radius_m: f64,
+        /// The direction of the first point, from +x towards +y.
+        start: Angle,
+        /// How far it goes, positive from +x towards +y; a full turn is a circle.
+        sweep: Angle,
+    },
+}
+
+impl Curve {
+    /// The point at parameter `t`: 0 is the first end, 1 the last; values outside go beyond the ends.
+    #[must_use]
+    pub fn point_at(&self, t: f64) -> Vec3 {
+        match *self {
+            Self::Segment { from, to } => from + (to - from) * t,
+            Self::Arc { centre, radius_m, start, sweep } => {
+                let (sin, cos) = (start + sweep * t).sin_cos();
+                centre + Vec3::new(cos, sin, 0.0) * radius_m
+            }
+        }
+    }
+
+    /// d(point)/dt, m.
+    #[must_use]
+    pub fn tangent_at(&self, t: f64) -> Vec3 {
+        match *self {
+            Self::Segment { from, to } => to - from,
+            Self::Arc { radius_m, start, sweep, .. } => {
+                let (sin, cos) = (start + sweep * t).sin_cos();
+                Vec3::new(-sin, cos, 0.0) * (radius_m * sweep.radians())
+            }
+        }
+    }
+
+    /// The length, m.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        match *self {
+            Self::Segment { from, to } => (to - from).norm(),
+            Self::Arc { radius_m, sweep, .. } => radius_m * sweep.radians().abs(),
+        }
+    }
+
+    /// A circle: it has no ends.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        matches!(self, Self::Arc { sweep, .. } if (sweep.radians().abs() - std::f64::consts::TAU).abs() < 1e-9)
+    }
+}
+
+/// The field of one venue.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldModel {
+    /// The template's name: "soccer".
+    pub template: String,
+    /// The parameters that the template takes, filled in, such as `length_m`.
+    pub params: BTreeMap<String, f64>,
+    /// Extent along x, m: the playing area.
+    pub length_m: f64,
+    /// Extent along y, m.
+    pub width_m: f64,
+    /// How much the middle is higher than the touchlines, m.
+    pub crown_m: f64,
+    /// Every landmark, in the template's order.
+    pub landmarks: Vec<Landmark>,
+    /// Every line, in the template's order.
+    pub lines: Vec<FieldLine>,
+}
+
+impl FieldModel {
+    /// A landmark by name.
+    #[must_use]
+    pub fn landmark(&self, id: &str) -> Option<&Landmark> {
+        self.landmarks.iter().find(|landmark| landmark.id.as_str() == id)
+    }
+
+    /// A line by name.
+    #[must_use]
+    pub fn line(&self, id: &str) -> Option<&FieldLine> {
+        self.lines.iter().find(|line| line.id.as_str() == id)
+    }
+
+    /// The ground's height at a place, m: z = −crown (2 y / width)² within the field, the touchline's height beyond.
+    #[must_use]
+    pub fn ground_z(&self, y_m: f64) -> f64 {
+        if self.crown_m == 0.0 {
+            return 0.0;
+        }
+        let across = (2.0 * y_m / self.width_m).clamp(-1.0, 1.0);
+        -self.crown_m * across * across
+    }
+
+    /// A nominal point where it really is: lifted onto the crowned ground.
+    #[must_use]
+    pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
+        Vec3::new(nominal_m.x, nominal_m.y, nominal_m.z + self.ground_z(nominal_m.y))
+    }
+
+    /// A landmark's place in `world`, m, the crown included.
+    #[must_use]
+    pub fn landmark_in_world(&self, landmark: &Landmark) -> Vec3 {
+        self.world_from_nominal(landmark.nominal_m)
+    }
+}

@@ -1,0 +1,117 @@
+//! One type for angles, so that degrees and radians cannot be mixed.
+
+use std::fmt;
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// An angle: radians inside, degrees at the doors (files, the window).
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Angle {
+    radians: f64,
+}
+
+impl Angle {
+    /// No turn at all.
+    pub const ZERO: Self = Self { radians: 0.0 };
+
+    /// An angle from radians.
+    #[must_use]
+    pub const fn from_radians(radians: f64) -> Self {
+        Self { radians }
+    }
+
+    /// An angle from degrees.
+    #[must_use]
+    pub const fn from_degrees(degrees: f64) -> Self {
+        Self { radians: degrees.to_radians() }
+    }
+
+    /// The angle in radians.
+    #[must_use]
+    pub const fn radians(self) -> f64 {
+        self.radians
+    }
+
+    /// The angle in degrees.
+    #[must_use]
+    pub const fn degrees(self) -> f64 {
+        self.radians.to_degrees()
+    }
+
+    /// The same direction within (−π, π].
+    #[must_use]
+    pub fn wrapped(self) -> Self {
+        use std::f64::consts::{PI, TAU};
+        if self.radians > -PI && self.radians <= PI {
+            return self;
+        }
+        let turned = self.radians.rem_euclid(TAU);
+        Self { radians: if turned > PI { turned - TAU } else { turned } }
+    }
+
+    /// (sine, cosine).
+    #[must_use]
+    pub fn sin_cos(self) -> (f64, f64) {
+        self.radians.sin_cos()
+    }
+
+    /// The angle without its sign.
+    #[must_use]
+    pub const fn abs(self) -> Self {
+        Self { radians: self.radians.abs() }
+    }
+
+    /// Neither NaN nor infinite.
+    #[must_use]
+    pub const fn is_finite(self) -> bool {
+        self.radians.is_finite()
+    }
+}
+
+impl fmt::Display for Angle {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = f.precision().unwrap_or(2);
+        write!(f, "{:.digits$}°", self.degrees())
+    }
+}
+
+impl Add for Angle {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { radians: self.radians + other.radians }
+    }
+}
+
+impl Sub for Angle {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        Self { radians: self.radians - other.radians }
+    }
+}
+
+impl Neg for Angle {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Self { radians: -self.radians }
+    }
+}
+
+impl Mul<f64> for Angle {
+    type Output = Self;
+    fn mul(self, factor: f64) -> Self {
+        Self { radians: self.radians * factor }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Angle;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn wrapping_keeps_the_direction_within_half_a_turn() {
+        for (degrees, wrapped) in [(0.0, 0.0), (180.0, 180.0), (-180.0, 180.0), (190.0, -170.0), (725.0, 5.0)] {
+            assert!((Angle::from_degrees(degrees).wrapped().degrees() - wrapped).abs() < 1e-12, "{degrees}");
+        }
+        assert!(Angle::from_radians(-PI).wrapped().radians() > 0.0);
+    }
+}

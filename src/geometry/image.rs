@@ -1,0 +1,124 @@
+//! Points, sizes and boxes in a picture.
+
+use super::Vec2;
+
+/// A point of a picture, px, corner convention: (0, 0) is the top-left corner, x right, y down.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ImagePoint {
+    /// To the right, px.
+    pub x: f64,
+    /// Downwards, px.
+    pub y: f64,
+}
+
+impl ImagePoint {
+    /// A point from its coordinates in px.
+    #[must_use]
+    pub const fn new(x: f64, y: f64) -> Self {
+        Self { x, y }
+    }
+
+    /// The vector from `origin` to this point, px.
+    #[must_use]
+    pub fn offset_from(self, origin: Self) -> Vec2 {
+        Vec2::new(self.x - origin.x, self.y - origin.y)
+    }
+
+    /// This point moved by `offset` px.
+    #[must_use]
+    pub fn moved(self, offset: Vec2) -> Self {
+        Self::new(self.x + offset.x, self.y + offset.y)
+    }
+
+    /// The distance to another point, px.
+    #[must_use]
+    pub fn distance_px(self, other: Self) -> f64 {
+        (self.x - other.x).hypot(self.y - other.y)
+    }
+
+    /// Both coordinates are numbers.
+    #[must_use]
+    pub const fn is_finite(self) -> bool {
+        self.x.is_finite() && self.y.is_finite()
+    }
+}
+
+impl From<[f64; 2]> for ImagePoint {
+    fn from([x, y]: [f64; 2]) -> Self {
+        Self::new(x, y)
+    }
+}
+
+impl From<ImagePoint> for [f64; 2] {
+    fn from(point: ImagePoint) -> Self {
+        [point.x, point.y]
+    }
+}
+
+/// The size of a picture, px.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct ImageSize {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl ImageSize {
+    /// A size from its columns and rows.
+    #[must_use]
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height }
+    }
+
+    /// The middle of the picture.
+    #[must_use]
+    pub fn centre(self) -> ImagePoint {
+        ImagePoint::new(f64::from(self.width) / 2.0, f64::from(self.height) / 2.0)
+    }
+
+    /// The four corners, clockwise from the top left.
+    #[must_use]
+    pub fn corners(self) -> [ImagePoint; 4] {
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        [
+            ImagePoint::new(0.0, 0.0),
+            ImagePoint::new(width, 0.0),
+            ImagePoint::new(width, height),
+            ImagePoint::new(0.0, height),
+        ]
+    }
+
+    /// Whether a point lies in the picture, its border included.
+    #[must_use]
+    pub fn contains(self, point: ImagePoint) -> bool {
+        point.x >= 0.0 && point.y >= 0.0 && point.x <= f64::from(self.width) && point.y <= f64::from(self.height)
+    }
+
+    /// How many px of this picture make one px of the yardstick width of 1920 px.
+    #[must_use]
+    pub fn scale_from_1920(self) -> f64 {
+        f64::from(self.width) / 1920.0
+    }
+}
+
+/// An axis-aligned box of pixels (`masks_px`): a score bug, a player.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PixelBox {
+    /// Left edge, px.
+    pub x: f64,
+    /// Top edge, px.
+    pub y: f64,
+    /// Extent to the right, px.
+    pub width: f64,
+    /// Extent downwards, px.
+    pub height: f64,
+}
+
+impl PixelBox {
+    /// Whether a point lies in the box, its left and top border included.
+    #[must_use]
+    pub fn contains(&self, point: ImagePoint) -> bool {
+        point.x >= self.x && point.y >= self.y && point.x < self.x + self.width && point.y < self.y + self.height
+    }
+}

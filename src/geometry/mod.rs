@@ -1,0 +1,18 @@
+//! Angles, image points and sizes, mask boxes, rotations and their derivatives: the ground floor.
+//!
+//! Everything here is `f64`. Angles are radians inside and degrees at the doors ([`Angle`]). Image coordinates follow
+//! the corner convention: (0, 0) is the top-left *corner* of the picture, the first pixel's centre is (0.5, 0.5).
+
+mod angle;
+mod image;
+pub mod rotation;
+
+pub use angle::Angle;
+pub use image::{ImagePoint, ImageSize, PixelBox};
+
+/// A column of two numbers; the frame and unit stand in the name of the value.
+pub type Vec2 = nalgebra::Vector2<f64>;
+/// A column of three numbers; the frame and unit stand in the name of the value.
+pub type Vec3 = nalgebra::Vector3<f64>;
+/// A 3×3 matrix, such as `base_from_world`.
+pub type Mat3 = nalgebra::Matrix3<f64>;

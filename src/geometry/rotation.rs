@@ -1,0 +1,100 @@
+//! Rotations as 3×3 matrices, and their derivatives.
+
+use super::{Angle, Mat3, Vec3};
+
+/// How far a matrix may be from a rotation before it is refused rather than tidied up.
+pub const ROTATION_TOLERANCE: f64 = 1e-3;
+
+/// The cross-product matrix: `skew(a) * b = a × b`.
+#[must_use]
+pub fn skew(a: Vec3) -> Mat3 {
+    Mat3::new(0.0, -a.z, a.y, a.z, 0.0, -a.x, -a.y, a.x, 0.0)
+}
+
+/// The rotation by `|w|` radians about `w` (Rodrigues).
+#[must_use]
+pub fn from_rotation_vector(w: Vec3) -> Mat3 {
+    *nalgebra::Rotation3::from_scaled_axis(w).matrix()
+}
+
+/// The rotation vector of a rotation matrix, radians.
+#[must_use]
+pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
+    nalgebra::Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+}
+
+/// The angle between two rotations.
+#[must_use]
+pub fn angle_between(a: &Mat3, b: &Mat3) -> Angle {
+    let difference = a * b.transpose();
+    let sine = Vec3::new(
+        difference[(2, 1)] - difference[(1, 2)],
+        difference[(0, 2)] - difference[(2, 0)],
+        difference[(1, 0)] - difference[(0, 1)],
+    )
+    .norm();
+    Angle::from_radians(sine.atan2(difference.trace() - 1.0))
+}
+
+/// How far a matrix is from being a rotation: the largest entry of `RᵀR` − 1, or infinity for a reflection or NaN.
+#[must_use]
+pub fn distance_from_rotation(matrix: &Mat3) -> f64 {
+    if !matrix.iter().all(|x| x.is_finite()) || matrix.determinant() <= 0.0 {
+        return f64::INFINITY;
+    }
+    (matrix.transpose() * matrix - Mat3::identity()).amax()
+}
+
+/// The rotation nearest to a matrix (orthogonal Procrustes).
+#[must_use]
+pub fn nearest_rotation(matrix: &Mat3) -> Mat3 {
+    let svd = matrix.svd(true, true);
+    let (Some(u), Some(v_t)) = (svd.u, svd.v_t) else { return Mat3::identity() };
+    let sign = (u * v_t).determinant().signum();
+    u * Mat3::from_diagonal(&Vec3::new(1.0, 1.0, sign)) * v_t
+}
+
+/// `Q_pan(θ)` of the conventions: turns `base` into the panned frame (about the base's y axis).
+#[must_use]
+pub fn q_pan(pan: Angle) -> Mat3 {
+    let (s, c) = pan.sin_cos();
+    Mat3::new(c, 0.0, -s, 0.0, 1.0, 0.0, s, 0.0, c)
+}
+
+/// `Q_tilt(φ)` of the conventions: turns the panned frame into `cam` (about the camera's x axis).
+#[must_use]
+pub fn q_tilt(tilt: Angle) -> Mat3 {
+    let (s, c) = tilt.sin_cos();
+    Mat3::new(1.0, 0.0, 0.0, 0.0, c, s, 0.0, -s, c)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rotation_vector_survives_the_round_trip() {
+        let w = Vec3::new(0.3, -1.1, 0.7);
+        assert!((rotation_vector(&from_rotation_vector(w)) - w).norm() < 1e-12);
+        assert!((skew(w) * Vec3::x() - w.cross(&Vec3::x())).norm() < 1e-15);
+    }
+
+    #[test]
+    fn the_nearest_rotation_repairs_rounding_and_refuses_nothing_silently() {
+        let rotation = q_tilt(Angle::from_degrees(-11.0)) * q_pan(Angle::from_degrees(40.0));
+        let rounded = rotation.map(|x| (x * 1e4).round() / 1e4);
+        assert!(distance_from_rotation(&rounded) < ROTATION_TOLERANCE);
+        assert!(angle_between(&nearest_rotation(&rounded), &rotation).degrees() < 0.01);
+        assert!(distance_from_rotation(&-rotation).is_infinite());
+        assert!(distance_from_rotation(&(rotation * f64::NAN)).is_infinite());
+    }
+
+    #[test]
+    fn positive_pan_looks_right_and_positive_tilt_looks_up() {
+        let ahead = Vec3::z();
+        let looking_right = q_pan(Angle::from_degrees(10.0)).transpose() * ahead;
+        assert!(looking_right.x > 0.0, "base x is right");
+        let looking_up = q_tilt(Angle::from_degrees(10.0)).transpose() * ahead;
+        assert!(looking_up.y < 0.0, "base y is down");
+    }
+}

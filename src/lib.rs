@@ -1,0 +1,36 @@
+//! `touchline` calibrates a pan-tilt-zoom sports camera from two clicks.
+//!
+//! A broadcast camera stands still and turns. If its position and base orientation are known, two clicked points fix a
+//! frame's pan, tilt and focal length (Chen, Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports",
+//! WACV 2018). This crate is the library behind the desktop app and the command line of the same name.
+//!
+//! # The house
+//!
+//! Rooms stand on floors; a room uses only rooms below it, and rooms on one floor do not see each other
+//! (`tests/architecture.rs` checks it).
+//!
+//! | floor | rooms |
+//! |---|---|
+//! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
+//! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
+//! | 6 | [`app`] (the whole application without a window) |
+//! | 4 | [`project`] (the document), [`synthetic`] (drawn matches with exact truth) |
+//! | 3 | [`solve`] (observations to cameras) |
+//! | 2 | [`markings`] (the field's lines as a camera sees them) |
+//! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
+//! | 0 | [`geometry`] |
+
+pub mod app;
+pub mod camera;
+pub mod cli;
+pub mod field;
+pub mod geometry;
+pub mod jobs;
+pub mod markings;
+pub mod media;
+pub mod project;
+pub mod render;
+pub mod solve;
+pub mod synthetic;
+#[cfg(feature = "gui")]
+pub mod ui;

@@ -1,0 +1,1 @@
+//! The field's markings as a camera sees them.

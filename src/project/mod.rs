@@ -1,0 +1,1 @@
+//! The document: schema, history, journal, atomic store.

@@ -1,0 +1,1 @@
+//! A drawn match with exact truth.

@@ -1,0 +1,1 @@
+//! The window: panels as functions of state.

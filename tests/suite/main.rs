@@ -1,0 +1,10 @@
+//! Every test that looks at the library and the program from outside, in one binary.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a test says what failed by failing"
+)]
+
+mod architecture;
