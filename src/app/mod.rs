@@ -1,1 +1,3 @@
 //! The whole application without a window.
+
+pub mod drawing;

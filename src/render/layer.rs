@@ -1,0 +1,31 @@
+//! What a canvas shows, from the bottom up.
+
+use crate::app::drawing::Drawing;
+use image::RgbaImage;
+use std::sync::Arc;
+
+/// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded once.
+///
+/// The caller makes it from what it knows, such as a frame's number and a generation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PictureKey(pub u64);
+
+/// A picture, with its top-left corner at the origin.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// What its pixels are known by.
+    pub key: PictureKey,
+    /// sRGB bytes; shown as they are, in gamma space.
+    pub pixels: Arc<RgbaImage>,
+    /// 1 shows it as it is, less darkens it so that lines stand out.
+    pub brightness: f32,
+}
+
+/// One layer of a canvas.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// A frame.
+    Picture(Picture),
+    /// Lines, areas and markers over it.
+    Drawing(Arc<Drawing>),
+}
