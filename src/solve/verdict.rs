@@ -1,0 +1,76 @@
+//! One word on a solved frame, and why.
+
+use super::{FrameSolution, WarningCode};
+use crate::geometry::ImageSize;
+use std::fmt;
+
+/// Up to this 1-σ at the worst corner a frame is good, px at 1920 px width.
+pub const GOOD_CORNER_SIGMA_PX: f64 = 7.0;
+
+/// Residuals this many times larger than expected contradict each other.
+pub const WRONG_MISFIT: f64 = 4.0;
+
+/// Residuals this many times larger than expected deserve a look.
+pub const CHECK_MISFIT: f64 = 2.0;
+
+/// The verdict on a solved frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Verdict {
+    /// Nothing speaks against it.
+    Good,
+    /// Look at it before accepting it.
+    Check,
+    /// Something in it contradicts something else.
+    Wrong,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Good => "Good",
+            Self::Check => "Check",
+            Self::Wrong => "Wrong",
+        })
+    }
+}
+
+/// A verdict with its reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    /// The one word.
+    pub verdict: Verdict,
+    /// What decided it, in one line with its number.
+    pub reason: String,
+}
+
+/// Judges a solved frame by its check clicks, the contradiction among its clicks, its warnings and its worst corner, in
+/// this order.
+#[must_use]
+pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
+    let judgement = |verdict, reason| Judgement { verdict, reason };
+    let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
+    if let Some(warning) = solution.warnings.iter().find(|warning| {
+        matches!(warning.code, WarningCode::CheckFailed | WarningCode::Swapped | WarningCode::WrongLine)
+    }) {
+        return judgement(Verdict::Wrong, warning.message.clone());
+    }
+    // A single surplus equation is large by chance more often than the mean of many.
+    let chance = 1.0 / solution.redundancy.max(1) as f64;
+    if let Some(misfit) = solution.misfit().filter(|misfit| *misfit > CHECK_MISFIT + chance) {
+        let verdict = if misfit > WRONG_MISFIT + chance { Verdict::Wrong } else { Verdict::Check };
+        let reason = format!("clicks are {:.1} px off on average, {misfit:.1} times what is usual", solution.rms_px);
+        return judgement(verdict, reason);
+    }
+    if let Some(warning) = solution.warnings.first() {
+        return judgement(Verdict::Check, warning.message.clone());
+    }
+    if !(solution.worst_corner_sigma_px <= GOOD_CORNER_SIGMA_PX * image_size.scale_from_1920()) {
+        return judgement(Verdict::Check, format!("{corner}: add a point far from the others"));
+    }
+    let evidence = if solution.residuals_are_evidence() {
+        format!("clicks fit to {:.1} px", solution.rms_px)
+    } else {
+        "no evidence beyond two clicks".to_owned()
+    };
+    judgement(Verdict::Good, format!("{corner}; {evidence}"))
+}

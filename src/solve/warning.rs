@@ -1,0 +1,99 @@
+//! What a person should look at before trusting a solved frame.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// A warning: what is wrong, the number, and the way out, in that order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// Its kind.
+    pub code: WarningCode,
+    /// What a person reads.
+    pub message: String,
+    /// The clicks it is about, from 0; empty if it is about the frame.
+    pub clicks: Vec<usize>,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+macro_rules! warning_codes {
+    ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
+        /// The kinds of warning, as documents write them.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum WarningCode {
+            $($(#[$doc])* $variant,)*
+        }
+
+        impl WarningCode {
+            /// Every kind.
+            pub const ALL: &[Self] = &[$(Self::$variant,)*];
+
+            /// The name in documents.
+            #[must_use]
+            pub const fn as_str(self) -> &'static str {
+                match self { $(Self::$variant => $name,)* }
+            }
+        }
+    };
+}
+
+warning_codes! {
+    /// The points are so close together that the far corners are uncertain.
+    Separation = "separation",
+    /// Two landmarks fit better with their names exchanged.
+    Swapped = "swapped",
+    /// The mirrored end or side fits as well, or better.
+    Mirrored = "mirrored",
+    /// A click fits a neighbouring line or landmark better.
+    WrongLine = "wrong_line",
+    /// Two focal lengths fit.
+    TwoRoots = "two_roots",
+    /// Pan, tilt or focal length is outside what this camera does.
+    Implausible = "implausible",
+    /// The clicks contradict each other or the base by more than their noise.
+    Contradiction = "contradiction",
+    /// A check click is farther off than the uncertainty explains.
+    CheckFailed = "check_failed",
+    /// The field's size is assumed, neither confirmed nor fitted.
+    FieldAssumed = "field_assumed",
+    /// No reference looks at this part of the field.
+    Coverage = "coverage",
+    /// A relocalisation rests on few inliers.
+    FewInliers = "few_inliers",
+}
+
+impl fmt::Display for WarningCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.as_str())
+    }
+}
+
+/// The code is none that this version knows.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("unknown warning code {0:?}")]
+pub struct UnknownWarningCode(pub String);
+
+impl FromStr for WarningCode {
+    type Err = UnknownWarningCode;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        Self::ALL.iter().copied().find(|code| code.as_str() == name).ok_or_else(|| UnknownWarningCode(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_read_back() {
+        for &code in WarningCode::ALL {
+            assert_eq!(code.as_str().parse::<WarningCode>().unwrap(), code);
+        }
+        assert!("nonsense".parse::<WarningCode>().is_err());
+    }
+}
