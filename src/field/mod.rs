@@ -1,5 +1,23 @@
 //! Field models: named landmarks, lines and arcs of a sport's field, in `world` metres.
+//!
+//! A [`Template`] is a sport's field with its parameters open; [`Template::model`] fills them in for a venue. The
+//! templates that come with the program are found by [`builtin`], a user's own by [`template_named`].
 
+mod build;
+mod builtin;
+mod error;
+mod expression;
+mod file;
 mod model;
+mod parts;
+mod read;
+mod symmetry;
+mod template;
+mod variants;
 
+pub use builtin::{builtin, builtin_names, template_named};
+pub use error::FieldError;
+pub use expression::{Expression, ExpressionError};
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
+pub use symmetry::Symmetry;
+pub use template::{Dimension, MAX_CROWN_M, Param, Template};

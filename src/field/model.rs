@@ -78,6 +78,8 @@ pub struct FieldLine {
     pub width_m: f64,
     /// Which edge of the paint the nominal line is; for painting, drawing to scale and snapping only.
     pub edge: PaintEdge,
+    /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as `edge` says.
+    pub paint_centre: Curve,
     /// Painted on the ground; false for posts, crossbars, nets and boards.
     pub painted: bool,
 }
@@ -88,9 +90,9 @@ pub enum PaintEdge {
     /// The paint is centred on the nominal line.
     #[default]
     Centre,
-    /// The nominal line is the paint's edge towards the outside of the area it bounds.
+    /// The nominal line is the paint's outer edge: the paint belongs to the area that the line bounds.
     Outer,
-    /// The nominal line is the paint's edge towards the inside.
+    /// The nominal line is the paint's inner edge: the paint lies around the area.
     Inner,
 }
 
@@ -115,6 +117,28 @@ pub enum Curve {
         /// How far it goes, positive from +x towards +y; a full turn is a circle.
         sweep: Angle,
     },
+}
+
+impl PaintEdge {
+    /// Its name in templates.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Centre => "centre",
+            Self::Outer => "outer",
+            Self::Inner => "inner",
+        }
+    }
+
+    /// How far the middle of the paint lies from the nominal line towards the inside, in widths.
+    #[must_use]
+    pub const fn inward_shift(self) -> f64 {
+        match self {
+            Self::Centre => 0.0,
+            Self::Outer => 0.5,
+            Self::Inner => -0.5,
+        }
+    }
 }
 
 impl Curve {

@@ -1,0 +1,259 @@
+//! A template with its parameters filled in: expressions become places.
+
+use super::parts::{CurvePart, PointPart, Scoped};
+use super::{Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template};
+use crate::geometry::{Angle, Vec3};
+use std::collections::BTreeMap;
+
+/// No field is larger; a coordinate beyond is a slip of the pen.
+const MAX_COORDINATE_M: f64 = 1000.0;
+/// Lines shorter than this are none.
+const MIN_LENGTH_M: f64 = 1e-3;
+/// Two landmarks nearer than this are one.
+const SAME_PLACE_M: f64 = 1e-6;
+
+/// The model of a template; the parameters are complete and within range.
+pub fn model(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
+    let mut builder = Builder { template, scope: params.clone() };
+    for dimension in &template.dimensions {
+        let value = builder.value(&format!("dimension {:?}", dimension.name), &dimension.value, &[])?;
+        builder.scope.insert(dimension.name.clone(), value);
+    }
+    let [length_m, width_m] = [0, 1].map(|index| builder.extent(index));
+    let landmarks = template
+        .landmarks
+        .iter()
+        .map(|part| {
+            Ok(Landmark {
+                id: part.id.as_str().into(),
+                label: part.label.clone(),
+                code: part.code.clone(),
+                nominal_m: builder.point(&format!("landmark {:?}, at", part.id), &part.at)?,
+                click_sigma_px: part.click_sigma_px,
+            })
+        })
+        .collect::<Result<_, FieldError>>()?;
+    let lines = template
+        .lines
+        .iter()
+        .map(|part| {
+            let name = format!("line {:?}", part.id);
+            let curve = builder.curve(&name, &part.curve, part.painted)?;
+            let width_m = builder.positive(&format!("{name}, width_m"), &part.width_m)?;
+            let inside =
+                part.inside.as_ref().map(|inside| builder.point(&format!("{name}, inside"), inside)).transpose()?;
+            let paint_centre = shifted_inward(&curve, inside, part.edge.inward_shift() * width_m)
+                .map_err(|problem| builder.invalid(&name, problem))?;
+            Ok(FieldLine {
+                id: part.id.as_str().into(),
+                label: part.label.clone(),
+                code: part.code.clone(),
+                curve,
+                width_m,
+                edge: part.edge,
+                paint_centre,
+                painted: part.painted,
+            })
+        })
+        .collect::<Result<_, FieldError>>()?;
+    Ok(FieldModel {
+        template: template.name.clone(),
+        params,
+        length_m: length_m?,
+        width_m: width_m?,
+        crown_m,
+        landmarks,
+        lines,
+    })
+}
+
+/// Two landmarks in one place cannot be told apart.
+pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
+    for (index, landmark) in model.landmarks.iter().enumerate() {
+        let twin = model.landmarks[..index].iter().find(|other| same_place(other.nominal_m, landmark.nominal_m));
+        if let Some(twin) = twin {
+            let problem = format!("it lies where {:?} lies", twin.id.as_str());
+            return Err(invalid(template, &format!("landmark {:?}", landmark.id.as_str()), problem));
+        }
+    }
+    Ok(())
+}
+
+/// What the template promises holds for every landmark and line.
+pub fn check_symmetry(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
+    for symmetry in &template.symmetry {
+        let name = symmetry.name();
+        if let Some(landmark) =
+            model.landmarks.iter().find(|landmark| symmetry.landmark_twin(model, landmark).is_none())
+        {
+            let problem = format!("the field is not symmetric by {name}: no landmark lies where this one comes to lie");
+            return Err(invalid(template, &format!("landmark {:?}", landmark.id.as_str()), problem));
+        }
+        if let Some(line) = model.lines.iter().find(|line| symmetry.line_twin(model, line).is_none()) {
+            let problem = format!("the field is not symmetric by {name}: no line lies where this one comes to lie");
+            return Err(invalid(template, &format!("line {:?}", line.id.as_str()), problem));
+        }
+    }
+    Ok(())
+}
+
+/// Whether two places are one.
+pub fn same_place(a: Vec3, b: Vec3) -> bool {
+    (a - b).norm() <= SAME_PLACE_M
+}
+
+fn invalid(template: &Template, part: &str, problem: String) -> FieldError {
+    FieldError::Invalid { place: template.place.clone(), part: part.to_owned(), problem }
+}
+
+struct Builder<'a> {
+    template: &'a Template,
+    scope: BTreeMap<String, f64>,
+}
+
+impl Builder<'_> {
+    fn invalid(&self, part: &str, problem: String) -> FieldError {
+        invalid(self.template, part, problem)
+    }
+
+    fn value(&self, part: &str, expression: &Expression, names: &[(&str, f64)]) -> Result<f64, FieldError> {
+        let evaluated = if names.is_empty() {
+            expression.evaluate(&self.scope)
+        } else {
+            let mut scope = self.scope.clone();
+            scope.extend(names.iter().map(|(name, value)| ((*name).to_owned(), *value)));
+            expression.evaluate(&scope)
+        };
+        evaluated.map_err(|problem| FieldError::Expression {
+            place: self.template.place.clone(),
+            part: part.to_owned(),
+            text: expression.text().to_owned(),
+            problem,
+        })
+    }
+
+    fn extent(&self, index: usize) -> Result<f64, FieldError> {
+        let part = format!("extent_m[{index}]");
+        let value = self.value(&part, &self.template.extent_m[index], &[])?;
+        if value > 0.0 && value <= MAX_COORDINATE_M {
+            return Ok(value);
+        }
+        Err(self.invalid(&part, format!("{value} m is outside 0 to {MAX_COORDINATE_M} m")))
+    }
+
+    fn positive(&self, part: &str, scoped: &Scoped) -> Result<f64, FieldError> {
+        let value = self.value(part, &scoped.expression, &scoped.names)?;
+        if value > 0.0 { Ok(value) } else { Err(self.invalid(part, format!("{value} m is not greater than 0"))) }
+    }
+
+    fn point(&self, part: &str, point: &PointPart) -> Result<Vec3, FieldError> {
+        let mut place = Vec3::zeros();
+        for (index, expression) in point.coordinates.iter().enumerate() {
+            let part = format!("{part}[{index}]");
+            let value = self.value(&part, expression, &point.names)?;
+            if value.abs() > MAX_COORDINATE_M {
+                return Err(
+                    self.invalid(&part, format!("{value} m is more than {MAX_COORDINATE_M} m from the field's centre"))
+                );
+            }
+            place[index] = value;
+        }
+        Ok(place)
+    }
+
+    fn curve(&self, part: &str, curve: &CurvePart, painted: bool) -> Result<Curve, FieldError> {
+        let point = |key: &str, at: &PointPart| {
+            let place = self.point(&format!("{part}, {key}"), at)?;
+            if painted && place.z != 0.0 {
+                let problem = format!("it lies at z = {} m: what is off the ground needs \"painted\": false", place.z);
+                return Err(self.invalid(&format!("{part}, {key}"), problem));
+            }
+            Ok(place)
+        };
+        let curve = match curve {
+            CurvePart::Segment { from, to } => Curve::Segment { from: point("from", from)?, to: point("to", to)? },
+            CurvePart::Circle { centre, radius_m } => Curve::Arc {
+                centre: point("centre", centre)?,
+                radius_m: self.positive(&format!("{part}, radius_m"), radius_m)?,
+                start: Angle::ZERO,
+                sweep: Angle::from_degrees(360.0),
+            },
+            CurvePart::Arc { from, through, to } => {
+                arc_through(point("from", from)?, point("through", through)?, point("to", to)?)
+                    .map_err(|problem| self.invalid(part, problem))?
+            }
+        };
+        if curve.length_m() < MIN_LENGTH_M {
+            return Err(self.invalid(part, format!("it is only {} m long", curve.length_m())));
+        }
+        Ok(curve)
+    }
+}
+
+/// A curve moved sideways: a straight one towards `inside`, a round one towards its centre; backwards where negative.
+fn shifted_inward(curve: &Curve, inside: Option<Vec3>, shift_m: f64) -> Result<Curve, String> {
+    match *curve {
+        Curve::Segment { from, to } => {
+            let Some(inside) = inside else { return Ok(*curve) };
+            let along = (to - from).normalize();
+            let towards = inside - from;
+            let across = towards - along * towards.dot(&along);
+            if across.norm() < MIN_LENGTH_M {
+                return Err("its point inside lies on the line itself".to_owned());
+            }
+            let shift = across.normalize() * shift_m;
+            Ok(Curve::Segment { from: from + shift, to: to + shift })
+        }
+        Curve::Arc { centre, radius_m, start, sweep } if radius_m > shift_m => {
+            Ok(Curve::Arc { centre, radius_m: radius_m - shift_m, start, sweep })
+        }
+        Curve::Arc { radius_m, .. } => Err(format!("its radius {radius_m} m is less than half the width of its paint")),
+    }
+}
+
+/// The arc of the horizontal circle through three points, from the first to the last.
+fn arc_through(from: Vec3, through: Vec3, to: Vec3) -> Result<Curve, String> {
+    if from.z != through.z || from.z != to.z {
+        return Err("an arc's three points must lie at one height".to_owned());
+    }
+    // The circumcentre relative to `from`, which keeps the subtraction exact for small arcs far from the origin.
+    let (b, c) = (through - from, to - from);
+    let twice_area = b.x * c.y - b.y * c.x;
+    if twice_area.abs() < 1e-9 * b.norm().max(c.norm()).powi(2) || twice_area == 0.0 {
+        return Err("an arc's three points must not lie on one straight line".to_owned());
+    }
+    let (bb, cc) = (b.norm_squared(), c.norm_squared());
+    let offset = Vec3::new(c.y * bb - b.y * cc, b.x * cc - c.x * bb, 0.0) / (2.0 * twice_area);
+    let centre = from + offset;
+    let direction = |point: Vec3| (point.y - centre.y).atan2(point.x - centre.x);
+    let start = direction(from);
+    let turn = (direction(to) - start).rem_euclid(std::f64::consts::TAU);
+    // Positive area: from, through, to run from +x towards +y.
+    let sweep = if twice_area > 0.0 { turn } else { turn - std::f64::consts::TAU };
+    Ok(Curve::Arc {
+        centre,
+        radius_m: offset.norm(),
+        start: Angle::from_radians(start),
+        sweep: Angle::from_radians(sweep),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arc_passes_through_its_three_points_in_order() {
+        for (from, through, to) in [
+            (Vec3::new(36.0, -7.3, 0.0), Vec3::new(32.35, 0.0, 0.0), Vec3::new(36.0, 7.3, 0.0)),
+            (Vec3::new(1.0, 0.0, 2.0), Vec3::new(0.0, -1.0, 2.0), Vec3::new(0.0, 1.0, 2.0)),
+            (Vec3::new(1.0, 0.0, 0.0), Vec3::new(0.0, 1.0, 0.0), Vec3::new(-1.0, 0.0, 0.0)),
+        ] {
+            let arc = arc_through(from, through, to).unwrap();
+            assert!(same_place(arc.point_at(0.0), from) && same_place(arc.point_at(1.0), to), "{arc:?}");
+            let nearest =
+                (0..=10_000).map(|i| (arc.point_at(f64::from(i) / 1e4) - through).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 2e-3, "{arc:?} misses {through}");
+        }
+    }
+}

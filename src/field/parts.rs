@@ -1,0 +1,52 @@
+//! Landmarks and lines of a template: expressions, one entry for each place.
+
+use super::{Expression, PaintEdge};
+
+/// A landmark whose place is still an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkPart {
+    pub id: String,
+    pub label: String,
+    pub code: String,
+    pub at: PointPart,
+    pub click_sigma_px: f64,
+}
+
+/// A line whose place is still an expression.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinePart {
+    pub id: String,
+    pub label: String,
+    pub code: String,
+    pub curve: CurvePart,
+    pub width_m: Scoped,
+    pub edge: PaintEdge,
+    /// A point of the area that a straight line bounds; there is one where `edge` is not the centre.
+    pub inside: Option<PointPart>,
+    pub painted: bool,
+}
+
+/// Three coordinates, m, with the names that their entry's variant adds to the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointPart {
+    pub coordinates: [Expression; 3],
+    pub names: Vec<(&'static str, f64)>,
+}
+
+/// One number, with the names that its entry's variant adds to the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scoped {
+    pub expression: Expression,
+    pub names: Vec<(&'static str, f64)>,
+}
+
+/// Where a line runs.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CurvePart {
+    /// Straight.
+    Segment { from: PointPart, to: PointPart },
+    /// The circle through three points, from the first to the last.
+    Arc { from: PointPart, through: PointPart, to: PointPart },
+    /// A whole circle.
+    Circle { centre: PointPart, radius_m: Scoped },
+}

@@ -1,0 +1,84 @@
+//! The field's symmetries: which landmark or line is mistaken for which when a picture is named from the wrong side.
+
+use super::build::same_place;
+use super::{Curve, FieldLine, FieldModel, Landmark};
+use crate::geometry::Vec3;
+
+/// A way of moving the field onto itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// x → −x: left and right change places.
+    MirrorX,
+    /// y → −y: near and far change places.
+    MirrorY,
+    /// Both: half a turn about the middle, what a camera on the other side sees.
+    Turn180,
+}
+
+impl Symmetry {
+    /// All three.
+    pub const ALL: [Self; 3] = [Self::MirrorX, Self::MirrorY, Self::Turn180];
+
+    /// Its name in templates.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::MirrorX => "mirror_x",
+            Self::MirrorY => "mirror_y",
+            Self::Turn180 => "turn_180",
+        }
+    }
+
+    /// The symmetry of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|symmetry| symmetry.name() == name)
+    }
+
+    /// Where a point comes to lie.
+    #[must_use]
+    pub fn apply(self, point: Vec3) -> Vec3 {
+        match self {
+            Self::MirrorX => Vec3::new(-point.x, point.y, point.z),
+            Self::MirrorY => Vec3::new(point.x, -point.y, point.z),
+            Self::Turn180 => Vec3::new(-point.x, -point.y, point.z),
+        }
+    }
+
+    /// The landmark where this one comes to lie: itself, another, or none where the field is not symmetric.
+    #[must_use]
+    pub fn landmark_twin<'a>(self, model: &'a FieldModel, landmark: &Landmark) -> Option<&'a Landmark> {
+        let there = self.apply(landmark.nominal_m);
+        model.landmarks.iter().find(|other| same_place(other.nominal_m, there))
+    }
+
+    /// The line where this one comes to lie.
+    #[must_use]
+    pub fn line_twin<'a>(self, model: &'a FieldModel, line: &FieldLine) -> Option<&'a FieldLine> {
+        model.lines.iter().find(|other| self.maps(&line.curve, &other.curve))
+    }
+
+    /// Whether one curve comes to lie on another, whichever way that one runs.
+    fn maps(self, curve: &Curve, other: &Curve) -> bool {
+        match (*curve, *other) {
+            (Curve::Segment { from, to }, Curve::Segment { from: first, to: last }) => {
+                let (from, to) = (self.apply(from), self.apply(to));
+                (same_place(from, first) && same_place(to, last)) || (same_place(from, last) && same_place(to, first))
+            }
+            (Curve::Arc { centre, radius_m, .. }, Curve::Arc { centre: there, radius_m: other_radius, .. }) => {
+                if !same_place(self.apply(centre), there) || (radius_m - other_radius).abs() > 1e-6 {
+                    return false;
+                }
+                if curve.is_closed() || other.is_closed() {
+                    return curve.is_closed() && other.is_closed();
+                }
+                let [from, middle, to] = [0.0, 0.5, 1.0].map(|t| self.apply(curve.point_at(t)));
+                let [first, halfway, last] = [0.0, 0.5, 1.0].map(|t| other.point_at(t));
+                same_place(middle, halfway)
+                    && ((same_place(from, first) && same_place(to, last))
+                        || (same_place(from, last) && same_place(to, first)))
+            }
+            _ => false,
+        }
+    }
+}

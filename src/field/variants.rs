@@ -1,0 +1,167 @@
+//! One entry of a template for several places: `corner_{near,far}_{left,right}` names four landmarks.
+//!
+//! A group in braces stands for one choice: `{near,far}` (or `{n,f}`) sets `y_side` to −1 or 1, `{left,right}` (or
+//! `{l,r}`) sets `x_side`, and a list of numbers sets `number`. The expressions of the entry use these names. The id
+//! says which choices there are; label, code and the names of landmarks repeat them in any order and spelling.
+
+/// What a group in braces chooses between.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Axis {
+    /// `{left,right}`: `x_side` is −1 or 1.
+    X,
+    /// `{near,far}`: `y_side` is −1 or 1.
+    Y,
+    /// `{5,10,15}`: `number` is the one chosen.
+    Number,
+}
+
+const SPELLINGS: [(Axis, [&str; 2]); 6] = [
+    (Axis::X, ["left", "right"]),
+    (Axis::X, ["Left", "Right"]),
+    (Axis::X, ["l", "r"]),
+    (Axis::Y, ["near", "far"]),
+    (Axis::Y, ["Near", "Far"]),
+    (Axis::Y, ["n", "f"]),
+];
+
+/// A text cut at its groups.
+enum Piece<'a> {
+    Text(&'a str),
+    Group { axis: Axis, options: Vec<&'a str> },
+}
+
+/// One choice for every group of an id.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Variant {
+    choices: Vec<Choice>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Choice {
+    axis: Axis,
+    index: usize,
+    count: usize,
+    value: f64,
+}
+
+impl Variant {
+    /// The names that this choice gives to expressions, with their values.
+    pub fn names(&self) -> impl Iterator<Item = (&'static str, f64)> + '_ {
+        self.choices.iter().map(|choice| {
+            let name = match choice.axis {
+                Axis::X => "x_side",
+                Axis::Y => "y_side",
+                Axis::Number => "number",
+            };
+            (name, choice.value)
+        })
+    }
+
+    /// The text with every group replaced by what is chosen.
+    ///
+    /// # Errors
+    /// A group that is not one, or that the id does not have.
+    pub fn fill(&self, text: &str) -> Result<String, String> {
+        pieces(text)?
+            .into_iter()
+            .map(|piece| match piece {
+                Piece::Text(text) => Ok(text),
+                Piece::Group { axis, options } => self
+                    .choices
+                    .iter()
+                    .find(|choice| choice.axis == axis && choice.count == options.len())
+                    .map(|choice| options[choice.index])
+                    .ok_or_else(|| format!("{text:?} has the group {{{}}}, its id has not", options.join(","))),
+            })
+            .collect()
+    }
+}
+
+/// Every variant of an id, the last group running fastest; a plain id has one.
+///
+/// # Errors
+/// A group that is not one, or two of the same kind.
+pub fn variants(id: &str) -> Result<Vec<Variant>, String> {
+    let mut all = vec![Variant::default()];
+    for piece in pieces(id)? {
+        let Piece::Group { axis, options } = piece else { continue };
+        if all[0].choices.iter().any(|choice| choice.axis == axis) {
+            return Err(format!("{id:?} has two groups of the same kind"));
+        }
+        let mut longer = Vec::new();
+        for variant in &all {
+            for (index, option) in options.iter().enumerate() {
+                let value = match axis {
+                    Axis::Number => option.parse().map_err(|_| format!("{option:?} is not a number"))?,
+                    Axis::X | Axis::Y => [-1.0, 1.0][index],
+                };
+                let mut choices = variant.choices.clone();
+                choices.push(Choice { axis, index, count: options.len(), value });
+                longer.push(Variant { choices });
+            }
+        }
+        all = longer;
+    }
+    Ok(all)
+}
+
+fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
+    let mut pieces = Vec::new();
+    let mut rest = text;
+    while let Some(open) = rest.find(['{', '}']) {
+        let Some((inside, after)) = rest[open..].strip_prefix('{').and_then(|group| group.split_once('}')) else {
+            return Err(format!("{text:?} has a brace without its other half"));
+        };
+        pieces.push(Piece::Text(&rest[..open]));
+        let options: Vec<&str> = inside.split(',').collect();
+        let spelled = SPELLINGS.iter().find(|(_, words)| *words == options[..]).map(|(axis, _)| *axis);
+        let numbers = options.iter().all(|option| !option.is_empty() && option.bytes().all(|b| b.is_ascii_digit()));
+        let Some(axis) = spelled.or(numbers.then_some(Axis::Number)) else {
+            return Err(format!(
+                "{text:?}: {{{inside}}} is not a group; groups are {{near,far}}, {{n,f}}, {{left,right}}, {{l,r}} and \
+                 numbers such as {{10,20}}"
+            ));
+        };
+        pieces.push(Piece::Group { axis, options });
+        rest = after;
+    }
+    pieces.push(Piece::Text(rest));
+    Ok(pieces)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_group_makes_one_variant_for_each_of_its_words() {
+        let corners = variants("corner_{near,far}_{left,right}").unwrap();
+        let filled: Vec<_> = corners
+            .iter()
+            .map(|corner| {
+                let names: Vec<_> = corner.names().collect();
+                (corner.fill("c{l,r}{n,f}").unwrap(), names)
+            })
+            .collect();
+        assert_eq!(filled[0], ("cln".to_owned(), vec![("y_side", -1.0), ("x_side", -1.0)]));
+        assert_eq!(filled[1], ("crn".to_owned(), vec![("y_side", -1.0), ("x_side", 1.0)]));
+        assert_eq!(filled[3], ("crf".to_owned(), vec![("y_side", 1.0), ("x_side", 1.0)]));
+        let yards = variants("yard_line_{5,10}").unwrap();
+        assert_eq!(yards[1].fill("Yard line {05,10}").unwrap(), "Yard line 10");
+        assert_eq!(yards[0].names().collect::<Vec<_>>(), [("number", 5.0)]);
+    }
+
+    #[test]
+    fn groups_that_are_none_are_named() {
+        assert_eq!(
+            variants("a_{one,two}").unwrap_err(),
+            "\"a_{one,two}\": {one,two} is not a group; groups are {near,far}, {n,f}, {left,right}, {l,r} and numbers \
+             such as {10,20}"
+        );
+        assert_eq!(variants("a_{near").unwrap_err(), "\"a_{near\" has a brace without its other half");
+        assert_eq!(variants("a}").unwrap_err(), "\"a}\" has a brace without its other half");
+        assert_eq!(variants("{n,f}{near,far}").unwrap_err(), "\"{n,f}{near,far}\" has two groups of the same kind");
+        let plain = &variants("a").unwrap()[0];
+        assert_eq!(plain.fill("{l,r}").unwrap_err(), "\"{l,r}\" has the group {l,r}, its id has not");
+    }
+}
