@@ -1,1 +1,28 @@
-//! The document: schema, history, journal, atomic store.
+//! The document: schema, reading and writing, history (undo), journal, atomic store, and what can be wrong with it.
+//!
+//! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the document's own units
+//! (degrees, metres, px), so that a number that is read is written back to the last digit; the doors to the mathematics
+//! are [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
+//! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+
+mod camera;
+mod click;
+mod document;
+mod doors;
+mod frame;
+mod read;
+mod shared;
+mod solution;
+mod write;
+
+pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
+pub use click::{Click, Target};
+pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
+pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use read::{ReadError, document_from_bytes};
+pub use shared::Shared;
+pub use solution::{FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use write::{WriteError, document_to_string};
+
+/// Keys that this program does not know, kept in their order and written back.
+pub type Extra = serde_json::Map<String, serde_json::Value>;

@@ -9,3 +9,5 @@
 
 mod architecture;
 mod fields;
+mod data;
+mod document;

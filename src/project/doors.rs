@@ -1,0 +1,237 @@
+//! Where numbers pass between JSON and the types of the program: arrays to points, sizes, boxes and matrices.
+//!
+//! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value); reading refuses sizes
+//! and focal lengths that mean nothing.
+
+use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
+use serde::de::Error as _;
+use serde::ser::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+
+/// The largest width or height of a picture that a document may state, px.
+const MAX_SIDE_PX: u32 = 65_535;
+
+fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
+    match numbers.iter().find(|x| !x.is_finite()) {
+        Some(bad) => Err(S::Error::custom(format!("{bad} cannot be written: JSON holds only finite numbers"))),
+        None => Ok(()),
+    }
+}
+
+/// A plain number.
+pub(super) mod number {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        finite::<S>(&[*value])?;
+        value.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        f64::deserialize(deserializer)
+    }
+}
+
+/// A number that may be absent.
+pub(super) mod optional_number {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        finite::<S>(value.as_slice())?;
+        value.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
+        Option::deserialize(deserializer)
+    }
+}
+
+/// Numbers by name.
+pub(super) mod numbers_by_name {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(values: &BTreeMap<String, f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        for value in values.values() {
+            finite::<S>(&[*value])?;
+        }
+        values.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, f64>, D::Error> {
+        BTreeMap::deserialize(deserializer)
+    }
+}
+
+/// Degrees, wrapped into (−180, 180] when they are read.
+pub(super) mod degrees {
+    use super::*;
+
+    pub use super::number::serialize;
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let degrees = f64::deserialize(deserializer)?;
+        if degrees > -180.0 && degrees <= 180.0 {
+            return Ok(degrees);
+        }
+        let turned = degrees.rem_euclid(360.0);
+        Ok(if turned > 180.0 { turned - 360.0 } else { turned })
+    }
+}
+
+/// A length that must be positive.
+pub(super) mod positive {
+    use super::*;
+
+    pub use super::number::serialize;
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let value = f64::deserialize(deserializer)?;
+        if value > 0.0 { Ok(value) } else { Err(D::Error::custom(format!("must be positive, not {value}"))) }
+    }
+}
+
+/// `[x, y]`.
+pub(super) mod image_point {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(point: &ImagePoint, serializer: S) -> Result<S::Ok, S::Error> {
+        let numbers = <[f64; 2]>::from(*point);
+        finite::<S>(&numbers)?;
+        numbers.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImagePoint, D::Error> {
+        <[f64; 2]>::deserialize(deserializer).map(ImagePoint::from)
+    }
+}
+
+/// `[width, height]`.
+pub(super) mod image_size {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(size: &ImageSize, serializer: S) -> Result<S::Ok, S::Error> {
+        [size.width, size.height].serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImageSize, D::Error> {
+        let [width, height] = <[u32; 2]>::deserialize(deserializer)?;
+        if (1..=MAX_SIDE_PX).contains(&width) && (1..=MAX_SIDE_PX).contains(&height) {
+            return Ok(ImageSize::new(width, height));
+        }
+        Err(D::Error::custom(format!("a picture of {width}x{height} px: each side must be 1 to {MAX_SIDE_PX}")))
+    }
+}
+
+/// `[[x, y, width, height], …]`; whole pixels are written without a fraction.
+pub(super) mod boxes {
+    use super::*;
+
+    /// The largest whole number that is written without a fraction.
+    const WHOLE_LIMIT: f64 = 1e9;
+
+    #[derive(Serialize)]
+    #[serde(untagged)]
+    enum Side {
+        Whole(i64),
+        Fraction(f64),
+    }
+
+    fn side(value: f64) -> Side {
+        if value.fract() == 0.0 && value.abs() < WHOLE_LIMIT && !(value == 0.0 && value.is_sign_negative()) {
+            Side::Whole(value as i64)
+        } else {
+            Side::Fraction(value)
+        }
+    }
+
+    pub fn serialize<S: Serializer>(boxes: &[PixelBox], serializer: S) -> Result<S::Ok, S::Error> {
+        for each in boxes {
+            finite::<S>(&[each.x, each.y, each.width, each.height])?;
+        }
+        serializer.collect_seq(boxes.iter().map(|each| [each.x, each.y, each.width, each.height].map(side)))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PixelBox>, D::Error> {
+        let boxes = Vec::<[f64; 4]>::deserialize(deserializer)?;
+        Ok(boxes.into_iter().map(|[x, y, width, height]| PixelBox { x, y, width, height }).collect())
+    }
+}
+
+/// `[x, y, z]`.
+pub(super) mod vector {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(vector: &Vec3, serializer: S) -> Result<S::Ok, S::Error> {
+        finite::<S>(vector.as_slice())?;
+        [vector.x, vector.y, vector.z].serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec3, D::Error> {
+        <[f64; 3]>::deserialize(deserializer).map(Vec3::from)
+    }
+}
+
+/// `[x, y, z]`, or absent.
+pub(super) mod optional_vector {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(vector: &Option<Vec3>, serializer: S) -> Result<S::Ok, S::Error> {
+        match vector {
+            Some(vector) => super::vector::serialize(vector, serializer),
+            None => serializer.serialize_none(),
+        }
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec3>, D::Error> {
+        Ok(Option::<[f64; 3]>::deserialize(deserializer)?.map(Vec3::from))
+    }
+}
+
+fn rows(matrix: &Mat3) -> [[f64; 3]; 3] {
+    std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
+}
+
+fn matrix(rows: [[f64; 3]; 3]) -> Mat3 {
+    Mat3::from_fn(|row, column| rows[row][column])
+}
+
+/// A 3×3 matrix by rows, or absent.
+pub(super) mod optional_matrix {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<Mat3>, serializer: S) -> Result<S::Ok, S::Error> {
+        if let Some(matrix) = value {
+            finite::<S>(matrix.as_slice())?;
+        }
+        value.as_ref().map(rows).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Mat3>, D::Error> {
+        Ok(Option::<[[f64; 3]; 3]>::deserialize(deserializer)?.map(matrix))
+    }
+}
+
+/// A rotation by rows, or absent. One that is slightly off (rounded digits) is kept as it is; one that is further off
+/// than [`ROTATION_TOLERANCE`], or a reflection, is refused.
+pub(super) mod optional_rotation {
+    use super::*;
+
+    pub use super::optional_matrix::serialize;
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Mat3>, D::Error> {
+        let matrix = super::optional_matrix::deserialize(deserializer)?;
+        let Some(rotation) = matrix else { return Ok(None) };
+        if rotation.determinant() < 0.0 {
+            return Err(D::Error::custom("the matrix is a reflection, not a rotation (its determinant is negative)"));
+        }
+        let distance = distance_from_rotation(&rotation);
+        if distance > ROTATION_TOLERANCE {
+            return Err(D::Error::custom(format!(
+                "the matrix is no rotation: its rows are off by {distance:.2e}, allowed is {ROTATION_TOLERANCE:.0e}"
+            )));
+        }
+        Ok(matrix)
+    }
+}

@@ -1,0 +1,220 @@
+//! From bytes to a document, with errors that say where and what.
+
+use super::document::conventions;
+use super::{Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, Shared};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use thiserror::Error;
+
+/// Why bytes are no document.
+#[derive(Debug, Error, PartialEq, Eq)]
+pub enum ReadError {
+    /// Nothing is in the file.
+    #[error("the file is empty; a document is expected")]
+    Empty,
+    /// The text is not UTF-8.
+    #[error("not UTF-8 text (byte {offset}); a document is a JSON file")]
+    NotUtf8 {
+        /// The first byte that is not.
+        offset: usize,
+    },
+    /// The text is no JSON.
+    #[error("not valid JSON: {message} at line {line} column {column}")]
+    NotJson {
+        /// What the parser says.
+        message: String,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+    },
+    /// It is JSON, but no document.
+    #[error("not a touchline document: `format` is {found}, expected {:?}", FORMAT_NAME)]
+    NotADocument {
+        /// What `format` is.
+        found: String,
+    },
+    /// The `version` is no whole number above zero.
+    #[error("`version` is {found}, expected a whole number from 1 to {}", DOCUMENT_VERSION)]
+    NoVersion {
+        /// What `version` is.
+        found: String,
+    },
+    /// A newer program wrote it.
+    #[error(
+        "the document has version {found}, this program reads up to {}; update touchline to open it",
+        DOCUMENT_VERSION
+    )]
+    NewerVersion {
+        /// The document's version.
+        found: u64,
+    },
+    /// A key is missing or holds something unexpected.
+    #[error("{place}: {message} at line {line} column {column}")]
+    Schema {
+        /// Which key: `frames[3].status (images/0003.jpg)`.
+        place: String,
+        /// What is wrong with it.
+        message: String,
+        /// The line, from 1.
+        line: usize,
+        /// The column, from 1.
+        column: usize,
+    },
+}
+
+/// Reads a document.
+///
+/// # Errors
+/// Each names the place and what is wrong there; nothing is guessed.
+pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
+    let text = std::str::from_utf8(bytes).map_err(|error| ReadError::NotUtf8 { offset: error.valid_up_to() })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    if text.trim_ascii().is_empty() {
+        return Err(ReadError::Empty);
+    }
+    match serde_json::from_str::<DocumentJson>(text) {
+        Ok(json) => {
+            check_header(&json.format, &json.version)?;
+            Ok(json.into())
+        }
+        Err(error) => Err(explain(text, &error)),
+    }
+}
+
+#[derive(Deserialize)]
+struct DocumentJson {
+    #[serde(default)]
+    format: Value,
+    #[serde(default)]
+    version: Value,
+    #[serde(default)]
+    generator: String,
+    #[serde(default = "conventions")]
+    conventions: Map<String, Value>,
+    field: FieldSpec,
+    cameras: Vec<Shared<Camera>>,
+    frames: Vec<Shared<Frame>>,
+    #[serde(flatten)]
+    extra: Extra,
+}
+
+impl From<DocumentJson> for Document {
+    fn from(json: DocumentJson) -> Self {
+        let DocumentJson { generator, conventions, field, cameras, frames, extra, .. } = json;
+        Self { generator, conventions, field, cameras, frames, extra }
+    }
+}
+
+fn check_header(format: &Value, version: &Value) -> Result<(), ReadError> {
+    if format.as_str() != Some(FORMAT_NAME) {
+        return Err(ReadError::NotADocument { found: shown(format) });
+    }
+    match version.as_u64() {
+        Some(1..=DOCUMENT_VERSION) => Ok(()),
+        Some(found) if found > DOCUMENT_VERSION => Err(ReadError::NewerVersion { found }),
+        _ => Err(ReadError::NoVersion { found: shown(version) }),
+    }
+}
+
+/// A JSON value in a message: as it stands, shortened.
+fn shown(value: &Value) -> String {
+    match value {
+        Value::Null => "missing".to_owned(),
+        Value::Array(_) => "an array".to_owned(),
+        Value::Object(_) => "an object".to_owned(),
+        other => {
+            let text = other.to_string();
+            if text.chars().count() > 40 { text.chars().take(40).chain(['…']).collect() } else { text }
+        }
+    }
+}
+
+/// The message of a JSON error without its position.
+fn message_of(error: &serde_json::Error) -> String {
+    let text = error.to_string();
+    text.rfind(" at line ").map_or(text.as_str(), |end| &text[..end]).to_owned()
+}
+
+/// Says of a text that could not be read what is wrong with it, most telling first.
+fn explain(text: &str, error: &serde_json::Error) -> ReadError {
+    let value = match serde_json::from_str::<Value>(text) {
+        Ok(value) => value,
+        Err(syntax) => {
+            return ReadError::NotJson { message: message_of(&syntax), line: syntax.line(), column: syntax.column() };
+        }
+    };
+    let key = |name: &str| value.get(name).unwrap_or(&Value::Null);
+    if let Err(header) = check_header(key("format"), key("version")) {
+        return header;
+    }
+    let (place, message) = place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
+    ReadError::Schema { place, message, line: error.line(), column: error.column() }
+}
+
+/// Where the first thing lies that does not fit the schema, and what it is.
+fn place(document: &Value) -> Option<(String, String)> {
+    let fails = |value: &Value| FieldSpec::deserialize(value).err().map(|error| error.to_string());
+    if let Some(found) = document.get("field").and_then(|field| descend(field, "field", &fails)) {
+        return Some(found);
+    }
+    let fails = |value: &Value| Camera::deserialize(value).err().map(|error| error.to_string());
+    for (index, camera) in elements(document, "cameras") {
+        if let Some((place, message)) = descend(camera, &format!("cameras[{index}]"), &fails) {
+            return Some((named(place, camera, "id"), message));
+        }
+    }
+    let fails = |value: &Value| Frame::deserialize(value).err().map(|error| error.to_string());
+    for (index, frame) in elements(document, "frames") {
+        if let Some((place, message)) = descend(frame, &format!("frames[{index}]"), &fails) {
+            return Some((named(place, frame, "image"), message));
+        }
+    }
+    None
+}
+
+fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
+    document.get(key).and_then(Value::as_array).into_iter().flatten().enumerate()
+}
+
+fn named(place: String, value: &Value, key: &str) -> String {
+    match value.get(key).and_then(Value::as_str) {
+        Some(name) => format!("{place} ({name})"),
+        None => place,
+    }
+}
+
+/// Follows a failure down to the key whose absence changes it.
+fn descend(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+    let message = fails(value)?;
+    match value {
+        Value::Object(map) => {
+            for (key, inner) in map {
+                let mut without = map.clone();
+                without.shift_remove(key);
+                if fails(&Value::Object(without)).as_ref() == Some(&message) {
+                    continue;
+                }
+                let with = |inner: &Value| {
+                    let mut map = map.clone();
+                    map.insert(key.clone(), inner.clone());
+                    fails(&Value::Object(map))
+                };
+                return descend(inner, &format!("{place}.{key}"), &with);
+            }
+        }
+        Value::Array(items) if items.iter().all(Value::is_object) => {
+            for (index, inner) in items.iter().enumerate() {
+                let mut without = items.clone();
+                without.remove(index);
+                if fails(&Value::Array(without)).as_ref() == Some(&message) {
+                    continue;
+                }
+                let with = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
+                return descend(inner, &format!("{place}[{index}]"), &with);
+            }
+        }
+        _ => {}
+    }
+    Some((place.to_owned(), message))
+}

@@ -1,0 +1,114 @@
+//! What a solve says about a frame.
+
+use super::{Extra, doors};
+use crate::camera::Ptz;
+use crate::geometry::Mat3;
+use serde::{Deserialize, Serialize};
+
+/// Pan, tilt and focal length of a frame in the document's units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FramePtz {
+    /// Positive to the right, degrees in (−180, 180].
+    #[serde(with = "doors::degrees")]
+    pub pan_deg: f64,
+    /// Positive up, degrees in (−180, 180].
+    #[serde(with = "doors::degrees")]
+    pub tilt_deg: f64,
+    /// px of the frame.
+    #[serde(with = "doors::positive")]
+    pub focal_px: f64,
+    /// The k₁ that was used. It is input only where the camera has no curve.
+    #[serde(default, with = "doors::optional_number", skip_serializing_if = "Option::is_none")]
+    pub k1: Option<f64>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl FramePtz {
+    /// The record of a solved frame.
+    #[must_use]
+    pub fn new(ptz: Ptz, k1: Option<f64>) -> Self {
+        Self {
+            pan_deg: ptz.pan.wrapped().degrees(),
+            tilt_deg: ptz.tilt.wrapped().degrees(),
+            focal_px: ptz.focal_px,
+            k1,
+            extra: Extra::new(),
+        }
+    }
+
+    /// The same as the mathematics has it.
+    #[must_use]
+    pub const fn ptz(&self) -> Ptz {
+        Ptz::from_degrees(self.pan_deg, self.tilt_deg, self.focal_px)
+    }
+}
+
+/// How a frame's `ptz` came about and how good it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Solution {
+    /// Covariance in the order `pan_deg`, `tilt_deg`, `focal_px` (deg², deg·px, px²).
+    #[serde(default, with = "doors::optional_matrix", skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Mat3>,
+    /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
+    #[serde(default, with = "doors::optional_number", skip_serializing_if = "Option::is_none")]
+    pub rms_px: Option<f64>,
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    #[serde(default, with = "doors::optional_number", skip_serializing_if = "Option::is_none")]
+    pub worst_corner_sigma_px: Option<f64>,
+    /// What it was solved from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<SolutionSource>,
+    /// The probability that the overlay is right within 10 px at 1920 px width.
+    #[serde(default, with = "doors::optional_number", skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// Indices of the clicks that disagree with the others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub disputed: Vec<usize>,
+    /// What a person should know.
+    #[serde(default)]
+    pub warnings: Vec<SolutionWarning>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What a frame was solved from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SolutionSource {
+    /// A person's clicks.
+    Clicks,
+    /// The pan-tilt forest.
+    Forest,
+    /// A neighbouring frame's motion.
+    Tracking,
+    /// The painted markings.
+    Markings,
+    /// A foreign file.
+    Import,
+}
+
+/// Something about a solution that a person should know.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolutionWarning {
+    /// `separation`, `swapped`, `mirrored`, `wrong_line`, `two_roots`, …; the list may grow.
+    pub code: String,
+    /// One line: what, the number, the way out.
+    pub message: String,
+    /// Indices of the clicks it is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clicks: Vec<usize>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl SolutionWarning {
+    /// A warning about the frame as a whole.
+    #[must_use]
+    pub fn new(code: &str, message: String) -> Self {
+        Self { code: code.to_owned(), message, clicks: Vec::new(), extra: Extra::new() }
+    }
+}

@@ -1,0 +1,130 @@
+//! Documents: what is read is written back, the same document gives the same bytes.
+
+use crate::data::shared_data;
+use touchline::camera::{FocalCurve, Ptz};
+use touchline::geometry::ImagePoint;
+use touchline::project::{
+    Click, Clip, FrameStatus, RejectReason, SolutionSource, Target, document_from_bytes, document_to_string,
+};
+
+const SAMPLE: &str = include_str!("samples/document-v1.json");
+
+fn value(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn the_first_version_opens_forever() {
+    let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    assert_eq!((document.cameras.len(), document.frames.len()), (2, 3));
+    let frame = &document.frames[0];
+    assert_eq!(frame.status, FrameStatus::Reference);
+    assert_eq!(frame.clip, Some(Clip::Number(3)));
+    assert_eq!(frame.clicks[1].target, Some(Target::Line("halfway_line".into())));
+    assert!(frame.clicks[2].check && !frame.clicks[0].check);
+    assert_eq!(frame.video.as_ref().unwrap().frame_index, 412);
+    assert_eq!(frame.solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
+    assert_eq!(document.frames[1].reason, Some(RejectReason::CloseUp));
+    assert_eq!(document.frames[1].clip, Some(Clip::Name("b".to_owned())));
+    let base = document.cameras[0].base().unwrap();
+    assert_eq!(base.position_m.y, -60.0);
+    assert!((base.sigma.rotation.x.to_degrees() - 0.05).abs() < 1e-15);
+    assert_eq!(document.field_of(&document.frames[2]).params.len(), 0);
+    assert_eq!(document.field_of(frame).params["crown_m"], 0.1);
+    assert!(document.cameras[1].base().is_none());
+}
+
+#[test]
+fn everything_that_is_read_is_written_back_with_unknown_keys() {
+    let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let text = document_to_string(&document).unwrap();
+    let mut expected = value(SAMPLE);
+    expected["generator"] = touchline::project::generator().into();
+    // Fractions and whole numbers are the same number.
+    expected["cameras"][0]["masks_px"][1] = serde_json::json!([10.5, 30, 64, 80.25]);
+    assert_eq!(value(&text), expected);
+    assert_eq!(document_to_string(&document_from_bytes(text.as_bytes()).unwrap()).unwrap(), text);
+    assert_eq!(document_from_bytes(text.as_bytes()).unwrap().frames, document.frames);
+    assert!(text.contains("        { \"landmark\": \"centre_mark\", \"image_px\": [444.68, 789.18] },\n"), "{text}");
+    assert!(text.lines().all(|line| line.len() <= 120), "{text}");
+}
+
+#[test]
+fn a_frames_k1_counts_only_where_its_camera_has_no_curve() {
+    let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let pointed = document.pointed(&document.frames[0]).unwrap();
+    assert!((pointed.k1() - (-0.02 + 0.21 * 0.41)).abs() < 1e-12);
+    document.frames[0].ptz.as_mut().unwrap().k1 = Some(-0.5);
+    assert_eq!(document.pointed(&document.frames[0]).unwrap().k1(), pointed.k1());
+    document.cameras[0].distortion = None;
+    assert_eq!(document.pointed(&document.frames[0]).unwrap().k1(), -0.5);
+    document.frames[0].ptz.as_mut().unwrap().k1 = None;
+    assert_eq!(document.pointed(&document.frames[0]).unwrap().k1(), 0.0);
+}
+
+#[test]
+fn setting_the_base_it_has_changes_nothing_and_another_one_is_kept() {
+    let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let mut camera = (*document.cameras[0]).clone();
+    let mut base = camera.base().unwrap();
+    camera.set_base(&base);
+    assert_eq!(camera, *document.cameras[0]);
+    base.position_m.z = 19.5;
+    base.distortion = FocalCurve { value: 0.01, ..base.distortion };
+    camera.set_base(&base);
+    assert_eq!(camera.base().unwrap(), base);
+    assert_eq!(camera.distortion.as_ref().unwrap().extra["model"], "brown");
+}
+
+#[test]
+fn angles_are_wrapped_when_they_are_read_and_when_they_are_recorded() {
+    let text = SAMPLE.replace("\"pan_deg\": 12.5", "\"pan_deg\": 372.5").replace("-11.2", "-371.0");
+    let document = document_from_bytes(text.as_bytes()).unwrap();
+    let ptz = document.frames[0].ptz.as_ref().unwrap();
+    assert_eq!((ptz.pan_deg, ptz.tilt_deg), (12.5, -11.0));
+    let record = touchline::project::FramePtz::new(Ptz::from_degrees(190.0, -10.0, 2000.0), None);
+    assert!((record.pan_deg + 170.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_dataset_holds_no_unnamed_click_and_its_indices_follow() {
+    let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let frame = &mut document.frames[0];
+    frame.clicks.insert(1, Click::unnamed(ImagePoint::new(1.0, 2.0)));
+    let solution = frame.solution.as_mut().unwrap();
+    solution.disputed = vec![1, 2];
+    solution.warnings[0].clicks = vec![0, 3];
+    let project = document_to_string(&document).unwrap();
+    assert_eq!(document_from_bytes(project.as_bytes()).unwrap().frames, document.frames);
+    let dataset = document.to_dataset();
+    assert_eq!(dataset.frames[0].clicks.len(), 3);
+    assert_eq!(dataset.frames[0].solution.as_ref().unwrap().disputed, [1]);
+    assert_eq!(dataset.frames[0].solution.as_ref().unwrap().warnings[0].clicks, [0, 2]);
+    assert!(dataset.frames[1].is_same(&document.frames[1]), "untouched frames are shared");
+}
+
+#[test]
+fn what_is_not_a_number_is_not_written() {
+    let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    document.frames[1].clicks.push(Click::unnamed(ImagePoint::new(f64::NAN, 2.0)));
+    let error = document_to_string(&document).unwrap_err().to_string();
+    assert_eq!(error, "frames[1] (images/0002.jpg): NaN cannot be written: JSON holds only finite numbers");
+    document.frames[1].clicks.clear();
+    document.field.params.insert("crown_m".to_owned(), f64::INFINITY);
+    let error = document_to_string(&document).unwrap_err().to_string();
+    assert_eq!(error, "field: inf cannot be written: JSON holds only finite numbers");
+}
+
+#[test]
+fn real_documents_survive_the_round_trip() {
+    let Some(data) = shared_data() else { return };
+    for folder in ["scouting-d82e7a", "scouting-08fd33", "scouting-42ba34"] {
+        for file in ["clicks.json", "fit-k1.json", "fit-pinhole.json"] {
+            let bytes = std::fs::read(data.join(folder).join(file)).unwrap();
+            let document = document_from_bytes(&bytes).unwrap();
+            let text = document_to_string(&document).unwrap();
+            let again = document_from_bytes(text.as_bytes()).unwrap();
+            assert_eq!((&again.frames, &again.cameras), (&document.frames, &document.cameras));
+        }
+    }
+}
