@@ -2,14 +2,19 @@
 
 use super::{Camera, CameraId, Extra, Frame, Shared, doors};
 use crate::camera::PtzCamera;
+use crate::field::{FieldError, FieldModel, template_named};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// What `format` says in every document of this program.
 pub const FORMAT_NAME: &str = "touchline";
 /// The newest `version` that this program reads, and the one it writes.
 pub const DOCUMENT_VERSION: u64 = 1;
+
+/// The parameter that every template takes: how much the middle is higher than the touchlines, m.
+const CROWN: &str = "crown_m";
 
 /// What `generator` says in a document that this program writes.
 #[must_use]
@@ -54,6 +59,16 @@ impl FieldSpec {
     #[must_use]
     pub fn new(template: &str) -> Self {
         Self { template: template.to_owned(), params: BTreeMap::new(), extra: Extra::new() }
+    }
+
+    /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
+    ///
+    /// # Errors
+    /// There is no such template, or it does not take a parameter or its value.
+    pub fn model(&self, folder: &Path) -> Result<FieldModel, FieldError> {
+        let mut params = self.params.clone();
+        let crown_m = params.remove(CROWN).unwrap_or(0.0);
+        template_named(&self.template, folder)?.model(&params, crown_m)
     }
 }
 

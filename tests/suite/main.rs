@@ -8,6 +8,6 @@
 )]
 
 mod architecture;
-mod fields;
 mod data;
 mod document;
+mod fields;
