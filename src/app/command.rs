@@ -1,0 +1,221 @@
+//! What a user can ask for: the menu, the keys and the palette all list the same commands.
+//!
+//! A command is a wish without details ("undo", "next frame"); [`super::Action`] is what changes state. Every command
+//! has a name, a sentence for its tooltip, a group and default keys; whether it makes sense right now is decided by
+//! [`super::App::why_not`], so that a greyed-out entry can say why.
+
+/// Something a user can ask for by menu, key or palette.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[allow(missing_docs, reason = "each command is described by `Command::about`, which users read")]
+pub enum Command {
+    OpenProject,
+    OpenFolder,
+    OpenVideo,
+    OpenDemo,
+    Save,
+    SaveAs,
+    Export,
+    Quit,
+    Undo,
+    Redo,
+    DeleteClick,
+    RenameClick,
+    PlaceOnLine,
+    ToggleCheck,
+    NextClick,
+    PreviousClick,
+    Cancel,
+    NextFrame,
+    PreviousFrame,
+    NextTenFrames,
+    PreviousTenFrames,
+    NextNeedsMe,
+    PreviousNeedsMe,
+    NextReference,
+    PreviousReference,
+    Accept,
+    AcceptAndStay,
+    Reject,
+    RejectShot,
+    Comment,
+    SwitchRoot,
+    ZoomIn,
+    ZoomOut,
+    ZoomToFit,
+    ZoomToClick,
+    HideOverlay,
+    OverlayStyle,
+    ShowMasks,
+    ShowFieldMap,
+    Compare,
+    CameraPanel,
+    LoadCamera,
+    Palette,
+    Keys,
+    About,
+}
+
+/// Where a command stands in the menu.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(missing_docs, reason = "the menu's own titles")]
+pub enum Group {
+    File,
+    Edit,
+    Frame,
+    View,
+    Help,
+}
+
+impl Group {
+    /// Every menu, in order.
+    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::Frame, Self::View, Self::Help];
+
+    /// The menu's title.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::File => "File",
+            Self::Edit => "Edit",
+            Self::Frame => "Frame",
+            Self::View => "View",
+            Self::Help => "Help",
+        }
+    }
+}
+
+/// A row of the table of commands.
+struct Row {
+    command: Command,
+    id: &'static str,
+    group: Group,
+    name: &'static str,
+    about: &'static str,
+    keys: &'static [&'static str],
+}
+
+macro_rules! rows {
+    ($($command:ident, $id:literal, $group:ident, $name:literal, $about:literal, [$($key:literal),*];)*) => {
+        const ROWS: &[Row] = &[$(Row {
+            command: Command::$command, id: $id, group: Group::$group, name: $name, about: $about, keys: &[$($key),*],
+        },)*];
+    };
+}
+
+rows! {
+    OpenProject, "open_project", File, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
+    OpenFolder, "open_folder", File, "Open folder of frames…", "Start a project from a folder of images, or go on with it.", ["Ctrl+Shift+O"];
+    OpenVideo, "open_video", File, "Open video…", "Start a project from a video, or go on with it.", ["Ctrl+Alt+O"];
+    OpenDemo, "open_demo", File, "Try the demo match", "Open a drawn match to try the two clicks on (2 minutes).", [];
+    Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
+    SaveAs, "save_as", File, "Save a copy…", "Write the project into another folder; file paths keep pointing at the same files.", ["Ctrl+Shift+S"];
+    Export, "export", File, "Export dataset…", "Write the labelled frames as one JSON file.", ["Ctrl+E"];
+    Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
+    Undo, "undo", Edit, "Undo", "Take back the last change; one on another frame is gone to first.", ["Ctrl+Z"];
+    Redo, "redo", Edit, "Redo", "Do again what was taken back.", ["Ctrl+Shift+Z", "Ctrl+Y"];
+    DeleteClick, "delete_click", Edit, "Delete point", "Delete the selected point.", ["Delete"];
+    RenameClick, "rename_click", Edit, "Name point…", "Give the selected point another name.", ["C"];
+    PlaceOnLine, "place_on_line", Edit, "Point on a line", "The next or the selected point lies on a line of the field, not on a landmark.", ["L"];
+    ToggleCheck, "toggle_check", Edit, "Check point", "Hold the selected point out of the solve; its error is shown instead.", ["K"];
+    NextClick, "next_click", Edit, "Next point", "Select the next point of this frame.", ["Tab"];
+    PreviousClick, "previous_click", Edit, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
+    Cancel, "cancel", Edit, "Cancel", "Leave what is begun; then deselect.", ["Escape"];
+    NextFrame, "next_frame", Frame, "Next frame", "Step one frame; held down it plays.", ["Period"];
+    PreviousFrame, "previous_frame", Frame, "Previous frame", "Step one frame back.", ["Comma"];
+    NextTenFrames, "next_ten_frames", Frame, "Ten frames on", "Step ten frames.", ["Shift+Period"];
+    PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Step ten frames back.", ["Shift+Comma"];
+    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that is neither accepted nor rejected.", ["N"];
+    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that is neither accepted nor rejected.", ["Shift+N"];
+    NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
+    PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
+    Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
+    AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
+    Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
+    RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
+    Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
+    SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
+    ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
+    ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
+    ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
+    ZoomToClick, "zoom_to_click", View, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
+    HideOverlay, "hide_overlay", View, "Hide overlay (hold)", "While held down the overlay is hidden.", ["H"];
+    OverlayStyle, "overlay_style", View, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
+    ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
+    ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
+    Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
+    CameraPanel, "camera_panel", View, "Camera", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
+    LoadCamera, "load_camera", File, "Load a camera…", "Take the camera base from another project or dataset.", [];
+    Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
+    Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
+    About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];
+}
+
+impl Command {
+    /// Every command, in the order of the menus.
+    pub fn all() -> impl Iterator<Item = Self> {
+        ROWS.iter().map(|row| row.command)
+    }
+
+    fn row(self) -> &'static Row {
+        // The table's order need not be the enum's; it is short.
+        ROWS.iter().find(|row| row.command == self).unwrap_or(&ROWS[0])
+    }
+
+    /// The stable name in the settings file.
+    #[must_use]
+    pub fn id(self) -> &'static str {
+        self.row().id
+    }
+
+    /// The command of a stable name.
+    #[must_use]
+    pub fn from_id(id: &str) -> Option<Self> {
+        ROWS.iter().find(|row| row.id == id).map(|row| row.command)
+    }
+
+    /// What the menu says.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// What the tooltip says.
+    #[must_use]
+    pub fn about(self) -> &'static str {
+        self.row().about
+    }
+
+    /// The menu it stands in.
+    #[must_use]
+    pub fn group(self) -> Group {
+        self.row().group
+    }
+
+    /// The keys it has unless the user changes them.
+    #[must_use]
+    pub fn default_keys(self) -> &'static [&'static str] {
+        self.row().keys
+    }
+
+    /// Acts for as long as its key is held down.
+    #[must_use]
+    pub const fn is_held(self) -> bool {
+        matches!(self, Self::HideOverlay | Self::Compare)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_command_has_one_row_an_id_and_words() {
+        let ids: BTreeSet<_> = Command::all().map(Command::id).collect();
+        assert_eq!(ids.len(), Command::all().count());
+        for command in Command::all() {
+            assert_eq!(command.row().command, command, "{command:?} has no row");
+            assert_eq!(Command::from_id(command.id()), Some(command));
+            assert!(command.about().ends_with('.') || command.about().ends_with(')'), "{command:?}");
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Which keys ask for which command; every one can be changed.
+
+use super::Command;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// A key with its modifiers, written "Ctrl+Shift+Z". Key names are those of the window toolkit ("Period", "F2", "Z").
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub struct Chord {
+    /// Control (Command on macOS).
+    pub ctrl: bool,
+    /// Shift.
+    pub shift: bool,
+    /// Alt (Option on macOS).
+    pub alt: bool,
+    /// The key's name.
+    pub key: String,
+}
+
+/// Why a text is not a key.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ChordError {
+    /// Nothing but modifiers.
+    #[error("{0:?} names no key; write for example \"Ctrl+Shift+Z\"")]
+    NoKey(String),
+    /// A modifier that does not exist.
+    #[error("{text:?}: {modifier:?} is not a modifier; there are Ctrl, Shift and Alt")]
+    UnknownModifier {
+        /// The whole text.
+        text: String,
+        /// The part that is not understood.
+        modifier: String,
+    },
+}
+
+impl FromStr for Chord {
+    type Err = ChordError;
+
+    fn from_str(text: &str) -> Result<Self, ChordError> {
+        let mut parts: Vec<&str> = text.split('+').map(str::trim).collect();
+        let key = parts.pop().filter(|key| !key.is_empty()).ok_or_else(|| ChordError::NoKey(text.to_owned()))?;
+        let mut chord = Self { ctrl: false, shift: false, alt: false, key: key.to_owned() };
+        for modifier in parts {
+            match modifier {
+                "Ctrl" | "Cmd" => chord.ctrl = true,
+                "Shift" => chord.shift = true,
+                "Alt" => chord.alt = true,
+                _ => {
+                    return Err(ChordError::UnknownModifier { text: text.to_owned(), modifier: modifier.to_owned() });
+                }
+            }
+        }
+        Ok(chord)
+    }
+}
+
+impl TryFrom<String> for Chord {
+    type Error = ChordError;
+
+    fn try_from(text: String) -> Result<Self, ChordError> {
+        text.parse()
+    }
+}
+
+impl From<Chord> for String {
+    fn from(chord: Chord) -> Self {
+        let mut text = Self::new();
+        for (held, name) in [(chord.ctrl, "Ctrl+"), (chord.shift, "Shift+"), (chord.alt, "Alt+")] {
+            if held {
+                text.push_str(name);
+            }
+        }
+        text + &chord.key
+    }
+}
+
+impl fmt::Display for Chord {
+    /// As a person reads it: "Ctrl+Z", "Shift+.".
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (held, name) in [(self.ctrl, "Ctrl+"), (self.shift, "Shift+"), (self.alt, "Alt+")] {
+            if held {
+                f.write_str(name)?;
+            }
+        }
+        f.write_str(match self.key.as_str() {
+            "Period" => ".",
+            "Comma" => ",",
+            "Plus" => "+",
+            "Minus" => "−",
+            "Equals" => "=",
+            "Delete" => "Del",
+            "Escape" => "Esc",
+            other => other,
+        })
+    }
+}
+
+/// The keys of every command: the defaults, and what the user changed.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Keymap {
+    /// By command id; only the commands whose keys differ from the defaults.
+    changed: BTreeMap<String, Vec<Chord>>,
+}
+
+impl Keymap {
+    /// The keys of a command.
+    #[must_use]
+    pub fn chords(&self, command: Command) -> Vec<Chord> {
+        match self.changed.get(command.id()) {
+            Some(chords) => chords.clone(),
+            None => command.default_keys().iter().filter_map(|text| text.parse().ok()).collect(),
+        }
+    }
+
+    /// The first key of a command as a person reads it; empty if it has none.
+    #[must_use]
+    pub fn shown(&self, command: Command) -> String {
+        self.chords(command).first().map(ToString::to_string).unwrap_or_default()
+    }
+
+    /// The tooltip of a control: what it does, and its key.
+    #[must_use]
+    pub fn tooltip(&self, command: Command) -> String {
+        let key = self.shown(command);
+        if key.is_empty() { command.about().to_owned() } else { format!("{} ({key})", command.about()) }
+    }
+
+    /// Gives a command one key, taking it from whichever command had it; that command is returned.
+    pub fn assign(&mut self, command: Command, chord: Chord) -> Option<Command> {
+        let loser = Command::all().find(|other| *other != command && self.chords(*other).contains(&chord));
+        if let Some(loser) = loser {
+            let kept = self.chords(loser).into_iter().filter(|held| *held != chord).collect();
+            self.changed.insert(loser.id().to_owned(), kept);
+        }
+        self.changed.insert(command.id().to_owned(), vec![chord]);
+        loser
+    }
+
+    /// Back to the defaults.
+    pub fn reset(&mut self) {
+        self.changed.clear();
+    }
+
+    /// Whether anything differs from the defaults.
+    #[must_use]
+    pub fn is_changed(&self) -> bool {
+        !self.changed.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn no_two_commands_share_a_default_key() {
+        let keymap = Keymap::default();
+        let mut owners = BTreeMap::new();
+        for command in Command::all() {
+            assert_eq!(keymap.chords(command).len(), command.default_keys().len(), "{command:?} has an unreadable key");
+            for chord in keymap.chords(command) {
+                if let Some(other) = owners.insert(chord.clone(), command) {
+                    panic!("{chord} belongs to {other:?} and {command:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_chord_survives_the_round_trip_and_nonsense_is_named() {
+        for text in ["Z", "Ctrl+Z", "Ctrl+Shift+Alt+F2", "?"] {
+            assert_eq!(String::from(text.parse::<Chord>().unwrap()), text);
+        }
+        assert_eq!("Ctrl+".parse::<Chord>().unwrap_err(), ChordError::NoKey("Ctrl+".into()));
+        assert!("Hyper+Z".parse::<Chord>().unwrap_err().to_string().contains("\"Hyper\" is not a modifier"));
+    }
+
+    #[test]
+    fn assigning_a_taken_key_takes_it_away() {
+        let mut keymap = Keymap::default();
+        let loser = keymap.assign(Command::ZoomToFit, "N".parse().unwrap());
+        assert_eq!(loser, Some(Command::NextNeedsMe));
+        assert!(keymap.chords(Command::NextNeedsMe).is_empty());
+        assert_eq!(keymap.shown(Command::ZoomToFit), "N");
+        keymap.reset();
+        assert_eq!(keymap.shown(Command::ZoomToFit), "F");
+    }
+}
