@@ -11,3 +11,5 @@ mod architecture;
 mod data;
 mod document;
 mod fields;
+mod overlay_pixels;
+mod shaders;

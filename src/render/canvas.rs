@@ -1,0 +1,234 @@
+//! What one canvas keeps between `prepare` and `paint`: its view, its vertices, its list of draws.
+
+use super::fill::{FillVertex, append_triangles};
+use super::layer::Layer;
+use super::marker::MarkerInstance;
+use super::picture::{PictureCache, PictureInstance};
+use super::pipelines::{GROUP_FORMAT, Pipelines};
+use super::stroke::append_segments;
+use super::view::View;
+use crate::app::drawing::{Drawing, StrokeGroup};
+use bytemuck::{Pod, Zeroable};
+use std::ops::Range;
+
+/// The view as `view.wgsl` declares it.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct ViewUniform {
+    scale: f32,
+    pixels_per_point: f32,
+    offset: [f32; 2],
+    size: [f32; 2],
+}
+
+/// A texture for one group of strokes, as large as the canvas.
+#[derive(Debug)]
+struct GroupTarget {
+    view: wgpu::TextureView,
+    bind_group: wgpu::BindGroup,
+    size_px: [u32; 2],
+}
+
+/// One draw call of `paint`: where its vertices lie, and how many instances or vertices there are.
+#[derive(Debug)]
+enum Draw {
+    Picture { bind_group: wgpu::BindGroup, bytes: Range<u64> },
+    Fill { bytes: Range<u64>, vertices: u32 },
+    Group { target: usize, bytes: Range<u64> },
+    Markers { bytes: Range<u64>, instances: u32 },
+}
+
+/// A group of strokes to be drawn into its target during `prepare`.
+struct PendingGroup {
+    bytes: Range<u64>,
+    instances: u32,
+}
+
+/// What is needed to put something on the GPU.
+pub(super) struct Gpu<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    pub encoder: &'a mut wgpu::CommandEncoder,
+}
+
+#[derive(Debug)]
+pub(super) struct Canvas {
+    uniform: wgpu::Buffer,
+    view_bind_group: wgpu::BindGroup,
+    vertices: wgpu::Buffer,
+    targets: Vec<GroupTarget>,
+    draws: Vec<Draw>,
+}
+
+impl Canvas {
+    pub fn new(device: &wgpu::Device, pipelines: &Pipelines) -> Self {
+        let uniform = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("view"),
+            size: size_of::<ViewUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view_bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &pipelines.view_layout,
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        let vertices = vertex_buffer(device, 1 << 16);
+        Self { uniform, view_bind_group, vertices, targets: Vec::new(), draws: Vec::new() }
+    }
+
+    /// Uploads what the layers need and draws their groups of strokes into textures.
+    pub fn prepare(
+        &mut self,
+        gpu: &mut Gpu<'_>,
+        pipelines: &Pipelines,
+        pictures: &mut PictureCache,
+        view: &View,
+        layers: &[Layer],
+    ) {
+        self.draws.clear();
+        if view.size_px.contains(&0) || !(view.scale > 0.0) {
+            return;
+        }
+        let uniform = ViewUniform {
+            scale: view.scale,
+            pixels_per_point: view.pixels_per_point,
+            offset: view.offset_px,
+            size: view.size_px.map(|px| px as f32),
+        };
+        gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));
+
+        let mut bytes = Vec::new();
+        let mut groups = Vec::new();
+        for layer in layers {
+            match layer {
+                Layer::Picture(picture) => {
+                    let bound = pictures.bind(gpu, &pipelines.picture_layout, picture, view.scale < 1.0);
+                    if let Some((bind_group, texture_width)) = bound {
+                        let instance = PictureInstance::new(picture, texture_width, view);
+                        self.draws.push(Draw::Picture { bind_group, bytes: append(&mut bytes, &[instance]) });
+                    }
+                }
+                Layer::Drawing(drawing) => self.append_drawing(drawing, &mut bytes, &mut groups),
+            }
+        }
+        self.upload(gpu, &bytes);
+        self.draw_groups(gpu, pipelines, view.size_px, &groups);
+    }
+
+    fn append_drawing(&mut self, drawing: &Drawing, bytes: &mut Vec<u8>, groups: &mut Vec<PendingGroup>) {
+        let mut fill: Vec<FillVertex> = Vec::new();
+        for area in &drawing.areas {
+            append_triangles(area, &mut fill);
+        }
+        if !fill.is_empty() {
+            self.draws.push(Draw::Fill { bytes: append(bytes, &fill), vertices: fill.len() as u32 });
+        }
+        for group in drawing.strokes.iter().filter(|group| group.opacity > 0.0) {
+            self.append_group(group, bytes, groups);
+        }
+        let markers: Vec<MarkerInstance> = drawing.markers.iter().map(MarkerInstance::from).collect();
+        if !markers.is_empty() {
+            self.draws.push(Draw::Markers { bytes: append(bytes, &markers), instances: markers.len() as u32 });
+        }
+    }
+
+    fn append_group(&mut self, group: &StrokeGroup, bytes: &mut Vec<u8>, groups: &mut Vec<PendingGroup>) {
+        let mut segments = Vec::new();
+        for stroke in &group.strokes {
+            append_segments(stroke, &mut segments);
+        }
+        if !segments.is_empty() {
+            let target = groups.len();
+            groups.push(PendingGroup { bytes: append(bytes, &segments), instances: segments.len() as u32 });
+            self.draws.push(Draw::Group { target, bytes: append(bytes, &[group.opacity.min(1.0)]) });
+        }
+    }
+
+    fn upload(&mut self, gpu: &Gpu<'_>, bytes: &[u8]) {
+        let needed = bytes.len() as u64;
+        if needed > self.vertices.size() {
+            self.vertices = vertex_buffer(gpu.device, needed.next_power_of_two());
+        }
+        gpu.queue.write_buffer(&self.vertices, 0, bytes);
+    }
+
+    /// Draws each group opaque into its own texture: all rims, then all cores.
+    fn draw_groups(&mut self, gpu: &mut Gpu<'_>, pipelines: &Pipelines, size_px: [u32; 2], groups: &[PendingGroup]) {
+        let limit = gpu.device.limits().max_texture_dimension_2d;
+        let size_px = size_px.map(|side| side.min(limit));
+        self.targets.truncate(groups.len());
+        self.targets.retain(|target| target.size_px == size_px);
+        while self.targets.len() < groups.len() {
+            self.targets.push(group_target(gpu.device, &pipelines.group_layout, size_px));
+        }
+        for (group, target) in groups.iter().zip(&self.targets) {
+            let mut pass = super::begin_pass(gpu.encoder, "stroke group", &target.view, wgpu::Color::TRANSPARENT);
+            pass.set_bind_group(0, &self.view_bind_group, &[]);
+            pass.set_vertex_buffer(0, self.vertices.slice(group.bytes.clone()));
+            for pipeline in [&pipelines.rim, &pipelines.core] {
+                pass.set_pipeline(pipeline);
+                pass.draw(0..4, 0..group.instances);
+            }
+        }
+    }
+
+    /// Draws what was prepared; the pass's viewport is the canvas.
+    pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>, pipelines: &Pipelines) {
+        pass.set_bind_group(0, &self.view_bind_group, &[]);
+        for draw in &self.draws {
+            let (pipeline, bytes, vertices, instances) = match draw {
+                Draw::Picture { bind_group, bytes } => {
+                    pass.set_bind_group(1, bind_group, &[]);
+                    (&pipelines.picture, bytes, 4, 1)
+                }
+                Draw::Group { target, bytes } => {
+                    let Some(target) = self.targets.get(*target) else { continue };
+                    pass.set_bind_group(1, &target.bind_group, &[]);
+                    (&pipelines.composite, bytes, 4, 1)
+                }
+                Draw::Fill { bytes, vertices } => (&pipelines.fill, bytes, *vertices, 1),
+                Draw::Markers { bytes, instances } => (&pipelines.marker, bytes, 4, *instances),
+            };
+            pass.set_pipeline(pipeline);
+            pass.set_vertex_buffer(0, self.vertices.slice(bytes.clone()));
+            pass.draw(0..vertices, 0..instances);
+        }
+    }
+}
+
+/// Appends plain data and returns where it lies; every item's size is a multiple of four, as vertex offsets must be.
+fn append<T: Pod>(bytes: &mut Vec<u8>, items: &[T]) -> Range<u64> {
+    let start = bytes.len() as u64;
+    bytes.extend_from_slice(bytemuck::cast_slice(items));
+    start..bytes.len() as u64
+}
+
+fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("vertices"),
+        size,
+        usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn group_target(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, size_px: [u32; 2]) -> GroupTarget {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("stroke group"),
+        size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: GROUP_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("stroke group"),
+        layout,
+        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
+    });
+    GroupTarget { view, bind_group, size_px }
+}

@@ -1,0 +1,152 @@
+//! Filled polygons as triangles of `fill.wgsl`, with a soft border one px wide.
+
+use super::stroke::rgba;
+use crate::app::drawing::Area;
+use bytemuck::{Pod, Zeroable};
+
+/// One corner of a triangle; the fields are those of `Vertex` in `fill.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct FillVertex {
+    at: [f32; 2],
+    shift: [f32; 2],
+    colour: [u8; 4],
+}
+
+/// How [`FillVertex`] lies in a vertex buffer.
+pub(super) const FILL_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+    wgpu::vertex_attr_array![0 => Float32x2, 1 => Float32x2, 2 => Unorm8x4];
+
+/// Appends the triangles of an area; one with fewer than three corners, or with a corner that is not a number, has none.
+///
+/// The inside is drawn half a px smaller than the polygon, and a band from there to half a px outside fades out, so that a
+/// pixel is covered as far as the polygon covers it.
+pub(super) fn append_triangles(area: &Area, vertices: &mut Vec<FillVertex>) {
+    let Some(corners) = counter_clockwise(&area.corners) else { return };
+    let colour = rgba(area.colour);
+    let clear = [colour[0], colour[1], colour[2], 0];
+    let count = corners.len();
+    let outward: Vec<[f32; 2]> = (0..count)
+        .map(|i| half_px_outward(corners[(i + count - 1) % count], corners[i], corners[(i + 1) % count]))
+        .collect();
+    let inner = |i: usize| FillVertex { at: corners[i], shift: outward[i].map(|x| -x), colour };
+    let outer = |i: usize| FillVertex { at: corners[i], shift: outward[i], colour: clear };
+    for triangle in triangulate(&corners) {
+        vertices.extend(triangle.map(inner));
+    }
+    for i in 0..count {
+        let j = (i + 1) % count;
+        vertices.extend([inner(i), outer(i), inner(j), inner(j), outer(i), outer(j)]);
+    }
+}
+
+/// The corners without repetitions, turning from +x towards +y; none if they span no area.
+fn counter_clockwise(corners: &[[f32; 2]]) -> Option<Vec<[f32; 2]>> {
+    let mut corners = corners.to_vec();
+    corners.dedup();
+    while corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    let finite = corners.iter().flatten().all(|x| x.is_finite());
+    let doubled_area: f32 =
+        (0..corners.len()).map(|i| cross(corners[i], corners[(i + 1) % corners.len()])).sum::<f32>();
+    if !finite || corners.len() < 3 || doubled_area == 0.0 {
+        return None;
+    }
+    if doubled_area < 0.0 {
+        corners.reverse();
+    }
+    Some(corners)
+}
+
+fn cross(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// Twice the signed area of a triangle; positive when it turns from +x towards +y.
+fn turn(a: [f32; 2], b: [f32; 2], c: [f32; 2]) -> f32 {
+    cross([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]])
+}
+
+/// Where a corner moves when both its edges move outwards by half a px; sharp corners are cut at four times that.
+fn half_px_outward(before: [f32; 2], at: [f32; 2], after: [f32; 2]) -> [f32; 2] {
+    let normal = |from: [f32; 2], to: [f32; 2]| {
+        let (x, y) = (to[0] - from[0], to[1] - from[1]);
+        let length = x.hypot(y);
+        [y / length, -x / length]
+    };
+    let (n, m) = (normal(before, at), normal(at, after));
+    let sum = [n[0] + m[0], n[1] + m[1]];
+    let squared = (sum[0] * sum[0] + sum[1] * sum[1]).max(0.25);
+    sum.map(|x| x / squared)
+}
+
+/// Cuts a simple polygon (turning from +x towards +y) into triangles by clipping its ears (Meisters 1975), O(n²).
+fn triangulate(corners: &[[f32; 2]]) -> Vec<[usize; 3]> {
+    let mut rest: Vec<usize> = (0..corners.len()).collect();
+    let mut triangles = Vec::with_capacity(corners.len() - 2);
+    while rest.len() > 3 {
+        let count = rest.len();
+        let ear = (0..count).find(|&i| {
+            let [a, b, c] = [rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]];
+            turn(corners[a], corners[b], corners[c]) > 0.0
+                && !rest.iter().any(|&p| p != a && p != b && p != c && in_triangle(corners, p, [a, b, c]))
+        });
+        // A polygon that crosses itself may have no ear left; then any corner will do.
+        let i = ear.unwrap_or(0);
+        triangles.push([rest[(i + count - 1) % count], rest[i], rest[(i + 1) % count]]);
+        rest.remove(i);
+    }
+    triangles.push([rest[0], rest[1], rest[2]]);
+    triangles
+}
+
+fn in_triangle(corners: &[[f32; 2]], p: usize, [a, b, c]: [usize; 3]) -> bool {
+    let (p, a, b, c) = (corners[p], corners[a], corners[b], corners[c]);
+    turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::drawing::Colour;
+
+    fn area_of(corners: &[[f32; 2]], triangles: &[[usize; 3]]) -> f32 {
+        triangles.iter().map(|&[a, b, c]| turn(corners[a], corners[b], corners[c]) / 2.0).sum()
+    }
+
+    #[test]
+    fn triangles_fill_a_polygon_with_a_notch() {
+        let notched = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 1.0], [0.0, 4.0]];
+        let triangles = triangulate(&notched);
+        assert_eq!(triangles.len(), 3);
+        assert_eq!(area_of(&notched, &triangles), 10.0);
+        assert!(triangles.iter().all(|&[a, b, c]| turn(notched[a], notched[b], notched[c]) > 0.0));
+    }
+
+    #[test]
+    fn what_spans_no_area_is_not_drawn() {
+        for corners in [
+            vec![],
+            vec![[0.0, 0.0], [1.0, 1.0]],
+            vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]],
+            vec![[0.0, 0.0], [f32::NAN, 1.0], [2.0, 0.0]],
+        ] {
+            let mut vertices = Vec::new();
+            append_triangles(&Area { corners, colour: Colour::rgb(0, 0, 0) }, &mut vertices);
+            assert!(vertices.is_empty());
+        }
+    }
+
+    #[test]
+    fn the_soft_border_points_outwards_in_either_direction_of_turning() {
+        let mut square = vec![[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]];
+        for _ in 0..2 {
+            let corners = counter_clockwise(&square).unwrap();
+            let first = corners.iter().position(|&corner| corner == [10.0, 10.0]).unwrap();
+            let shift = half_px_outward(corners[(first + 3) % 4], corners[first], corners[(first + 1) % 4]);
+            assert_eq!(shift, [0.5, 0.5]);
+            square.reverse();
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! A device without a window, and pictures instead of a screen.
+
+use super::layer::Layer;
+use super::renderer::{CanvasId, Renderer};
+use super::view::View;
+use crate::app::drawing::Colour;
+use image::RgbaImage;
+use std::fmt;
+use thiserror::Error;
+
+/// Why nothing could be rendered off-screen.
+#[derive(Debug, Error)]
+pub enum RenderError {
+    /// Neither a GPU nor a software renderer answered.
+    #[error(
+        "no graphics adapter: neither a GPU driver nor a software renderer was found; install one \
+         (Debian: apt install mesa-vulkan-drivers libvulkan1)"
+    )]
+    NoAdapter,
+    /// Adapters answered, but none gave a device; the first one's reason.
+    #[error("the graphics adapter {adapter} gives no device: {reason}; update its driver, or try WGPU_BACKEND=gl")]
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// What it said.
+        reason: String,
+    },
+    /// The canvas is empty or larger than the adapter's textures.
+    #[error("a canvas of {width} × {height} px cannot be rendered: this adapter takes 1 to {limit} px a side")]
+    BadSize {
+        /// Columns asked for.
+        width: u32,
+        /// Rows asked for.
+        height: u32,
+        /// The longest side that the adapter takes.
+        limit: u32,
+    },
+    /// The finished picture could not be read back.
+    #[error("the rendered picture could not be read back from the graphics adapter: {reason}")]
+    Readback {
+        /// What the driver said.
+        reason: String,
+    },
+}
+
+/// Which adapter draws.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterReport {
+    /// The adapter's name, such as "llvmpipe (LLVM 15.0.6, 256 bits)".
+    pub name: String,
+    /// The interface it is driven by, such as "vulkan".
+    pub backend: String,
+    /// A software renderer on the processor: right, but slow.
+    pub is_cpu: bool,
+}
+
+impl AdapterReport {
+    /// What a wgpu adapter says about itself.
+    #[must_use]
+    pub fn from_info(info: &wgpu::AdapterInfo) -> Self {
+        Self {
+            name: info.name.clone(),
+            backend: info.backend.to_string(),
+            is_cpu: info.device_type == wgpu::DeviceType::Cpu,
+        }
+    }
+}
+
+impl fmt::Display for AdapterReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = if self.is_cpu { "software" } else { "GPU" };
+        write!(f, "{} ({}, {kind})", self.name, self.backend)
+    }
+}
+
+/// Renders layers into pictures.
+#[derive(Debug)]
+pub struct Offscreen {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    adapter: AdapterReport,
+    renderer: Renderer,
+}
+
+/// Bytes of a row in a readback buffer are a multiple of this.
+const ROW_ALIGNMENT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
+const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+const CANVAS: CanvasId = CanvasId(0);
+
+impl Offscreen {
+    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a software renderer.
+    ///
+    /// The environment variable `WGPU_BACKEND` (vulkan, gl, metal, dx12) narrows the choice.
+    ///
+    /// # Errors
+    /// No adapter, or none that gives a device.
+    pub fn new() -> Result<Self, RenderError> {
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        adapters.sort_by_key(|adapter| slowness(adapter.get_info().device_type));
+        let mut first_refusal = None;
+        for adapter in adapters {
+            let report = AdapterReport::from_info(&adapter.get_info());
+            let request = adapter.request_device(&wgpu::DeviceDescriptor {
+                label: Some("off-screen"),
+                required_limits: wgpu::Limits::downlevel_webgl2_defaults().using_resolution(adapter.limits()),
+                ..wgpu::DeviceDescriptor::default()
+            });
+            match pollster::block_on(request) {
+                Ok((device, queue)) => {
+                    let renderer = Renderer::new(&device, FORMAT);
+                    return Ok(Self { device, queue, adapter: report, renderer });
+                }
+                Err(error) => {
+                    first_refusal = first_refusal
+                        .or(Some(RenderError::NoDevice { adapter: report.name, reason: error.to_string() }));
+                }
+            }
+        }
+        Err(first_refusal.unwrap_or(RenderError::NoAdapter))
+    }
+
+    /// Which adapter draws.
+    #[must_use]
+    pub const fn adapter(&self) -> &AdapterReport {
+        &self.adapter
+    }
+
+    /// Draws layers on a canvas of `view.size_px` filled with `background`.
+    ///
+    /// # Errors
+    /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the picture back.
+    pub fn render(&mut self, view: &View, background: Colour, layers: &[Layer]) -> Result<RgbaImage, RenderError> {
+        let [width, height] = view.size_px;
+        let limit = self.device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 || width > limit || height > limit {
+            return Err(RenderError::BadSize { width, height, limit });
+        }
+        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("off-screen"),
+            size,
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let bytes_per_row = (4 * width).next_multiple_of(ROW_ALIGNMENT);
+        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: u64::from(bytes_per_row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        self.renderer.prepare(&self.device, &self.queue, &mut encoder, CANVAS, view, layers);
+        {
+            let target = texture.create_view(&wgpu::TextureViewDescriptor::default());
+            let mut pass = super::begin_pass(&mut encoder, "off-screen", &target, clear_colour(background));
+            self.renderer.paint(&mut pass, CANVAS);
+        }
+        encoder.copy_texture_to_buffer(
+            texture.as_image_copy(),
+            wgpu::TexelCopyBufferInfo {
+                buffer: &buffer,
+                layout: wgpu::TexelCopyBufferLayout {
+                    offset: 0,
+                    bytes_per_row: Some(bytes_per_row),
+                    rows_per_image: None,
+                },
+            },
+            size,
+        );
+        self.queue.submit([encoder.finish()]);
+        self.read_back(&buffer, width, height, bytes_per_row)
+    }
+
+    fn read_back(
+        &self,
+        buffer: &wgpu::Buffer,
+        width: u32,
+        height: u32,
+        bytes_per_row: u32,
+    ) -> Result<RgbaImage, RenderError> {
+        let failed = |reason: String| RenderError::Readback { reason };
+        // Whether the mapping worked is told by the mapped range, once the wait is over.
+        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
+        let bytes = buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+        let mut pixels = Vec::with_capacity(4 * width as usize * height as usize);
+        for row in bytes.chunks_exact(bytes_per_row as usize) {
+            pixels.extend_from_slice(&row[..4 * width as usize]);
+        }
+        RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("the picture is incomplete".into()))
+    }
+}
+
+/// The order in which kinds of adapters are tried.
+const fn slowness(kind: wgpu::DeviceType) -> u8 {
+    match kind {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    }
+}
+
+/// Premultiplied, as the target holds it.
+fn clear_colour(colour: Colour) -> wgpu::Color {
+    let alpha = f64::from(colour.a) / 255.0;
+    let channel = |byte: u8| f64::from(byte) / 255.0 * alpha;
+    wgpu::Color { r: channel(colour.r), g: channel(colour.g), b: channel(colour.b), a: alpha }
+}

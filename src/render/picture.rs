@@ -1,0 +1,184 @@
+//! Frames on the GPU: uploaded once, kept while they are likely to be shown again.
+
+use super::canvas::Gpu;
+use super::layer::{Picture, PictureKey};
+use super::mipmap::MipmapMaker;
+use super::view::View;
+use bytemuck::{Pod, Zeroable};
+use image::RgbaImage;
+use std::collections::BTreeMap;
+
+/// Above this scale a picture shows its bare pixels.
+pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
+
+/// So many pictures stay on the GPU: the frame, its neighbours in both directions and one to compare with.
+const KEPT: usize = 6;
+
+/// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the soft side.
+const SHARPER_LEVELS: f32 = 0.25;
+
+/// One picture; the fields are those of `Instance` in `picture.wgsl`.
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct PictureInstance {
+    size: [f32; 2],
+    brightness: f32,
+    level: f32,
+    bare: u32,
+}
+
+/// How [`PictureInstance`] lies in a vertex buffer.
+pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![
+    0 => Float32x2, 1 => Float32, 2 => Float32, 3 => Uint32
+];
+
+impl PictureInstance {
+    pub fn new(picture: &Picture, texture_width: u32, view: &View) -> Self {
+        let (width, height) = picture.pixels.dimensions();
+        let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
+        Self {
+            size: [width as f32, height as f32],
+            brightness: picture.brightness,
+            level: if texels_per_px > 1.0 { (texels_per_px.log2() - SHARPER_LEVELS).max(0.0) } else { 0.0 },
+            bare: u32::from(view.scale > SMOOTH_UP_TO_SCALE),
+        }
+    }
+}
+
+#[derive(Debug)]
+struct Kept {
+    texture: wgpu::Texture,
+    bind_group: wgpu::BindGroup,
+    has_mipmaps: bool,
+    last_used: u64,
+}
+
+/// The pictures on the GPU, the least recently used one leaving first.
+#[derive(Debug)]
+pub(super) struct PictureCache {
+    sampler: wgpu::Sampler,
+    mipmaps: MipmapMaker,
+    kept: BTreeMap<PictureKey, Kept>,
+    clock: u64,
+}
+
+impl PictureCache {
+    pub fn new(device: &wgpu::Device) -> Self {
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("smooth"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let mipmaps = MipmapMaker::new(device);
+        Self { sampler, mipmaps, kept: BTreeMap::new(), clock: 0 }
+    }
+
+    /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none for an empty picture.
+    ///
+    /// Mipmaps are made only once a picture is shown smaller than it is.
+    pub fn bind(
+        &mut self,
+        gpu: &mut Gpu<'_>,
+        layout: &wgpu::BindGroupLayout,
+        picture: &Picture,
+        shrunk: bool,
+    ) -> Option<(wgpu::BindGroup, u32)> {
+        if picture.pixels.width() == 0 || picture.pixels.height() == 0 {
+            return None;
+        }
+        self.clock += 1;
+        if !self.kept.contains_key(&picture.key) {
+            self.make_room();
+        }
+        let sampler = &self.sampler;
+        let kept = self.kept.entry(picture.key).or_insert_with(|| {
+            let texture = upload(gpu.device, gpu.queue, &picture.pixels);
+            let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("picture"),
+                layout,
+                entries: &[
+                    wgpu::BindGroupEntry {
+                        binding: 0,
+                        resource: wgpu::BindingResource::TextureView(
+                            &texture.create_view(&wgpu::TextureViewDescriptor::default()),
+                        ),
+                    },
+                    wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
+                ],
+            });
+            Kept { texture, bind_group, has_mipmaps: false, last_used: 0 }
+        });
+        kept.last_used = self.clock;
+        if shrunk && !kept.has_mipmaps {
+            self.mipmaps.fill(gpu.device, gpu.encoder, &kept.texture);
+            kept.has_mipmaps = true;
+        }
+        Some((kept.bind_group.clone(), kept.texture.width()))
+    }
+
+    fn make_room(&mut self) {
+        while self.kept.len() >= KEPT {
+            let Some(oldest) = self.kept.iter().min_by_key(|(_, kept)| kept.last_used).map(|(key, _)| *key) else {
+                return;
+            };
+            self.kept.remove(&oldest);
+        }
+    }
+}
+
+/// A texture of the picture with room for its mip levels; a picture beyond the device's limit is shrunk to it.
+fn upload(device: &wgpu::Device, queue: &wgpu::Queue, pixels: &RgbaImage) -> wgpu::Texture {
+    let limit = device.limits().max_texture_dimension_2d;
+    let longer = pixels.width().max(pixels.height());
+    let shrunk;
+    let pixels = if longer > limit {
+        let side = |px: u32| ((u64::from(px) * u64::from(limit) / u64::from(longer)) as u32).max(1);
+        let (width, height) = (side(pixels.width()), side(pixels.height()));
+        shrunk = image::imageops::resize(pixels, width, height, image::imageops::FilterType::Triangle);
+        &shrunk
+    } else {
+        pixels
+    };
+    let (width, height) = pixels.dimensions();
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("picture"),
+        size,
+        mip_level_count: width.max(height).ilog2() + 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING
+            | wgpu::TextureUsages::COPY_DST
+            | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    queue.write_texture(
+        texture.as_image_copy(),
+        pixels.as_raw(),
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) },
+        size,
+    );
+    texture
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+
+    fn instance(scale: f32) -> PictureInstance {
+        let picture = Picture { key: PictureKey(0), pixels: Arc::new(RgbaImage::new(8, 4)), brightness: 1.0 };
+        PictureInstance::new(&picture, 8, &View { scale, ..View::one_to_one([8, 4]) })
+    }
+
+    #[test]
+    fn the_scale_decides_between_mipmaps_smooth_and_bare() {
+        assert_eq!((instance(0.25).level, instance(0.25).bare), (1.75, 0));
+        assert_eq!((instance(1.0).level, instance(1.0).bare), (0.0, 0));
+        assert_eq!((instance(4.0).level, instance(4.0).bare), (0.0, 0));
+        assert_eq!((instance(4.1).level, instance(4.1).bare), (0.0, 1));
+    }
+}
