@@ -1,1 +1,39 @@
 //! Where frames come from: folders of images and videos.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`Picture`] | decoded pixels, cheap to clone |
+//! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
+//! | [`Video`], [`VideoInfo`] | frames of a video by their true number (feature `opencv`) |
+//! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
+//! | [`FrameCache`], [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
+//! | [`letterboxed`] | thumbnails |
+//! | [`Notice`] | what the user should know, though nothing failed |
+//!
+//! Nothing here starts a thread; the background work is in `jobs`.
+
+mod cache;
+mod digest;
+mod error;
+mod folder;
+mod image_file;
+mod notice;
+mod picture;
+mod prefetch;
+mod reader;
+mod source;
+mod thumbnail;
+mod video;
+
+pub use cache::FrameCache;
+pub use digest::sha256_of_file;
+pub use error::MediaError;
+pub use folder::{FolderListing, IMAGE_EXTENSIONS, list_images};
+pub use image_file::{ImageLimits, image_size, load_image, load_image_within};
+pub use notice::Notice;
+pub use picture::Picture;
+pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
+pub use reader::FrameReader;
+pub use source::{FrameRef, FrameSource};
+pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
+pub use video::{FrameClock, Video, VideoInfo};

@@ -1,0 +1,165 @@
+//! Decoded frames within a budget of bytes.
+
+use super::{FrameRef, Picture};
+use std::collections::BTreeMap;
+
+/// Keeps decoded frames, and forgets those not used for longest when they take more memory than allowed.
+///
+/// The frame put in last always stays, even one larger than the whole budget: it is what the user looks at.
+#[derive(Debug)]
+pub struct FrameCache {
+    budget_bytes: usize,
+    bytes: usize,
+    /// Counts uses: the larger, the later.
+    clock: u64,
+    frames: BTreeMap<FrameRef, Entry>,
+    by_last_use: BTreeMap<u64, FrameRef>,
+}
+
+#[derive(Debug)]
+struct Entry {
+    picture: Picture,
+    last_use: u64,
+}
+
+impl FrameCache {
+    /// An empty cache that keeps up to `budget_bytes` of pixels.
+    #[must_use]
+    pub const fn new(budget_bytes: usize) -> Self {
+        Self { budget_bytes, bytes: 0, clock: 0, frames: BTreeMap::new(), by_last_use: BTreeMap::new() }
+    }
+
+    /// A frame, if it is kept; this counts as a use.
+    pub fn get(&mut self, frame: &FrameRef) -> Option<Picture> {
+        let entry = self.frames.get_mut(frame)?;
+        self.by_last_use.remove(&entry.last_use);
+        self.clock += 1;
+        entry.last_use = self.clock;
+        self.by_last_use.insert(self.clock, frame.clone());
+        Some(entry.picture.clone())
+    }
+
+    /// Whether a frame is kept; this is no use.
+    #[must_use]
+    pub fn contains(&self, frame: &FrameRef) -> bool {
+        self.frames.contains_key(frame)
+    }
+
+    /// Keeps a frame in place of what was kept for it before, and forgets others until the budget holds.
+    pub fn insert(&mut self, frame: FrameRef, picture: Picture) {
+        self.remove(&frame);
+        self.clock += 1;
+        self.bytes += picture.bytes();
+        self.by_last_use.insert(self.clock, frame.clone());
+        self.frames.insert(frame, Entry { picture, last_use: self.clock });
+        while self.bytes > self.budget_bytes && self.frames.len() > 1 {
+            let Some((_, oldest)) = self.by_last_use.pop_first() else { break };
+            if let Some(entry) = self.frames.remove(&oldest) {
+                self.bytes -= entry.picture.bytes();
+            }
+        }
+    }
+
+    /// Forgets a frame, such as one whose file has changed.
+    pub fn remove(&mut self, frame: &FrameRef) {
+        if let Some(entry) = self.frames.remove(frame) {
+            self.bytes -= entry.picture.bytes();
+            self.by_last_use.remove(&entry.last_use);
+        }
+    }
+
+    /// How many frames are kept.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether nothing is kept.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// The memory that the kept pixels take.
+    #[must_use]
+    pub const fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// The memory that they may take.
+    #[must_use]
+    pub const fn budget_bytes(&self) -> usize {
+        self.budget_bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+    use std::path::Path;
+
+    fn frame(index: usize) -> FrameRef {
+        FrameRef::video(Path::new("match.mp4"), index)
+    }
+
+    /// 100 px, 400 bytes.
+    fn picture(shade: u8) -> Picture {
+        Picture::filled(ImageSize::new(10, 10), [shade, shade, shade, 255])
+    }
+
+    #[test]
+    fn the_frame_not_used_for_longest_goes_first() {
+        let mut cache = FrameCache::new(1200);
+        for index in 0..3 {
+            cache.insert(frame(index), picture(index as u8));
+        }
+        assert_eq!((cache.len(), cache.bytes()), (3, 1200));
+        assert_eq!(cache.get(&frame(0)), Some(picture(0)));
+        assert!(cache.contains(&frame(1)), "asking is no use");
+        cache.insert(frame(3), picture(3));
+        assert!(cache.get(&frame(1)).is_none());
+        assert!([0, 2, 3].iter().all(|&index| cache.contains(&frame(index))));
+        assert_eq!(cache.bytes(), 1200);
+    }
+
+    #[test]
+    fn a_frame_beyond_the_budget_stays_alone() {
+        let mut cache = FrameCache::new(500);
+        cache.insert(frame(0), picture(0));
+        cache.insert(frame(1), Picture::filled(ImageSize::new(20, 20), [0; 4]));
+        assert_eq!((cache.len(), cache.bytes()), (1, 1600));
+        cache.insert(frame(2), picture(2));
+        assert_eq!((cache.len(), cache.bytes()), (1, 400));
+    }
+
+    #[test]
+    fn a_frame_put_in_twice_counts_once() {
+        let mut cache = FrameCache::new(1000);
+        cache.insert(frame(0), picture(0));
+        cache.insert(frame(0), picture(9));
+        assert_eq!((cache.len(), cache.bytes()), (1, 400));
+        assert_eq!(cache.get(&frame(0)), Some(picture(9)));
+        cache.remove(&frame(0));
+        cache.remove(&frame(0));
+        assert_eq!((cache.is_empty(), cache.bytes()), (true, 0));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn the_budget_holds_whatever_happens(steps in proptest::collection::vec((0_usize..12, 0_u8..3, 1_u32..12), 0..80)) {
+            let mut cache = FrameCache::new(1500);
+            for (index, what, side) in steps {
+                match what {
+                    0 => cache.insert(frame(index), Picture::filled(ImageSize::new(side, side), [0; 4])),
+                    1 => drop(cache.get(&frame(index))),
+                    _ => cache.remove(&frame(index)),
+                }
+                let kept: usize = cache.frames.values().map(|entry| entry.picture.bytes()).sum();
+                assert_eq!(kept, cache.bytes());
+                assert_eq!(cache.frames.len(), cache.by_last_use.len());
+                assert!(kept <= 1500 || cache.len() == 1);
+            }
+        }
+    }
+}

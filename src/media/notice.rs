@@ -1,0 +1,75 @@
+//! What the user should know about a source, though nothing failed.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A remark about a folder or a video: shown once, stops nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Notice {
+    /// The container's count is not the number of frames that decode.
+    FramesStated {
+        /// The video.
+        path: PathBuf,
+        /// What the container says.
+        stated: usize,
+        /// What decodes.
+        decoded: usize,
+    },
+    /// The frames do not follow each other at one rate, so that their times were read one by one.
+    UnevenFrameTimes {
+        /// The video.
+        path: PathBuf,
+        /// The rate that the container states, frames a second.
+        fps: f64,
+    },
+    /// Jumping within the video gave other pictures than playing it, so that it is played from its start instead.
+    NoJumping {
+        /// The video.
+        path: PathBuf,
+    },
+    /// The pixels of the video are not square; a camera's single focal length does not describe such frames.
+    PixelsNotSquare {
+        /// The video.
+        path: PathBuf,
+        /// Width of a pixel over its height.
+        aspect: f64,
+    },
+    /// A file name that is not UTF-8 and therefore cannot stand in a document.
+    NameNotUtf8 {
+        /// The file left out.
+        path: PathBuf,
+    },
+}
+
+/// The file's own name, for a line that a person reads.
+fn name(path: &Path) -> std::borrow::Cow<'_, str> {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy()
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::FramesStated { path, stated, decoded } => {
+                write!(f, "{} states {stated} frames, {decoded} decode. Numbering follows decoded frames.", name(path))
+            }
+            Self::UnevenFrameTimes { path, fps } => write!(
+                f,
+                "{}: the frames are not {fps:.3} a second throughout. Numbering follows decoded frames.",
+                name(path)
+            ),
+            Self::NoJumping { path } => write!(
+                f,
+                "{}: it cannot be jumped in exactly, so steps back are slow. Convert it to MP4 for quick steps.",
+                name(path)
+            ),
+            Self::PixelsNotSquare { path, aspect } => write!(
+                f,
+                "{}: its pixels are not square ({aspect:.3} : 1). Convert it to square pixels before calibrating.",
+                name(path)
+            ),
+            Self::NameNotUtf8 { path } => {
+                write!(f, "{}: left out, its name is not UTF-8. Rename the file to use it.", name(path))
+            }
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Which neighbours of the current frame to decode next, and in which order.
+
+/// Which way the user has been stepping.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum StepDirection {
+    /// Not known, as after a jump.
+    #[default]
+    Unknown,
+    /// To later frames.
+    Forward,
+    /// To earlier frames.
+    Backward,
+}
+
+impl StepDirection {
+    /// The direction of a step from one frame to another: unknown when it is no step to a near neighbour.
+    #[must_use]
+    pub fn of_step(from: usize, to: usize) -> Self {
+        const NEAR: usize = 12;
+        match (to.checked_sub(from), from.checked_sub(to)) {
+            (Some(1..=NEAR), _) => Self::Forward,
+            (_, Some(1..=NEAR)) => Self::Backward,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+/// How far ahead frames are decoded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PrefetchOptions {
+    /// How many frames in the direction of stepping. 12 by default.
+    pub ahead: usize,
+    /// How many frames the other way. 2 by default.
+    pub behind: usize,
+    /// Frames come cheaply only in rising order, as those of a video do: stepping back, whole blocks of `ahead` frames
+    /// are then decoded from their first frame on, rather than one jump for each. False by default (image files).
+    pub in_blocks: bool,
+}
+
+impl Default for PrefetchOptions {
+    fn default() -> Self {
+        Self { ahead: 12, behind: 2, in_blocks: false }
+    }
+}
+
+impl PrefetchOptions {
+    /// The same, but with no more frames than half of a cache holds: 1,080p frames take 8 MB each, 4K frames 33 MB.
+    #[must_use]
+    pub fn within(self, budget_bytes: usize, picture_bytes: usize) -> Self {
+        let room = budget_bytes / 2 / picture_bytes.max(1);
+        // Stepping back in blocks, two blocks are alive at once.
+        let ahead = if self.in_blocks { room / 2 } else { room.saturating_sub(self.behind.min(room / 2)) };
+        Self { ahead: self.ahead.min(ahead.max(1)), behind: self.behind.min(room / 2), ..self }
+    }
+}
+
+/// The frames to decode beside `current` of `count` frames, the most urgent first, none twice and never `current`.
+///
+/// Empty when `current` is not among them.
+#[must_use]
+pub fn prefetch_plan(current: usize, count: usize, direction: StepDirection, options: PrefetchOptions) -> Vec<usize> {
+    if current >= count {
+        return Vec::new();
+    }
+    let later = |frames: usize| (current + 1)..current.saturating_add(1).saturating_add(frames).min(count);
+    let earlier = |frames: usize| (current.saturating_sub(frames)..current).rev();
+    match direction {
+        StepDirection::Forward => later(options.ahead).chain(earlier(options.behind)).collect(),
+        StepDirection::Backward if options.in_blocks => {
+            let block = options.ahead.max(1);
+            let own = current / block * block;
+            let before = own.saturating_sub(block)..own;
+            (own..current).chain(before).chain(later(options.behind)).collect()
+        }
+        StepDirection::Backward => earlier(options.ahead).chain(later(options.behind)).collect(),
+        StepDirection::Unknown => later(options.ahead.div_ceil(2)).chain(earlier(options.behind)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use StepDirection::{Backward, Forward, Unknown};
+
+    const SINGLE: PrefetchOptions = PrefetchOptions { ahead: 4, behind: 2, in_blocks: false };
+    const BLOCKS: PrefetchOptions = PrefetchOptions { ahead: 4, behind: 1, in_blocks: true };
+
+    #[test]
+    fn the_nearest_in_the_direction_come_first() {
+        assert_eq!(prefetch_plan(10, 100, Forward, SINGLE), [11, 12, 13, 14, 9, 8]);
+        assert_eq!(prefetch_plan(10, 100, Backward, SINGLE), [9, 8, 7, 6, 11, 12]);
+        assert_eq!(prefetch_plan(10, 100, Unknown, SINGLE), [11, 12, 9, 8]);
+    }
+
+    #[test]
+    fn back_through_a_video_in_blocks_of_rising_frames() {
+        assert_eq!(prefetch_plan(10, 100, Backward, BLOCKS), [8, 9, 4, 5, 6, 7, 11]);
+        // A step within a block asks for nothing new.
+        assert_eq!(prefetch_plan(9, 100, Backward, BLOCKS), [8, 4, 5, 6, 7, 10]);
+        assert_eq!(prefetch_plan(8, 100, Backward, BLOCKS), [4, 5, 6, 7, 9]);
+        assert_eq!(prefetch_plan(7, 100, Backward, BLOCKS), [4, 5, 6, 0, 1, 2, 3, 8]);
+    }
+
+    #[test]
+    fn the_ends_cut_the_plan() {
+        assert_eq!(prefetch_plan(0, 3, Forward, SINGLE), [1, 2]);
+        assert_eq!(prefetch_plan(2, 3, Forward, SINGLE), [1, 0]);
+        assert_eq!(prefetch_plan(1, 3, Backward, BLOCKS), [0, 2]);
+        assert_eq!(prefetch_plan(0, 1, Backward, BLOCKS), [0; 0]);
+        assert_eq!(prefetch_plan(5, 5, Forward, SINGLE), [0; 0]);
+        assert_eq!(prefetch_plan(0, 0, Unknown, SINGLE), [0; 0]);
+    }
+
+    #[test]
+    fn a_jump_has_no_direction() {
+        assert_eq!(StepDirection::of_step(3, 4), Forward);
+        assert_eq!(StepDirection::of_step(13, 3), Backward);
+        assert_eq!(StepDirection::of_step(3, 3), Unknown);
+        assert_eq!(StepDirection::of_step(3, 300), Unknown);
+        assert_eq!(StepDirection::of_step(300, 3), Unknown);
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn no_frame_twice_and_never_the_current(
+            current in 0_usize..60, count in 0_usize..60, ahead in 0_usize..20, behind in 0_usize..20,
+            in_blocks: bool, which in 0_usize..3,
+        ) {
+            let options = PrefetchOptions { ahead, behind, in_blocks };
+            let plan = prefetch_plan(current, count, [Forward, Backward, Unknown][which], options);
+            let mut unique = plan.clone();
+            unique.sort_unstable();
+            unique.dedup();
+            assert_eq!(unique.len(), plan.len());
+            assert!(plan.iter().all(|&index| index < count && index != current));
+        }
+
+        #[test]
+        fn the_plan_fits_half_the_cache(budget in 0_usize..1000, picture in 1_usize..100, current in 0_usize..200, in_blocks: bool, which in 0_usize..3) {
+            let options = PrefetchOptions { in_blocks, ..PrefetchOptions::default() }.within(budget, picture);
+            let plan = prefetch_plan(current, 200, [Forward, Backward, Unknown][which], options);
+            // One neighbour is fetched however small the budget; whole blocks overhang by their part already shown.
+            let room = (budget / 2 / picture).max(2);
+            assert!(plan.len() <= room + options.behind + 1, "{} frames in room for {room}", plan.len());
+        }
+    }
+}

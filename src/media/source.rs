@@ -1,0 +1,116 @@
+//! Where the frames of a project come from, and how one of them is named.
+
+use super::{FolderListing, MediaError, Notice, Video, VideoInfo, list_images};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// One frame: an image file, or a frame of a video by its number among the decoded frames.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FrameRef {
+    /// An image file.
+    Image(Arc<Path>),
+    /// A frame of a video.
+    Video {
+        /// The video's file.
+        path: Arc<Path>,
+        /// Counts decoded frames from 0, never the container's count.
+        index: usize,
+    },
+}
+
+impl FrameRef {
+    /// The frame that an image file holds.
+    #[must_use]
+    pub fn image(path: impl Into<Arc<Path>>) -> Self {
+        Self::Image(path.into())
+    }
+
+    /// Frame `index`, from 0, of a video.
+    #[must_use]
+    pub fn video(path: impl Into<Arc<Path>>, index: usize) -> Self {
+        Self::Video { path: path.into(), index }
+    }
+
+    /// The file that holds the frame.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::Image(path) | Self::Video { path, .. } => path,
+        }
+    }
+}
+
+impl fmt::Display for FrameRef {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Image(path) => write!(f, "{}", path.display()),
+            Self::Video { path, index } => write!(f, "{} frame {index}", path.display()),
+        }
+    }
+}
+
+/// The frames of a project: the images of a folder, or a video.
+#[derive(Clone, Debug)]
+pub enum FrameSource {
+    /// The images of a folder, in natural order.
+    Folder(FolderListing),
+    /// A video.
+    Video(VideoInfo),
+}
+
+impl FrameSource {
+    /// Opens a folder of images or a video. Blocks while a video's frames are counted.
+    ///
+    /// # Errors
+    /// Those of [`list_images`] and [`Video::open`].
+    pub fn open(path: &Path) -> Result<Self, MediaError> {
+        if path.is_dir() {
+            Ok(Self::Folder(list_images(path)?))
+        } else {
+            Ok(Self::Video(Video::open(path)?.info().clone()))
+        }
+    }
+
+    /// How many frames there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Folder(listing) => listing.images.len(),
+            Self::Video(info) => info.decoded_frames,
+        }
+    }
+
+    /// Whether there is no frame at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The frame at a place, from 0; none beyond the last.
+    #[must_use]
+    pub fn frame(&self, index: usize) -> Option<FrameRef> {
+        match self {
+            Self::Folder(listing) => listing.images.get(index).map(|path| FrameRef::image(path.as_path())),
+            Self::Video(info) => {
+                (index < info.decoded_frames).then(|| FrameRef::Video { path: Arc::clone(&info.path), index })
+            }
+        }
+    }
+
+    /// What the user should know, though nothing failed.
+    #[must_use]
+    pub fn notices(&self) -> &[Notice] {
+        match self {
+            Self::Folder(listing) => &listing.notices,
+            Self::Video(info) => &info.notices,
+        }
+    }
+}
+
+/// A path list for those who start from one.
+impl From<Vec<PathBuf>> for FrameSource {
+    fn from(images: Vec<PathBuf>) -> Self {
+        Self::Folder(FolderListing { images, notices: Vec::new() })
+    }
+}

@@ -1,0 +1,38 @@
+//! The same interface without OpenCV: no video opens, by name.
+
+use super::VideoInfo;
+use crate::media::error::open_file;
+use crate::media::{MediaError, Picture};
+use std::convert::Infallible;
+use std::path::Path;
+
+/// A video; without the feature `opencv` there is none.
+#[derive(Debug)]
+pub struct Video {
+    none: Infallible,
+}
+
+impl Video {
+    /// Says that this program reads no videos.
+    ///
+    /// # Errors
+    /// Always: [`MediaError::NoVideoSupport`], or why the file cannot be read at all.
+    pub fn open(path: &Path) -> Result<Self, MediaError> {
+        open_file(path)?;
+        Err(MediaError::NoVideoSupport { path: path.to_path_buf() })
+    }
+
+    /// What is known about the video.
+    #[must_use]
+    pub const fn info(&self) -> &VideoInfo {
+        match self.none {}
+    }
+
+    /// The pixels of a frame.
+    ///
+    /// # Errors
+    /// None, for there is no video.
+    pub const fn frame(&mut self, _index: usize) -> Result<Picture, MediaError> {
+        match self.none {}
+    }
+}
