@@ -13,7 +13,7 @@
 //! instead of 3–6), so it is not done.
 
 use super::line::line_residual;
-use super::{Observation, SolveError, Target};
+use super::{Observation, PtzPrior, SolveError, Target};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use nalgebra::{Matrix2, Matrix3x6, SMatrix, Vector6};
@@ -36,16 +36,17 @@ pub struct Uncertainty {
 }
 
 impl Uncertainty {
-    /// The uncertainty of a solution at a camera, from the observations that took part.
+    /// The uncertainty of a solution at a camera, from the observations and the prior that took part.
     ///
     /// # Errors
     /// [`SolveError::Undetermined`] if they leave a direction open.
-    pub fn of<'a>(
-        camera: &PtzCamera,
-        observations: impl IntoIterator<Item = &'a Observation>,
-    ) -> Result<Self, SolveError> {
+    pub fn of(camera: &PtzCamera, observations: &[Observation], prior: Option<&PtzPrior>) -> Result<Self, SolveError> {
         let mut information = Mat3::zeros();
         let mut cross = Matrix3x6::zeros();
+        if let Some(prior) = prior {
+            let whitening = prior.whitening(camera.ptz().focal_px);
+            information += whitening * whitening;
+        }
         for observation in observations {
             let weight = observation.sigma_px.powi(-2);
             match observation.target {
@@ -80,6 +81,28 @@ impl Uncertainty {
         let degree = 1f64.to_degrees();
         let scale = Mat3::from_diagonal(&Vec3::new(degree, degree, 1.0));
         scale * self.ptz_covariance() * scale
+    }
+
+    /// What the base's uncertainty adds to the expectation of χ² over the observations that took part.
+    pub(super) fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
+        if self.base_sigma == Vector6::zeros() {
+            return 0.0;
+        }
+        let base_sigma = nalgebra::Matrix6::from_diagonal(&self.base_sigma);
+        let share = |observation: &Observation| {
+            let squares = match observation.target {
+                Target::Landmark(at) => {
+                    let here = camera.image_from_world_jacobian(at).ok()?;
+                    ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared()
+                }
+                Target::Line(curve) => {
+                    let here = line_residual(camera, &curve, observation.image)?;
+                    ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared()
+                }
+            };
+            Some(squares / (observation.sigma_px * observation.sigma_px))
+        };
+        observations.iter().filter_map(share).sum()
     }
 
     /// Covariance (px²) of the overlay at a world point; none where the point has no image.

@@ -15,7 +15,9 @@ use nalgebra::{Matrix1x3, Matrix1x6};
 pub(crate) struct LineResidual {
     /// From the nearest point of the projected curve to the click, px.
     pub offset_px: Vec2,
-    /// The signed length of it; positive on the left of the curve's direction as the picture shows it (y down).
+    /// The unit normal of the projected curve, to its left.
+    pub across: Vec2,
+    /// The signed length of the offset; positive on the left of the curve's direction as the picture shows it (y down).
     pub distance_px: f64,
     /// By pan (px/rad), tilt (px/rad), focal length (px/px).
     pub by_ptz: Matrix1x3<f64>,
@@ -39,6 +41,7 @@ pub(crate) fn line_residual(camera: &PtzCamera, curve: &WorldCurve, click: Image
     let towards = -normal.transpose();
     Some(LineResidual {
         offset_px,
+        across: normal,
         distance_px: normal.dot(&offset_px),
         by_ptz: towards * here.by_ptz,
         by_base: towards * here.by_base,
@@ -210,7 +213,8 @@ mod tests {
                     .map(|point| point.image.at.distance_px(click))
                     .fold(f64::INFINITY, f64::min);
                 assert!(found.distance_px.abs() <= least + 1e-9, "{} vs {least}", found.distance_px);
-                assert_eq!(Some(found.distance_px), line_distance_px(&camera, &curve, click));
+                let alone = line_distance_px(&camera, &curve, click).unwrap();
+                assert!((found.distance_px - alone).abs() < 1e-9);
             }
         }
     }

@@ -3,17 +3,29 @@
 //! [`Observation`] says what a click shows: a landmark, or a line on which it lies. [`FrameSolution`] is what a frame's
 //! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
 
+mod checks;
 mod covariance;
 mod error;
+mod frame;
 mod line;
 mod observation;
+mod one_point;
+mod refine;
 mod solution;
+mod starts;
+mod two_point;
 mod verdict;
 mod warning;
 
 pub use covariance::Uncertainty;
 pub use error::{ObservationError, SolveError};
+pub use frame::solve_frame;
 pub use observation::{Observation, Target, WorldCurve};
-pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzRanges, SolveContext};
-pub use verdict::{Judgement, Verdict, judge};
+pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
+pub use refine::{Refined, refine};
+pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzPrior, PtzRanges, SolveContext};
+pub use two_point::{
+    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
+};
+pub use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, WRONG_MISFIT, judge};
 pub use warning::{UnknownWarningCode, Warning, WarningCode};

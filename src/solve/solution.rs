@@ -19,6 +19,22 @@ pub struct SolveContext {
     pub start: Option<Ptz>,
     /// How strongly clicks that disagree with the others still pull (see [`Loss`]).
     pub loss: Loss,
+    /// What is known of pan, tilt and focal length before the clicks, such as a neighbour's solution and its motion;
+    /// this does pull: three more equations.
+    pub prior: Option<PtzPrior>,
+}
+
+/// Pan, tilt and focal length known beforehand, each with its 1-σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PtzPrior {
+    /// What is expected.
+    pub ptz: Ptz,
+    /// 1-σ of the pan.
+    pub sigma_pan: Angle,
+    /// 1-σ of the tilt.
+    pub sigma_tilt: Angle,
+    /// 1-σ of the focal length as a share of it.
+    pub sigma_focal_share: f64,
 }
 
 impl SolveContext {
@@ -31,7 +47,15 @@ impl SolveContext {
             neighbours: Vec::new(),
             start: None,
             loss: Loss::default(),
+            prior: None,
         }
+    }
+}
+
+impl SolveContext {
+    /// The camera that a tie is decided by: the start, else the nearest neighbour, else the prior.
+    pub(super) fn expected(&self) -> Option<Ptz> {
+        self.start.or(self.neighbours.first().copied()).or(self.prior.map(|prior| prior.ptz))
     }
 }
 
