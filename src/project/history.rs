@@ -61,6 +61,18 @@ impl<T> History<T> {
         self.open.is_some()
     }
 
+    /// The step whose transaction is open.
+    #[must_use]
+    pub fn open_step(&self) -> Option<&Step> {
+        self.open.as_ref().map(|(step, _)| step)
+    }
+
+    /// The value as it was when the open transaction began.
+    #[must_use]
+    pub fn before(&self) -> Option<&T> {
+        self.open.as_ref().map(|(_, before)| before)
+    }
+
     /// The step that undo would take back.
     #[must_use]
     pub fn next_undo(&self) -> Option<&Step> {

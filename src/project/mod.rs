@@ -6,6 +6,7 @@
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
 mod atomic;
+mod calibration;
 mod camera;
 mod click;
 mod document;
@@ -24,6 +25,7 @@ mod store;
 mod write;
 
 pub use atomic::write_atomically;
+pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use click::{Click, Target};
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
