@@ -6,9 +6,11 @@
 
 mod clip;
 mod flatten;
+mod ground;
 mod landmarks;
 mod lines;
 mod window;
 
+pub use ground::visible_ground;
 pub use landmarks::{ProjectedLandmark, project_landmarks};
 pub use lines::{MarkingOptions, MarkingPolyline, project_lines};
