@@ -16,7 +16,6 @@ mod pipelines;
 mod renderer;
 mod shaders;
 mod stroke;
-mod text;
 mod view;
 
 pub use layer::{Layer, Picture, PictureKey};

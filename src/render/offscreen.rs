@@ -2,7 +2,6 @@
 
 use super::layer::Layer;
 use super::renderer::{CanvasId, Renderer};
-use super::text::write_labels;
 use super::view::View;
 use crate::app::drawing::Colour;
 use image::RgbaImage;
@@ -36,9 +35,6 @@ pub enum RenderError {
         /// The longest side that the adapter takes.
         limit: u32,
     },
-    /// The typeface of the labels is broken.
-    #[error("the program's built-in typeface cannot be read: {0}")]
-    Typeface(#[from] ab_glyph::InvalidFont),
     /// The finished picture could not be read back.
     #[error("the rendered picture could not be read back from the graphics adapter: {reason}")]
     Readback {
@@ -130,7 +126,7 @@ impl Offscreen {
         &self.adapter
     }
 
-    /// Draws layers on a canvas of `view.size_px` filled with `background`, their labels on top of all.
+    /// Draws layers on a canvas of `view.size_px` filled with `background`.
     ///
     /// # Errors
     /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the picture back.
@@ -178,13 +174,7 @@ impl Offscreen {
             size,
         );
         self.queue.submit([encoder.finish()]);
-        let mut picture = self.read_back(&buffer, width, height, bytes_per_row)?;
-        let labels = layers.iter().flat_map(|layer| match layer {
-            Layer::Drawing(drawing) => drawing.labels.as_slice(),
-            Layer::Picture(_) => &[],
-        });
-        write_labels(&mut picture, view, labels)?;
-        Ok(picture)
+        self.read_back(&buffer, width, height, bytes_per_row)
     }
 
     fn read_back(

@@ -1,0 +1,89 @@
+//! How a camera operator follows the play.
+
+use super::Stadium;
+use super::noise::{smooth_walk, sub_seed};
+use super::options::{CameraMotion, ShootOptions, scale_from_1280};
+use super::play::Play;
+use crate::camera::{CameraBase, PanTilt, Ptz};
+use crate::geometry::{Angle, ImageSize, Vec3};
+
+/// One moment of a camera's path.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathStep {
+    /// The time since kick-off, s.
+    pub time_s: f64,
+    /// Where the camera points, exactly.
+    pub ptz: Ptz,
+    /// How it moves at that moment.
+    pub motion: CameraMotion,
+}
+
+/// The path of an operator who follows the ball of `stadium`'s match with the camera `base`: smooth, a little late, with
+/// the play in the lower middle of the picture, zooming in when the play is quiet.
+#[must_use]
+pub fn camera_path(
+    stadium: &Stadium,
+    base: &CameraBase,
+    image_size: ImageSize,
+    shoot: &ShootOptions,
+    frames: usize,
+) -> Vec<PathStep> {
+    let operator = Operator {
+        play: stadium.play,
+        base: *base,
+        seed: sub_seed(stadium.options.seed, 0xCA3E),
+        focal_px: shoot.focal_px_at_1280.map(|focal| focal * scale_from_1280(image_size)),
+        half_height_px: 0.5 * f64::from(image_size.height),
+    };
+    (0..frames)
+        .map(|index| {
+            let time_s = index as f64 * shoot.step_s;
+            PathStep { time_s, ptz: operator.ptz(time_s), motion: operator.motion(time_s) }
+        })
+        .collect()
+}
+
+struct Operator {
+    play: Play,
+    base: CameraBase,
+    seed: u32,
+    focal_px: [f64; 2],
+    half_height_px: f64,
+}
+
+impl Operator {
+    /// The ball as a person with reflexes sees it: averaged over the last second and a half, a little ahead.
+    fn attention(&self, time_s: f64) -> Vec3 {
+        let taps = 12;
+        let sum: Vec3 = (0..taps).map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap))).sum();
+        let mean = sum / f64::from(taps);
+        // The operator keeps some field on the near side and does not follow the ball to the last metre.
+        Vec3::new(mean.x * 0.88, mean.y * 0.72 + 3.0, 0.0)
+    }
+
+    fn ptz(&self, time_s: f64) -> Ptz {
+        let target = self.attention(time_s);
+        let aim = PanTilt::from_direction(self.base.base_from_world_point(target));
+        // Short and long are a factor apart, so the zoom walks on a logarithmic scale.
+        let [short, long] = self.focal_px;
+        let share = 0.5 + 0.62 * smooth_walk(self.seed, time_s / 9.0) + 0.1 * smooth_walk(self.seed ^ 1, time_s / 2.5);
+        let mut focal_px = short * (long / short).powf(share.clamp(0.0, 1.0).powf(1.4));
+        // The play sits below the middle, so that the far side is in the picture.
+        let distance = (target - self.base.position_m).norm();
+        focal_px *= (distance / 75.0).clamp(0.85, 1.25).sqrt();
+        let drop = Angle::from_radians((0.16 * self.half_height_px / focal_px).atan());
+        let hand = |seed: u32| Angle::from_degrees(0.05 * smooth_walk(self.seed ^ seed, time_s / 0.9));
+        Ptz { pan: aim.pan + hand(7), tilt: aim.tilt + drop + hand(8), focal_px: focal_px.clamp(short, long) }
+    }
+
+    fn motion(&self, time_s: f64) -> CameraMotion {
+        let step = 0.01;
+        let (before, after) = (self.ptz(time_s - step), self.ptz(time_s + step));
+        let per_s = 0.5 / step;
+        CameraMotion {
+            pan_per_s: (after.pan - before.pan) * per_s,
+            tilt_per_s: (after.tilt - before.tilt) * per_s,
+            zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
+        }
+    }
+}

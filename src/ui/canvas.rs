@@ -1,1 +1,0 @@
-//! Canvases of the render room inside the window.

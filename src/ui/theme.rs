@@ -1,4 +1,0 @@
-//! Colours, spacing and type of the window.
-
-/// Dresses a window.
-pub fn apply(_ctx: &egui::Context) {}
