@@ -8,12 +8,20 @@ struct Varying {
     @location(1) @interpolate(flat) opacity: f32,
 }
 
+struct Instance {
+    // Nothing shows outside this box: left, top, right, bottom, image px.
+    @location(0) clip: vec4f,
+    @location(1) opacity: f32,
+}
+
 @vertex
-fn vs_composite(@builtin(vertex_index) index: u32, @location(0) opacity: f32) -> Varying {
+fn vs_composite(@builtin(vertex_index) index: u32, group: Instance) -> Varying {
+    let low = clamp(canvas_from_image(group.clip.xy), vec2f(0.0), view.size);
+    let high = clamp(canvas_from_image(group.clip.zw), vec2f(0.0), view.size);
     var out: Varying;
-    out.canvas = unit_corner(index) * view.size;
+    out.canvas = mix(low, high, unit_corner(index));
     out.position = clip_from_canvas(out.canvas);
-    out.opacity = opacity;
+    out.opacity = group.opacity;
     return out;
 }
 

@@ -73,6 +73,8 @@ pub struct StrokeGroup {
     pub strokes: Vec<Stroke>,
     /// Of the whole group, 0 to 1.
     pub opacity: f32,
+    /// Nothing of the group shows outside this box: left, top, right, bottom, px of the picture.
+    pub clip_px: Option<[f32; 4]>,
 }
 
 /// The shape of a marker.

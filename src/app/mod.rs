@@ -1,13 +1,26 @@
 //! The whole application without a window.
 //!
 //! The window (and every test) hands [`Action`]s to [`App::update`], the only place that changes state; it returns
-//! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions.
+//! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
+//! the shown frame: derived, never stored. [`drawing`] is what is then drawn, as plain data.
 
+mod action;
 mod command;
+mod current;
 pub mod drawing;
+pub mod field_map;
 mod keymap;
+pub mod naming;
+mod open_project;
+pub mod overlay;
+pub mod session;
 mod settings;
+mod update;
 
+pub use action::{Action, Effect, Opened, Question};
 pub use command::{Command, Group};
+pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};
+pub use open_project::OpenProject;
 pub use settings::{OverlayStyle, Settings, SettingsError};
+pub use update::{App, MAX_SCALE};

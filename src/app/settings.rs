@@ -23,8 +23,6 @@ pub struct Settings {
     pub field_map: bool,
     /// The inspector's details are unfolded.
     pub details: bool,
-    /// 1-σ of a click, px at 1920 px width.
-    pub click_sigma_px: f64,
     /// The note that drawing runs on the processor has been shown for this adapter.
     pub told_about_adapter: String,
 }
@@ -37,7 +35,6 @@ impl Default for Settings {
             recent: Vec::new(),
             field_map: true,
             details: false,
-            click_sigma_px: 2.0,
             told_about_adapter: String::new(),
         }
     }
@@ -133,9 +130,6 @@ impl Settings {
         self.overlay.width = within(self.overlay.width, 0.5, 12.0, style.width);
         self.overlay.opacity = within(self.overlay.opacity, 0.05, 1.0, style.opacity);
         self.overlay.outline = within(self.overlay.outline, 0.0, 4.0, style.outline);
-        if !(self.click_sigma_px > 0.05 && self.click_sigma_px < 50.0) {
-            self.click_sigma_px = Self::default().click_sigma_px;
-        }
         self.recent.truncate(MAX_RECENT);
         self
     }
@@ -159,9 +153,9 @@ mod tests {
         let (defaults, reason) = Settings::load(&path);
         assert_eq!(defaults, Settings::default());
         assert!(reason.unwrap().contains("defaults are used"));
-        std::fs::write(&path, r#"{"overlay": {"width": -4}, "click_sigma_px": 0}"#).unwrap();
+        std::fs::write(&path, r#"{"overlay": {"width": -4}}"#).unwrap();
         let (mended, _) = Settings::load(&path);
-        assert!((mended.overlay.width - 0.5).abs() < 1e-6 && (mended.click_sigma_px - 2.0).abs() < 1e-12);
+        assert!((mended.overlay.width - 0.5).abs() < 1e-6);
     }
 
     #[test]

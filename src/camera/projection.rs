@@ -95,6 +95,13 @@ impl PtzCamera {
         Ok(self.base.principal_point.moved(distort(ideal, self.k1) * self.ptz.focal_px))
     }
 
+    /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and nothing has an image;
+    /// infinite without a barrel distortion.
+    #[must_use]
+    pub fn fold_radius(&self) -> f64 {
+        fold_radius_squared(self.k1).sqrt()
+    }
+
     /// The image of a world point, px.
     ///
     /// # Errors

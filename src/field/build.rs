@@ -128,7 +128,7 @@ impl Builder<'_> {
             place: self.template.place.clone(),
             part: part.to_owned(),
             text: expression.text().to_owned(),
-            problem,
+            problem: Box::new(problem),
         })
     }
 

@@ -64,7 +64,7 @@ pub enum FieldError {
         /// The expression as written.
         text: String,
         /// What is wrong with it.
-        problem: ExpressionError,
+        problem: Box<ExpressionError>,
     },
     /// The template takes no such parameter.
     #[error("the field template {template:?} takes no parameter {name:?}; it takes {known}")]

@@ -90,7 +90,7 @@ impl Reader<'_> {
             place: self.place.to_owned(),
             part: part.to_owned(),
             text: formula.text(),
-            problem,
+            problem: Box::new(problem),
         })
     }
 
@@ -127,7 +127,7 @@ impl Reader<'_> {
                     place: self.place.to_owned(),
                     part,
                     text: formula.text(),
-                    problem,
+                    problem: Box::new(problem),
                 })
             };
             let (min, default, max) =

@@ -1,1 +1,16 @@
-//! The field's markings as a camera sees them.
+//! The field's markings as a camera sees them: projected, clipped, ready to draw.
+//!
+//! [`project_lines`] turns every line, circle, arc and post of a field into polylines in px, exact to a stated
+//! tolerance with the crown and the distortion in them, and clipped before anything is drawn: at the near plane, where
+//! the distortion folds, and at the picture's border. A point behind the camera never makes a stray line.
+
+mod clip;
+mod flatten;
+mod ground;
+mod landmarks;
+mod lines;
+mod window;
+
+pub use ground::visible_ground;
+pub use landmarks::{ProjectedLandmark, project_landmarks};
+pub use lines::{MarkingOptions, MarkingPolyline, project_lines};

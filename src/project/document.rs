@@ -61,6 +61,12 @@ impl FieldSpec {
         Self { template: template.to_owned(), params: BTreeMap::new(), extra: Extra::new() }
     }
 
+    /// The template is a file of the user's own, not a built-in one.
+    #[must_use]
+    pub fn is_file(&self) -> bool {
+        Path::new(&self.template).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    }
+
     /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
     ///
     /// # Errors

@@ -3,6 +3,13 @@
 //! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value); reading refuses sizes
 //! and focal lengths that mean nothing.
 
+#![allow(
+    clippy::wildcard_imports,
+    clippy::ref_option,
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde prescribes the signatures, and each door needs the same few names"
+)]
+
 use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 use serde::de::Error as _;

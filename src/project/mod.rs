@@ -5,23 +5,40 @@
 //! are [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
+mod atomic;
+mod calibration;
 mod camera;
 mod click;
 mod document;
 mod doors;
+mod edit;
+mod error;
 mod frame;
+mod history;
+mod journal;
+mod location;
+mod lock;
 mod read;
 mod shared;
 mod solution;
+mod store;
 mod write;
 
+pub use atomic::write_atomically;
+pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use click::{Click, Target};
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
+pub use edit::{Change, Edit, EditMismatch};
+pub use error::StoreError;
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use history::{History, Step};
+pub use location::{Location, PROJECT_FILE, path_between};
+pub use lock::ReadOnly;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;
 pub use solution::{FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use store::{Access, Opened, Recovery, Store, open, read};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

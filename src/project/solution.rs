@@ -88,6 +88,8 @@ pub enum SolutionSource {
     Markings,
     /// A foreign file.
     Import,
+    /// Numbers that a person set by hand.
+    Manual,
 }
 
 /// Something about a solution that a person should know.

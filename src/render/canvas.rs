@@ -21,6 +21,20 @@ struct ViewUniform {
     size: [f32; 2],
 }
 
+/// A group of strokes laid over the canvas; the fields are those of `Instance` in `composite.wgsl`.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct GroupInstance {
+    clip: [f32; 4],
+    opacity: f32,
+}
+
+/// How [`GroupInstance`] lies in a vertex buffer.
+pub(super) const GROUP_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32];
+
+/// A box that clips nothing; finite, so that it survives the way to the canvas.
+const EVERYWHERE: [f32; 4] = [-1e9, -1e9, 1e9, 1e9];
+
 /// A texture for one group of strokes, as large as the canvas.
 #[derive(Debug)]
 struct GroupTarget {
@@ -141,7 +155,8 @@ impl Canvas {
         if !segments.is_empty() {
             let target = groups.len();
             groups.push(PendingGroup { bytes: append(bytes, &segments), instances: segments.len() as u32 });
-            self.draws.push(Draw::Group { target, bytes: append(bytes, &[group.opacity.min(1.0)]) });
+            let instance = GroupInstance { clip: group.clip_px.unwrap_or(EVERYWHERE), opacity: group.opacity.min(1.0) };
+            self.draws.push(Draw::Group { target, bytes: append(bytes, &[instance]) });
         }
     }
 

@@ -1,7 +1,7 @@
 //! What a canvas shows, from the bottom up.
 
 use crate::app::drawing::Drawing;
-use image::RgbaImage;
+use crate::media;
 use std::sync::Arc;
 
 /// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded once.
@@ -16,7 +16,7 @@ pub struct Picture {
     /// What its pixels are known by.
     pub key: PictureKey,
     /// sRGB bytes; shown as they are, in gamma space.
-    pub pixels: Arc<RgbaImage>,
+    pub pixels: media::Picture,
     /// 1 shows it as it is, less darkens it so that lines stand out.
     pub brightness: f32,
 }

@@ -16,6 +16,7 @@ mod pipelines;
 mod renderer;
 mod shaders;
 mod stroke;
+mod text;
 mod view;
 
 pub use layer::{Layer, Picture, PictureKey};

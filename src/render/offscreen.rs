@@ -2,6 +2,7 @@
 
 use super::layer::Layer;
 use super::renderer::{CanvasId, Renderer};
+use super::text::write_labels;
 use super::view::View;
 use crate::app::drawing::Colour;
 use image::RgbaImage;
@@ -35,6 +36,9 @@ pub enum RenderError {
         /// The longest side that the adapter takes.
         limit: u32,
     },
+    /// The typeface of the labels is broken.
+    #[error("the program's built-in typeface cannot be read: {0}")]
+    Typeface(#[from] ab_glyph::InvalidFont),
     /// The finished picture could not be read back.
     #[error("the rendered picture could not be read back from the graphics adapter: {reason}")]
     Readback {
@@ -126,7 +130,7 @@ impl Offscreen {
         &self.adapter
     }
 
-    /// Draws layers on a canvas of `view.size_px` filled with `background`.
+    /// Draws layers on a canvas of `view.size_px` filled with `background`, their labels on top of all.
     ///
     /// # Errors
     /// A canvas without a pixel or beyond the adapter's limit, or a driver that does not give the picture back.
@@ -174,7 +178,13 @@ impl Offscreen {
             size,
         );
         self.queue.submit([encoder.finish()]);
-        self.read_back(&buffer, width, height, bytes_per_row)
+        let mut picture = self.read_back(&buffer, width, height, bytes_per_row)?;
+        let labels = layers.iter().flat_map(|layer| match layer {
+            Layer::Drawing(drawing) => drawing.labels.as_slice(),
+            Layer::Picture(_) => &[],
+        });
+        write_labels(&mut picture, view, labels)?;
+        Ok(picture)
     }
 
     fn read_back(

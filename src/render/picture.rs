@@ -4,6 +4,8 @@ use super::canvas::Gpu;
 use super::layer::{Picture, PictureKey};
 use super::mipmap::MipmapMaker;
 use super::view::View;
+use crate::geometry::ImageSize;
+use crate::media;
 use bytemuck::{Pod, Zeroable};
 use image::RgbaImage;
 use std::collections::BTreeMap;
@@ -34,7 +36,7 @@ pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_a
 
 impl PictureInstance {
     pub fn new(picture: &Picture, texture_width: u32, view: &View) -> Self {
-        let (width, height) = picture.pixels.dimensions();
+        let ImageSize { width, height } = picture.pixels.size();
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
             size: [width as f32, height as f32],
@@ -85,7 +87,7 @@ impl PictureCache {
         picture: &Picture,
         shrunk: bool,
     ) -> Option<(wgpu::BindGroup, u32)> {
-        if picture.pixels.width() == 0 || picture.pixels.height() == 0 {
+        if picture.pixels.bytes() == 0 {
             return None;
         }
         self.clock += 1;
@@ -129,19 +131,16 @@ impl PictureCache {
 }
 
 /// A texture of the picture with room for its mip levels; a picture beyond the device's limit is shrunk to it.
-fn upload(device: &wgpu::Device, queue: &wgpu::Queue, pixels: &RgbaImage) -> wgpu::Texture {
+fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) -> wgpu::Texture {
+    let ImageSize { width, height } = picture.size();
     let limit = device.limits().max_texture_dimension_2d;
-    let longer = pixels.width().max(pixels.height());
-    let shrunk;
-    let pixels = if longer > limit {
+    let longer = width.max(height);
+    let shrunk = (longer > limit).then(|| {
         let side = |px: u32| ((u64::from(px) * u64::from(limit) / u64::from(longer)) as u32).max(1);
-        let (width, height) = (side(pixels.width()), side(pixels.height()));
-        shrunk = image::imageops::resize(pixels, width, height, image::imageops::FilterType::Triangle);
-        &shrunk
-    } else {
-        pixels
-    };
-    let (width, height) = pixels.dimensions();
+        shrink(picture, side(width), side(height))
+    });
+    let (width, height) = shrunk.as_ref().map_or((width, height), RgbaImage::dimensions);
+    let rgba = shrunk.as_ref().map_or_else(|| picture.rgba(), |shrunk| shrunk.as_raw());
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("picture"),
@@ -157,20 +156,31 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, pixels: &RgbaImage) -> wgp
     });
     queue.write_texture(
         texture.as_image_copy(),
-        pixels.as_raw(),
+        rgba,
         wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) },
         size,
     );
     texture
 }
 
+fn shrink(picture: &media::Picture, width: u32, height: u32) -> RgbaImage {
+    let size = picture.size();
+    RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec()).map_or_else(
+        || RgbaImage::new(width, height),
+        |pixels| image::imageops::resize(&pixels, width, height, image::imageops::FilterType::Triangle),
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Arc;
 
     fn instance(scale: f32) -> PictureInstance {
-        let picture = Picture { key: PictureKey(0), pixels: Arc::new(RgbaImage::new(8, 4)), brightness: 1.0 };
+        let picture = Picture {
+            key: PictureKey(0),
+            pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
+            brightness: 1.0,
+        };
         PictureInstance::new(&picture, 8, &View { scale, ..View::one_to_one([8, 4]) })
     }
 

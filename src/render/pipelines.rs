@@ -1,5 +1,6 @@
 //! The pipelines and what they are bound to; built once for a device and a target format.
 
+use super::canvas::{GROUP_ATTRIBUTES, GroupInstance};
 use super::fill::{FILL_ATTRIBUTES, FillVertex};
 use super::marker::{MARKER_ATTRIBUTES, MarkerInstance};
 use super::picture::{PICTURE_ATTRIBUTES, PictureInstance};
@@ -9,9 +10,6 @@ use wgpu::VertexStepMode::{Instance, Vertex};
 
 /// The format of the textures in which groups of strokes are drawn: gamma space, as everything here.
 pub(super) const GROUP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
-
-/// How a group's opacity lies in a vertex buffer.
-const COMPOSITE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![0 => Float32];
 
 #[derive(Debug)]
 pub(super) struct Pipelines {
@@ -88,7 +86,7 @@ impl Pipelines {
                     vertex_entry: "vs_composite",
                     fragment_entry: "fs_composite",
                     layouts: &[&view_layout, &group_layout],
-                    buffer: vertex_buffer::<f32>(Instance, &COMPOSITE_ATTRIBUTES),
+                    buffer: vertex_buffer::<GroupInstance>(Instance, &GROUP_ATTRIBUTES),
                     topology: strip,
                     format,
                 },

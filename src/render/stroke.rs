@@ -59,6 +59,7 @@ pub(super) fn append_segments(stroke: &Stroke, segments: &mut Vec<Segment>) {
 
 fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>) {
     let mut points = piece.to_vec();
+    close_exactly(&mut points);
     points.dedup();
     if points.len() < 2 {
         return;
@@ -85,6 +86,16 @@ fn append_piece(stroke: &Stroke, piece: &[[f32; 2]], segments: &mut Vec<Segment>
             rim_colour,
         });
         before_a += (b[0] - a[0]).hypot(b[1] - a[1]);
+    }
+}
+
+/// A line whose ends are as good as equal is closed: its last point becomes its first.
+fn close_exactly(points: &mut [[f32; 2]]) {
+    if let [first, .., last] = points
+        && (first[0] - last[0]).hypot(first[1] - last[1]) < 1e-2
+        && points.len() > 3
+    {
+        points[points.len() - 1] = points[0];
     }
 }
 

@@ -1,1 +1,36 @@
-//! The window: panels as functions of state.
+//! The window: panels as functions of the state.
+//!
+//! A panel reads the [`App`](crate::app::App) and pushes [`Action`](crate::app::Action)s; only the shell hands them to
+//! `App::update` and carries effects out. Everything that can be tested without widgets lives in `app`.
+
+mod camera_panel;
+mod canvas;
+mod dialogs;
+mod field_map;
+mod filmstrip;
+mod inspector;
+mod keys;
+mod loupe;
+mod menu;
+mod naming;
+mod notices;
+mod pictures;
+mod shell;
+mod status;
+mod theme;
+mod viewport;
+
+pub use pictures::{PictureState, Pictures};
+pub use shell::{Shell, run};
+
+use crate::app::{Action, App};
+
+/// What every panel gets.
+pub struct Panel<'a> {
+    /// The state.
+    pub app: &'a App,
+    /// Pictures and thumbnails of frames.
+    pub pictures: &'a mut Pictures,
+    /// What the user asks for.
+    pub actions: &'a mut Vec<Action>,
+}

@@ -3,6 +3,8 @@
 use image::{Rgba, RgbaImage};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 use touchline::app::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
+use touchline::geometry::ImageSize;
+use touchline::media;
 use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
 
 const WHITE: Colour = Colour::rgb(255, 255, 255);
@@ -26,7 +28,7 @@ fn stroke(points: Vec<[f32; 2]>, width_pt: f32) -> Stroke {
 }
 
 fn group(strokes: Vec<Stroke>, opacity: f32) -> Drawing {
-    Drawing { strokes: vec![StrokeGroup { strokes, opacity }], ..Drawing::default() }
+    Drawing { strokes: vec![StrokeGroup { strokes, opacity, clip_px: None }], ..Drawing::default() }
 }
 
 fn circle(centre: [f32; 2], radius: f32, points: u32) -> Vec<[f32; 2]> {
@@ -61,7 +63,9 @@ fn noise(width: u32, height: u32) -> RgbaImage {
 }
 
 fn picture(key: u64, pixels: RgbaImage) -> Layer {
-    Layer::Picture(Picture { key: PictureKey(key), pixels: Arc::new(pixels), brightness: 1.0 })
+    let size = ImageSize::new(pixels.width(), pixels.height());
+    let pixels = media::Picture::new(size, pixels.into_raw()).unwrap();
+    Layer::Picture(Picture { key: PictureKey(key), pixels, brightness: 1.0 })
 }
 
 #[test]
@@ -152,6 +156,19 @@ fn a_translucent_group_is_even_where_strokes_join_and_cross() {
     }
     let brightest = drawn.pixels().map(|pixel| pixel.0[2]).max();
     assert!(brightest <= Some(128), "nothing is covered twice: {brightest:?}");
+}
+
+#[test]
+fn a_clipped_group_ends_at_its_box() {
+    let mut drawing = group(vec![stroke(vec![[-5.0, 10.5], [60.0, 10.5]], 3.0)], 1.0);
+    drawing.strokes[0].clip_px = Some([8.0, 4.0, 20.0, 11.0]);
+    let view = View { scale: 2.0, offset_px: [-10.0, -10.0], ..View::one_to_one([60, 40]) };
+    let drawn = offscreen().render(&view, BLACK, &[Layer::Drawing(Arc::new(drawing))]).unwrap();
+    for (x, y, pixel) in drawn.enumerate_pixels() {
+        let inside = (6..30).contains(&x) && y < 12;
+        assert!(inside || pixel.0[0] == 0, "pixel {x}, {y} lies outside the box");
+    }
+    assert_eq!((drawn.get_pixel(6, 11).0[0], drawn.get_pixel(29, 11).0[0]), (255, 255));
 }
 
 #[test]

@@ -1,0 +1,225 @@
+//! What changes state, and what the outside then has to do.
+
+use super::session::{Filter, PictureView};
+use super::{Chord, Command, OverlayStyle};
+use crate::camera::Ptz;
+use crate::geometry::{ImagePoint, PixelBox};
+use crate::project::{Camera, Document, Edit, FieldSpec, RejectReason, Target};
+use std::path::PathBuf;
+
+/// What changes state; the window, the jobs and the tests all speak this.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Action {
+    /// A command by menu, key or palette.
+    Command(Command),
+    /// A key of a command that acts while it is held went down or up.
+    Hold(Command, bool),
+
+    /// The pointer is over the picture, or left it.
+    Hover(Option<ImagePoint>),
+    /// The primary button went down on the picture.
+    Press {
+        /// Where, px of the picture.
+        at: ImagePoint,
+        /// The click under the pointer, if any.
+        on: Option<usize>,
+    },
+    /// The pointer moved with the button down.
+    Drag(ImagePoint),
+    /// The button went up.
+    Release,
+    /// A click was selected, or none.
+    Select(Option<usize>),
+    /// The selected click moves by px of the picture.
+    Nudge {
+        /// To the right.
+        dx_px: f64,
+        /// Downwards.
+        dy_px: f64,
+    },
+    /// The picture is shown otherwise.
+    View(PictureView),
+    /// The scale at which the picture fits its canvas changed.
+    FitScale(f64),
+
+    /// What is typed while a point waits for its name.
+    TypeName(String),
+    /// A candidate on offer is under the pointer.
+    HighlightName(usize),
+    /// A candidate on offer is taken.
+    TakeName(usize),
+    /// Landmarks or lines are offered.
+    OfferLines(bool),
+    /// A landmark or line was picked on the field map or in a list.
+    Pick(Target),
+    /// A click gets a name.
+    Name {
+        /// Which click.
+        click: usize,
+        /// Its name.
+        target: Target,
+    },
+    /// A click is removed.
+    DeleteClick(usize),
+    /// A click is held out of the solve, or takes part again.
+    SetCheck {
+        /// Which click.
+        click: usize,
+        /// Held out.
+        check: bool,
+    },
+
+    /// Another frame.
+    GoTo(usize),
+    /// The frame (or its shot) is not calibratable.
+    RejectAs(RejectReason),
+    /// The frame's comment; empty: none.
+    SetComment(String),
+    /// The filmstrip shows other frames.
+    SetFilter(Filter),
+    /// A mask is drawn: for the camera, or for this frame only.
+    AddMask {
+        /// Of every frame of the camera.
+        of_camera: bool,
+        /// The box, px.
+        mask: PixelBox,
+    },
+    /// A mask is removed.
+    RemoveMask {
+        /// Of the camera, else of the frame.
+        of_camera: bool,
+        /// Which, from 0.
+        index: usize,
+    },
+
+    /// A number begins to change; the name is the undo step's.
+    BeginEdit(&'static str),
+    /// Pan, tilt and focal length by hand.
+    EditPtz(Ptz),
+    /// The frame's camera by hand.
+    EditCamera(Box<Camera>),
+    /// The field by hand.
+    EditField(FieldSpec),
+    /// The number is as wanted.
+    EndEdit,
+    /// The number goes back to what it was.
+    AbortEdit,
+    /// The frame's clicks decide again, instead of numbers by hand.
+    SolveAgain,
+
+    /// The overlay's style.
+    SetOverlayStyle(OverlayStyle),
+    /// A command gets a key.
+    AssignKey(Command, Chord),
+    /// Every key as it was delivered.
+    ResetKeys,
+    /// The inspector's details unfold or fold.
+    SetDetails(bool),
+    /// The dialog closes.
+    CloseDialog,
+    /// A message goes away.
+    DismissNotice(u64),
+    /// A message from outside.
+    Notify(super::session::Level, String),
+
+    /// A document, folder or video is to be opened.
+    Open(PathBuf),
+    /// It is open.
+    Opened(Box<Opened>),
+    /// It is not.
+    OpenFailed(String),
+    /// A camera base was read from another document.
+    CameraLoaded(Box<Camera>),
+    /// Every edit up to this revision is in the journal or the document.
+    Saved {
+        /// The revision.
+        revision: u64,
+        /// The local time, "12:03:41".
+        at: String,
+    },
+    /// Edits are only in memory.
+    SaveFailed(String),
+    /// The dataset was written.
+    Exported(PathBuf),
+    /// A copy was written.
+    Copied(PathBuf),
+    /// The window asked to close.
+    CloseRequested,
+}
+
+/// A document that has just been opened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Opened {
+    /// The document.
+    pub document: Document,
+    /// Its folder: what relative paths start from.
+    pub folder: PathBuf,
+    /// The file: `project.json`, or the dataset's.
+    pub file: PathBuf,
+    /// Why it can only be looked at, if so.
+    pub read_only: Option<String>,
+    /// What a person should know: recovered edits, a video shorter than it says.
+    pub notices: Vec<String>,
+}
+
+/// What the outside has to do; the shell hands it to `jobs` or to the window system.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Read a document, folder or video and report [`Action::Opened`].
+    Open(PathBuf),
+    /// Append an edit to the journal.
+    Journal {
+        /// What changed.
+        edit: Edit,
+        /// The document's revision with it.
+        revision: u64,
+    },
+    /// Write the document.
+    Save {
+        /// The document.
+        document: Document,
+        /// Its revision.
+        revision: u64,
+    },
+    /// Write a copy of the project into a folder.
+    SaveCopy {
+        /// The document.
+        document: Document,
+        /// Where.
+        folder: PathBuf,
+    },
+    /// Write the dataset.
+    Export {
+        /// The document.
+        document: Document,
+        /// Where.
+        file: PathBuf,
+    },
+    /// Open a fresh copy of the demo match.
+    OpenDemo,
+    /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].
+    LoadCamera(PathBuf),
+    /// Ask for a path.
+    Ask(Question),
+    /// Write the settings.
+    SaveSettings,
+    /// Everything is on disk: close the window.
+    Close,
+}
+
+/// What the file dialog asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// A project or dataset to open.
+    Project,
+    /// A folder of frames to open.
+    Folder,
+    /// A video to open.
+    Video,
+    /// Where to write a copy of the project.
+    CopyTo,
+    /// Where to write the dataset.
+    ExportTo,
+    /// The document to take a camera from.
+    CameraFrom,
+}

@@ -1,0 +1,103 @@
+//! The document that is open, with its history.
+
+use super::action::Opened;
+use crate::field::{FieldError, FieldModel};
+use crate::project::{Document, Edit, FieldSpec, Frame, FrameStatus, History, Shared, Step};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// The document that is open.
+#[derive(Debug)]
+pub struct OpenProject {
+    /// The document as it is now.
+    pub document: Document,
+    /// Undo and redo.
+    pub history: History<Document>,
+    /// What relative paths start from.
+    pub folder: PathBuf,
+    /// The file.
+    pub file: PathBuf,
+    /// Why it can only be looked at, if so.
+    pub read_only: Option<String>,
+    /// Counts every edit that was journalled.
+    pub revision: u64,
+    journalled: Document,
+    model: Option<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,
+}
+
+impl OpenProject {
+    /// Nothing has been done yet.
+    #[must_use]
+    pub fn new(opened: Opened) -> Self {
+        Self {
+            journalled: opened.document.clone(),
+            document: opened.document,
+            history: History::default(),
+            folder: opened.folder,
+            file: opened.file,
+            read_only: opened.read_only,
+            revision: 0,
+            model: None,
+        }
+    }
+
+    /// A frame by its place.
+    #[must_use]
+    pub fn frame(&self, index: usize) -> Option<&Frame> {
+        self.document.frames.get(index).map(|frame| &**frame)
+    }
+
+    /// What has changed since the last time this was asked, to be journalled; none if nothing has.
+    pub(super) fn take_edit(&mut self, name: &str) -> Option<Edit> {
+        let edit = Edit::between(&self.journalled, &self.document, name);
+        if edit.is_empty() {
+            return None;
+        }
+        self.journalled = self.document.clone();
+        self.revision += 1;
+        Some(edit)
+    }
+
+    /// The field that a frame shows, its parameters filled in. The last one is kept.
+    ///
+    /// # Errors
+    /// There is no such template, or it does not take a parameter or its value.
+    pub fn field_of(&mut self, index: usize) -> Result<Arc<FieldModel>, FieldError> {
+        let spec = match self.document.frames.get(index) {
+            Some(frame) => self.document.field_of(frame),
+            None => &self.document.field,
+        };
+        if let Some((known, model)) = &self.model
+            && known == spec
+        {
+            return model.clone();
+        }
+        let spec = spec.clone();
+        let model = spec.model(&self.folder).map(Arc::new);
+        self.model = Some((spec, model.clone()));
+        model
+    }
+
+    /// How many frames have each status.
+    #[must_use]
+    pub fn count(&self, status: FrameStatus) -> usize {
+        self.document.frames.iter().filter(|frame| frame.status == status).count()
+    }
+
+    /// The next frame from `from` (not itself) in a direction for which `wanted` holds; the search does not wrap.
+    #[must_use]
+    pub fn find(&self, from: usize, forward: bool, wanted: impl Fn(&Frame) -> bool) -> Option<usize> {
+        let frames = &self.document.frames;
+        let is_wanted = |index: &usize| frames.get(*index).is_some_and(|frame: &Shared<Frame>| wanted(frame));
+        if forward {
+            (from + 1..frames.len()).find(is_wanted)
+        } else {
+            (0..from.min(frames.len())).rev().find(is_wanted)
+        }
+    }
+
+    /// Begins a step of undo.
+    pub(super) fn begin(&mut self, step: Step) {
+        self.history.begin(&self.document, step);
+    }
+}

@@ -1,0 +1,283 @@
+//! What the window shows and what has been begun: not saved, not undone.
+
+use super::Command;
+use super::naming::NameCandidate;
+use crate::geometry::ImagePoint;
+use crate::project::{FrameStatus, Target};
+
+/// How many candidates are offered at the cursor.
+pub const OFFERED: usize = 5;
+
+/// What the window shows and what has been begun.
+#[derive(Debug, Default)]
+pub struct Session {
+    /// The current frame's place in the document.
+    pub frame: usize,
+    /// The selected click of the current frame.
+    pub selected: Option<usize>,
+    /// What has been begun.
+    pub mode: Mode,
+    /// Where the pointer is over the picture, px of the picture.
+    pub hover: Option<ImagePoint>,
+    /// The next click is a point on a line.
+    pub next_on_line: bool,
+    /// Which frames the filmstrip shows.
+    pub filter: Filter,
+    /// What the right-hand side shows.
+    pub panel: Panel,
+    /// What lies over the window.
+    pub dialog: Option<Dialog>,
+    /// How the picture is shown; kept from frame to frame.
+    pub view: PictureView,
+    /// Commands that act while their key is down.
+    pub held: Held,
+    /// The masks are shown and can be drawn.
+    pub masks: bool,
+    /// Messages, the latest last.
+    pub notices: Vec<Notice>,
+    /// How far what was done is on disk.
+    pub saving: Saving,
+    /// A document is being read.
+    pub opening: Option<String>,
+    /// The window may close once everything is on disk.
+    pub closing: bool,
+    /// The scale at which the picture fits its canvas, screen px per px of the picture; the viewport keeps it true.
+    pub fit_scale: f64,
+    next_notice: u64,
+}
+
+/// What has been begun and not ended.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Mode {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// A point is held by the pointer.
+    Dragging {
+        /// Which click.
+        click: usize,
+        /// It was placed by this very press and has no name yet.
+        placed: bool,
+    },
+    /// A point waits for its name.
+    Naming(Naming),
+    /// Landmark first: the next click in the picture shows this.
+    Placing(Target),
+    /// The reason is asked for.
+    Rejecting {
+        /// For every frame of the shot.
+        whole_shot: bool,
+    },
+    /// A number is being changed.
+    Editing,
+}
+
+/// A point that waits for its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Naming {
+    /// Which click.
+    pub click: usize,
+    /// Every name it may get, best first.
+    pub candidates: Vec<NameCandidate>,
+    /// What has been typed to filter them.
+    pub typed: String,
+    /// Lines are offered and not landmarks.
+    pub lines: bool,
+    /// The candidate under the pointer or chosen with the arrow keys, within those offered.
+    pub highlighted: usize,
+}
+
+impl Naming {
+    /// The candidates on offer: at most [`OFFERED`], after the filter.
+    #[must_use]
+    pub fn offered(&self) -> Vec<&NameCandidate> {
+        let mut matching = super::naming::matching(&self.candidates, &self.typed);
+        matching.truncate(OFFERED);
+        matching
+    }
+
+    /// The candidate that Enter takes.
+    #[must_use]
+    pub fn chosen(&self) -> Option<&NameCandidate> {
+        self.offered().get(self.highlighted).copied()
+    }
+}
+
+/// Which frames the filmstrip shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// All of them.
+    #[default]
+    All,
+    /// Neither accepted nor rejected.
+    NeedsMe,
+    /// One status.
+    Status(FrameStatus),
+}
+
+impl Filter {
+    /// Every filter, in the order of the list.
+    pub const ALL: [Self; 7] = [
+        Self::All,
+        Self::NeedsMe,
+        Self::Status(FrameStatus::New),
+        Self::Status(FrameStatus::Draft),
+        Self::Status(FrameStatus::Suggested),
+        Self::Status(FrameStatus::Reference),
+        Self::Status(FrameStatus::Rejected),
+    ];
+
+    /// Whether a frame of this status is shown.
+    #[must_use]
+    pub fn shows(self, status: FrameStatus) -> bool {
+        match self {
+            Self::All => true,
+            Self::NeedsMe => needs_me(status),
+            Self::Status(wanted) => status == wanted,
+        }
+    }
+
+    /// What the list says.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::All => "All frames",
+            Self::NeedsMe => "Needs me",
+            Self::Status(status) => status_label(status),
+        }
+    }
+}
+
+/// Whether somebody still has to look at a frame.
+#[must_use]
+pub const fn needs_me(status: FrameStatus) -> bool {
+    matches!(status, FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested)
+}
+
+/// A status as a person reads it.
+#[must_use]
+pub const fn status_label(status: FrameStatus) -> &'static str {
+    match status {
+        FrameStatus::New => "New",
+        FrameStatus::Draft => "Draft",
+        FrameStatus::Suggested => "Suggested",
+        FrameStatus::Reference => "Reference",
+        FrameStatus::Rejected => "Rejected",
+    }
+}
+
+/// What the right-hand side shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Panel {
+    /// Field map, clicks, solution, verdict.
+    #[default]
+    Frame,
+    /// The frame's camera.
+    Camera,
+}
+
+/// What lies over the window.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Dialog {
+    /// Every command, by typing.
+    Palette,
+    /// Every key.
+    Keys,
+    /// Version, licence, citation.
+    About,
+    /// Colour, width and opacity of the overlay.
+    OverlayStyle,
+    /// A comment on the frame.
+    Comment(String),
+}
+
+/// How the picture lies in its canvas.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum PictureView {
+    /// The whole picture.
+    #[default]
+    Fit,
+    /// Enlarged.
+    Zoomed {
+        /// Screen px per px of the picture.
+        scale: f64,
+        /// What lies in the middle of the canvas, px of the picture.
+        centre: ImagePoint,
+    },
+}
+
+/// Commands that act while their key is down.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Held {
+    /// The overlay is hidden.
+    pub hide_overlay: bool,
+    /// The other solution is shown.
+    pub compare: bool,
+}
+
+/// How far what was done is on disk.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Saving {
+    /// Nothing has been done.
+    #[default]
+    Untouched,
+    /// An edit is on its way.
+    Pending,
+    /// Every edit is on disk.
+    Saved {
+        /// The local time, "12:03:41".
+        at: String,
+    },
+    /// Edits are only in memory.
+    Failed {
+        /// One line.
+        message: String,
+        /// The time of the last success, if any.
+        since: Option<String>,
+    },
+}
+
+/// A message that does not steal the focus.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Notice {
+    /// Tells messages apart.
+    pub id: u64,
+    /// How serious it is.
+    pub level: Level,
+    /// One or two sentences.
+    pub text: String,
+    /// A way out, as a button.
+    pub offer: Option<(&'static str, Command)>,
+}
+
+/// How serious a message is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Good to know; goes away by itself.
+    Info,
+    /// Stays until it is closed.
+    Warning,
+    /// Something failed; stays until it is closed.
+    Error,
+}
+
+impl Session {
+    /// Shows a message; one that says the same is replaced.
+    pub fn notify(&mut self, level: Level, text: impl Into<String>) {
+        self.notify_with(level, text, None);
+    }
+
+    /// Shows a message with a way out.
+    pub fn notify_with(&mut self, level: Level, text: impl Into<String>, offer: Option<(&'static str, Command)>) {
+        /// More would hide the picture.
+        const SHOWN: usize = 4;
+        let text = text.into();
+        self.notices.retain(|notice| notice.text != text);
+        self.next_notice += 1;
+        self.notices.push(Notice { id: self.next_notice, level, text, offer });
+        if self.notices.len() > SHOWN {
+            let gone = self.notices.iter().position(|notice| notice.level == Level::Info).unwrap_or(0);
+            self.notices.remove(gone);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Placing, moving and removing clicks.
+
+use super::App;
+use crate::app::session::{Level, Mode};
+use crate::geometry::ImagePoint;
+use crate::project::{Click, FrameStatus};
+
+impl App {
+    pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
+        let Some(frame) = self.frame() else { return };
+        if !at.is_finite() {
+            return;
+        }
+        let size = frame.image_size;
+        let rejected = frame.status == FrameStatus::Rejected;
+        if let Mode::Naming(_) = self.session.mode {
+            self.leave_naming();
+            if on.is_none() {
+                return;
+            }
+        }
+        if matches!(self.session.mode, Mode::Rejecting { .. }) {
+            self.session.mode = Mode::Idle;
+            return;
+        }
+        if let Some(click) = on {
+            let name = self.click_name(click);
+            self.session.selected = Some(click);
+            if self.begin(format!("Move {name}")) {
+                self.session.mode = Mode::Dragging { click, placed: false };
+            }
+            return;
+        }
+        if !size.contains(at) {
+            self.session.selected = None;
+            return;
+        }
+        if rejected {
+            self.session.notify(Level::Info, "This frame is marked as not calibratable. X takes the mark away.");
+            return;
+        }
+        let placing = match std::mem::take(&mut self.session.mode) {
+            Mode::Placing(target) => Some(target),
+            _ => None,
+        };
+        let click = match placing {
+            Some(target) => Click::new(target, at),
+            None => Click::unnamed(at),
+        };
+        let placed = click.target.is_none();
+        if !self.begin("Place point") {
+            return;
+        }
+        let Some(frame) = self.frame_mut() else { return };
+        frame.clicks.push(click);
+        let index = frame.clicks.len() - 1;
+        self.session.selected = Some(index);
+        self.session.mode = Mode::Dragging { click: index, placed };
+        if placed {
+            self.name_if_certain(index);
+        }
+        self.clicks_changed();
+    }
+
+    pub(super) fn drag(&mut self, to: ImagePoint) {
+        let Mode::Dragging { click, placed } = self.session.mode else { return };
+        self.move_click(click, to);
+        if placed {
+            self.name_if_certain(click);
+        }
+        self.clicks_changed();
+    }
+
+    pub(super) fn release(&mut self) {
+        let Mode::Dragging { click, .. } = self.session.mode else { return };
+        self.session.mode = Mode::Idle;
+        self.commit();
+        let unnamed =
+            self.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none());
+        if unnamed {
+            self.open_naming(click);
+        }
+    }
+
+    /// Puts a click somewhere within the picture.
+    fn move_click(&mut self, click: usize, to: ImagePoint) {
+        let Some(frame) = self.frame_mut() else { return };
+        let (width, height) = (f64::from(frame.image_size.width), f64::from(frame.image_size.height));
+        if let Some(click) = frame.clicks.get_mut(click)
+            && to.is_finite()
+        {
+            click.image = ImagePoint::new(to.x.clamp(0.0, width), to.y.clamp(0.0, height));
+        }
+    }
+
+    pub(super) fn select(&mut self, click: Option<usize>) {
+        self.session.selected = click;
+        self.clamp_selection();
+    }
+
+    pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64) {
+        let Some(click) = self.session.selected else { return };
+        let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
+        let name = self.click_name(click);
+        if self.begin(format!("Nudge {name}")) {
+            self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    pub(super) fn delete_click(&mut self, click: usize) {
+        if self.frame().is_none_or(|frame| click >= frame.clicks.len()) {
+            return;
+        }
+        let name = self.click_name(click);
+        self.session.mode = Mode::Idle;
+        if self.begin(format!("Delete {name}")) {
+            if let Some(frame) = self.frame_mut() {
+                frame.clicks.remove(click);
+            }
+            self.session.selected = None;
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    pub(super) fn set_check(&mut self, click: usize, check: bool) {
+        let name = self.click_name(click);
+        let step = if check { format!("Hold out {name}") } else { format!("Use {name}") };
+        if self.begin(step) {
+            if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+                click.check = check;
+            }
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    /// Selects the next or previous click of the frame, round and round.
+    pub(super) fn step_click(&mut self, forward: bool) {
+        let count = self.frame().map_or(0, |frame| frame.clicks.len());
+        if count == 0 {
+            return;
+        }
+        self.session.selected = Some(match (self.session.selected, forward) {
+            (None, true) => 0,
+            (None, false) => count - 1,
+            (Some(click), true) => (click + 1) % count,
+            (Some(click), false) => (click + count - 1) % count,
+        });
+    }
+
+    /// What messages and undo call a click: its label in lower case.
+    pub(super) fn click_name(&self, click: usize) -> String {
+        let target = self.frame().and_then(|frame| frame.clicks.get(click)).and_then(|click| click.target.as_ref());
+        target.map_or_else(|| "point".to_owned(), |target| self.label(target))
+    }
+}

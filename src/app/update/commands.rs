@@ -1,0 +1,244 @@
+//! What each command does.
+
+use super::App;
+use crate::app::action::{Effect, Question};
+use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, needs_me};
+use crate::app::{Chord, Command};
+use crate::project::FrameStatus;
+
+/// One step of the zoom keys.
+const ZOOM_STEP: f64 = 1.25;
+/// The scale of "zoom to the point".
+const POINT_SCALE: f64 = 8.0;
+/// The picture is enlarged at most this much.
+pub const MAX_SCALE: f64 = 32.0;
+
+impl App {
+    /// Why a command makes no sense right now; none if it does.
+    #[must_use]
+    pub fn why_not(&self, command: Command) -> Option<&'static str> {
+        use Command as C;
+        let no_document = self.open.is_none();
+        let no_frame = self.frame().is_none();
+        let no_selection = self.session.selected.is_none();
+        match command {
+            C::OpenProject
+            | C::OpenFolder
+            | C::OpenVideo
+            | C::OpenDemo
+            | C::Quit
+            | C::Cancel
+            | C::Palette
+            | C::Keys
+            | C::About
+            | C::OverlayStyle => None,
+            _ if no_document => Some("Nothing is open."),
+            C::Save if self.is_read_only() => Some("The document is open to look at only."),
+            C::Undo if !self.can_undo() => Some("There is nothing to undo."),
+            C::Redo if !self.can_redo() => Some("There is nothing to redo."),
+            C::Save | C::SaveAs | C::Export | C::Undo | C::Redo | C::ShowFieldMap | C::CameraPanel => None,
+            _ if no_frame => Some("The document has no frames."),
+            C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
+                Some("No point is selected.")
+            }
+            C::SwitchRoot | C::Compare if self.current.other_root().is_none() => {
+                Some("Only one focal length fits these points.")
+            }
+            _ => None,
+        }
+    }
+
+    fn is_read_only(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.read_only.is_some())
+    }
+
+    fn can_undo(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.history.is_open() || open.history.next_undo().is_some())
+    }
+
+    fn can_redo(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| open.history.next_redo().is_some())
+    }
+
+    pub(super) fn command(&mut self, command: Command) {
+        use Command as C;
+        if let Some(reason) = self.why_not(command) {
+            self.session.notify(Level::Info, reason);
+            return;
+        }
+        match command {
+            C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
+            C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
+            C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
+            C::OpenDemo => {
+                self.session.opening = Some("Opening the demo match…".to_owned());
+                self.effects.push(Effect::OpenDemo);
+            }
+            C::Save => self.save(),
+            C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
+            C::Export => self.effects.push(Effect::Ask(Question::ExportTo)),
+            C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
+            C::Quit => self.close_requested(),
+            C::Undo => self.undo(true),
+            C::Redo => self.undo(false),
+            C::DeleteClick => {
+                if let Some(click) = self.session.selected {
+                    self.delete_click(click);
+                }
+            }
+            C::RenameClick => {
+                if let Some(click) = self.session.selected {
+                    self.open_naming(click);
+                }
+            }
+            C::PlaceOnLine => match &self.session.mode {
+                Mode::Naming(naming) => self.offer_lines(!naming.lines),
+                _ => self.session.next_on_line = !self.session.next_on_line,
+            },
+            C::ToggleCheck => {
+                let selected = self.session.selected;
+                let check = selected.and_then(|click| Some(self.frame()?.clicks.get(click)?.check));
+                if let (Some(click), Some(check)) = (selected, check) {
+                    self.set_check(click, !check);
+                }
+            }
+            C::NextClick => self.step_click(true),
+            C::PreviousClick => self.step_click(false),
+            C::Cancel => self.cancel(),
+            C::NextFrame => self.step_frame(1),
+            C::PreviousFrame => self.step_frame(-1),
+            C::NextTenFrames => self.step_frame(10),
+            C::PreviousTenFrames => self.step_frame(-10),
+            C::NextNeedsMe => self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you."),
+            C::PreviousNeedsMe => self.go_to_next(false, |frame| needs_me(frame.status), "Nothing needs you."),
+            C::NextReference => self.go_to_next(
+                true,
+                |frame| frame.status == FrameStatus::Reference,
+                "There is no other reference yet.",
+            ),
+            C::PreviousReference => self.go_to_next(
+                false,
+                |frame| frame.status == FrameStatus::Reference,
+                "There is no other reference yet.",
+            ),
+            C::Accept => self.accept(false),
+            C::AcceptAndStay => self.accept(true),
+            C::Reject => self.ask_reject(false),
+            C::RejectShot => self.ask_reject(true),
+            C::Comment => {
+                let comment = self.frame().and_then(|frame| frame.comment.clone()).unwrap_or_default();
+                self.session.dialog = Some(Dialog::Comment(comment));
+            }
+            C::SwitchRoot => self.switch_root(),
+            C::ZoomIn => self.zoom_by(ZOOM_STEP),
+            C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
+            C::ZoomToFit => self.session.view = PictureView::Fit,
+            C::ZoomToClick => self.zoom_to_click(),
+            C::HideOverlay => self.session.held.hide_overlay = !self.session.held.hide_overlay,
+            C::Compare => self.session.held.compare = !self.session.held.compare,
+            C::OverlayStyle => self.session.dialog = Some(Dialog::OverlayStyle),
+            C::ShowMasks => self.session.masks = !self.session.masks,
+            C::ShowFieldMap => {
+                self.settings.field_map = !self.settings.field_map;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::CameraPanel => {
+                self.session.panel = match self.session.panel {
+                    Panel::Frame => Panel::Camera,
+                    Panel::Camera => Panel::Frame,
+                };
+            }
+            C::Palette => self.session.dialog = Some(Dialog::Palette),
+            C::Keys => self.session.dialog = Some(Dialog::Keys),
+            C::About => self.session.dialog = Some(Dialog::About),
+        }
+    }
+
+    pub(super) fn hold(&mut self, command: Command, down: bool) {
+        match command {
+            Command::HideOverlay => self.session.held.hide_overlay = down,
+            Command::Compare => self.session.held.compare = down && self.current.other_root().is_some(),
+            _ => {}
+        }
+    }
+
+    /// Leaves what lies on top: dialog, names, drag, placing, line; then the selection.
+    fn cancel(&mut self) {
+        if self.session.dialog.take().is_some() {
+            return;
+        }
+        match &self.session.mode {
+            Mode::Dragging { .. } | Mode::Editing => self.abort(),
+            Mode::Naming(naming) => {
+                let click = naming.click;
+                self.leave_naming();
+                // A point that was just placed and gets no name was not meant.
+                let unnamed = self.frame().and_then(|frame| frame.clicks.get(click));
+                if unnamed.is_some_and(|click| click.target.is_none()) {
+                    self.delete_click(click);
+                }
+            }
+            Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
+            Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
+            Mode::Idle => self.session.selected = None,
+        }
+    }
+
+    /// Takes the last step back, or does it again. A step on another frame is gone to first and said; the second press
+    /// changes it.
+    fn undo(&mut self, back: bool) {
+        self.session.mode = Mode::Idle;
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+        let Some(open) = &mut self.open else { return };
+        let next = if back { open.history.next_undo() } else { open.history.next_redo() };
+        let Some(step) = next.cloned() else { return };
+        let word = if back { "undo" } else { "redo" };
+        if let Some(frame) = step.frame.filter(|frame| *frame != self.session.frame) {
+            self.go_to(frame);
+            let text = format!("The last change was here: {}. Press again to {word} it.", step.name);
+            self.session.notify(Level::Info, text);
+            return;
+        }
+        if back {
+            open.history.undo(&mut open.document);
+        } else {
+            open.history.redo(&mut open.document);
+        }
+        let title = if back { "Undone" } else { "Done again" };
+        self.journal(&format!("{title}: {}", step.name));
+        self.session.notify(Level::Info, format!("{title}: {}.", step.name));
+        self.clamp_selection();
+    }
+
+    fn zoom_by(&mut self, factor: f64) {
+        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        let (scale, centre) = match self.session.view {
+            PictureView::Zoomed { scale, centre } => (scale, centre),
+            PictureView::Fit => (self.session.fit_scale, size.centre()),
+        };
+        let wanted = scale * factor;
+        self.session.view = if wanted <= self.session.fit_scale {
+            PictureView::Fit
+        } else {
+            PictureView::Zoomed { scale: wanted.min(MAX_SCALE), centre }
+        };
+    }
+
+    fn zoom_to_click(&mut self) {
+        let click = self.session.selected.and_then(|click| self.frame()?.clicks.get(click));
+        if let Some(centre) = click.map(|click| click.image) {
+            self.session.view = PictureView::Zoomed { scale: POINT_SCALE, centre };
+        }
+    }
+
+    pub(super) fn assign_key(&mut self, command: Command, chord: Chord) {
+        let shown = chord.to_string();
+        if let Some(loser) = self.settings.keys.assign(command, chord) {
+            let text = format!("{shown} is now “{}”; “{}” has no key any more.", command.name(), loser.name());
+            self.session.notify(Level::Info, text);
+        }
+        self.effects.push(Effect::SaveSettings);
+    }
+}

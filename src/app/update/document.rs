@@ -1,0 +1,99 @@
+//! Opening, saving and closing.
+
+use super::App;
+use crate::app::OpenProject;
+use crate::app::action::{Effect, Opened, Question};
+use crate::app::session::{Level, Mode, Saving, Session};
+use std::path::PathBuf;
+
+impl App {
+    pub(super) fn open_path(&mut self, path: PathBuf) {
+        self.session.opening = Some(format!("Opening {}…", path.display()));
+        self.effects.push(Effect::Open(path));
+    }
+
+    pub(super) fn opened(&mut self, opened: Opened) {
+        let panel = self.session.panel;
+        self.session = Session::default();
+        self.session.panel = panel;
+        for text in &opened.notices {
+            self.session.notify(Level::Warning, text.clone());
+        }
+        if let Some(reason) = &opened.read_only {
+            self.session.notify(Level::Warning, format!("Opened to look at only: {reason}"));
+        }
+        self.settings.remember(&opened.file);
+        self.effects.push(Effect::SaveSettings);
+        let open = OpenProject::new(opened);
+        // Go on where work is left.
+        let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame.status));
+        self.session.frame = first.unwrap_or(0);
+        self.open = Some(open);
+    }
+
+    pub(super) fn save(&mut self) {
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+        let Some(open) = &self.open else { return };
+        if open.read_only.is_none() {
+            self.effects.push(Effect::Save { document: open.document.clone(), revision: open.revision });
+        }
+    }
+
+    /// Takes what the shell asked for.
+    pub fn answer(&mut self, question: Question, path: PathBuf) -> Vec<Effect> {
+        match (question, &self.open) {
+            (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
+            (Question::CopyTo, Some(open)) => {
+                self.effects.push(Effect::SaveCopy { document: open.document.clone(), folder: path });
+            }
+            (Question::ExportTo, Some(open)) => {
+                self.effects.push(Effect::Export { document: open.document.to_dataset(), file: path });
+            }
+            (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
+            (_, None) => {}
+        }
+        std::mem::take(&mut self.effects)
+    }
+
+    pub(super) fn saved(&mut self, revision: u64, at: String) {
+        let newest = self.open.as_ref().map_or(0, |open| open.revision);
+        if revision >= newest {
+            self.session.saving = Saving::Saved { at };
+            if self.session.closing {
+                self.effects.push(Effect::Close);
+            }
+        }
+    }
+
+    pub(super) fn save_failed(&mut self, message: String) {
+        let since = match std::mem::take(&mut self.session.saving) {
+            Saving::Saved { at } => Some(at),
+            Saving::Failed { since, .. } => since,
+            Saving::Untouched | Saving::Pending => None,
+        };
+        self.session.closing = false;
+        self.session.saving = Saving::Failed { message, since };
+    }
+
+    /// Writes everything, then closes; at once if there is nothing to write.
+    pub(super) fn close_requested(&mut self) {
+        if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
+            self.abort();
+        }
+        let nothing_to_write =
+            self.session.saving == Saving::Untouched || self.open.as_ref().is_none_or(|open| open.read_only.is_some());
+        if nothing_to_write {
+            self.effects.push(Effect::Close);
+            return;
+        }
+        if matches!(self.session.saving, Saving::Failed { .. }) && self.session.closing {
+            // Asked twice although it was said that edits are only in memory.
+            self.effects.push(Effect::Close);
+            return;
+        }
+        self.session.closing = true;
+        self.save();
+    }
+}

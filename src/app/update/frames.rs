@@ -1,0 +1,173 @@
+//! Going from frame to frame, accepting and rejecting them.
+
+use super::App;
+use crate::app::session::{Level, Mode, needs_me};
+use crate::geometry::PixelBox;
+use crate::project::{Frame, FrameStatus, RejectReason, Step};
+
+/// A mask smaller than this is a slip of the hand, px.
+const SMALLEST_MASK_PX: f64 = 3.0;
+
+impl App {
+    pub(super) fn go_to(&mut self, frame: usize) {
+        let count = self.open.as_ref().map_or(0, |open| open.document.frames.len());
+        let frame = frame.min(count.saturating_sub(1));
+        if frame == self.session.frame {
+            return;
+        }
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+        self.session.frame = frame;
+        self.session.selected = None;
+        self.session.hover = None;
+        self.session.mode = Mode::Idle;
+    }
+
+    pub(super) fn step_frame(&mut self, by: isize) {
+        self.go_to(self.session.frame.saturating_add_signed(by));
+    }
+
+    pub(super) fn go_to_next(&mut self, forward: bool, wanted: impl Fn(&Frame) -> bool, none: &str) {
+        let Some(open) = &self.open else { return };
+        let (here, end) = (self.session.frame, open.document.frames.len());
+        // Past the end the search goes on from the other end.
+        let around = || {
+            if forward {
+                (0..here).find(|index| open.frame(*index).is_some_and(&wanted))
+            } else {
+                open.find(end, false, &wanted).filter(|frame| *frame > here)
+            }
+        };
+        match open.find(here, forward, &wanted).or_else(around) {
+            Some(frame) => self.go_to(frame),
+            None => self.session.notify(Level::Info, none),
+        }
+    }
+
+    pub(super) fn accept(&mut self, stay: bool) {
+        let Some(frame) = self.frame() else { return };
+        if let Some(unnamed) = frame.clicks.iter().position(|click| click.target.is_none()) {
+            let text = format!("Point {} has no name yet: name it (C) or delete it (Del), then accept.", unnamed + 1);
+            self.session.notify(Level::Warning, text);
+            self.session.selected = Some(unnamed);
+            return;
+        }
+        if frame.ptz.is_none() {
+            let text = match &self.current.solution {
+                Some(Err(error)) => format!("Nothing to accept: {error}."),
+                _ => "Nothing to accept yet: click two points first, or mark the frame with X.".to_owned(),
+            };
+            self.session.notify(Level::Warning, text);
+            return;
+        }
+        if self.begin("Accept") {
+            if let Some(frame) = self.frame_mut() {
+                frame.status = FrameStatus::Reference;
+                frame.reason = None;
+            }
+            self.commit();
+            let (references, left) = self.open.as_ref().map_or((0, 0), |open| {
+                let left = open.document.frames.iter().filter(|frame| needs_me(frame.status)).count();
+                (open.count(FrameStatus::Reference), left)
+            });
+            let plural = if references == 1 { "" } else { "s" };
+            let text = format!("Reference saved: {references} reference{plural}, {left} left.");
+            self.session.notify(Level::Info, text);
+            if !stay {
+                self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you.");
+            }
+        }
+    }
+
+    /// Asks for the reason; a frame that is marked already loses the mark.
+    pub(super) fn ask_reject(&mut self, whole_shot: bool) {
+        let Some(frame) = self.frame() else { return };
+        if frame.status == FrameStatus::Rejected && !whole_shot {
+            if self.begin("Take the mark away") {
+                if let Some(frame) = self.frame_mut() {
+                    frame.status = if frame.clicks.is_empty() && frame.ptz.is_none() {
+                        FrameStatus::New
+                    } else {
+                        FrameStatus::Draft
+                    };
+                    frame.reason = None;
+                }
+                self.commit();
+            }
+            return;
+        }
+        if whole_shot && frame.clip.is_none() {
+            self.session.notify(Level::Info, "This frame belongs to no shot: X marks it alone.");
+            return;
+        }
+        self.session.mode = Mode::Rejecting { whole_shot };
+    }
+
+    pub(super) fn reject_as(&mut self, reason: RejectReason) {
+        let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
+        self.session.mode = Mode::Idle;
+        let Some(frame) = self.frame() else { return };
+        let clip = frame.clip.clone();
+        let camera = frame.camera.clone();
+        let step = if whole_shot { "Mark shot as not calibratable" } else { "Mark as not calibratable" };
+        if !self.begin(step) {
+            return;
+        }
+        let index = self.session.frame;
+        if let Some(open) = &mut self.open {
+            for (other, frame) in open.document.frames.iter_mut().enumerate() {
+                if other == index || (whole_shot && frame.clip == clip && frame.camera == camera) {
+                    frame.status = FrameStatus::Rejected;
+                    frame.reason = Some(reason);
+                }
+            }
+        }
+        self.commit();
+        self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you.");
+    }
+
+    pub(super) fn set_comment(&mut self, comment: &str) {
+        self.session.dialog = None;
+        if self.begin("Comment") {
+            if let Some(frame) = self.frame_mut() {
+                frame.comment = Some(comment.trim().to_owned()).filter(|comment| !comment.is_empty());
+            }
+            self.commit();
+        }
+    }
+
+    pub(super) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
+        if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
+            return;
+        }
+        self.change_masks(of_camera, "Draw mask", |masks| masks.push(mask));
+    }
+
+    pub(super) fn remove_mask(&mut self, of_camera: bool, index: usize) {
+        self.change_masks(of_camera, "Remove mask", |masks| {
+            if index < masks.len() {
+                masks.remove(index);
+            }
+        });
+    }
+
+    fn change_masks(&mut self, of_camera: bool, name: &str, change: impl FnOnce(&mut Vec<PixelBox>)) {
+        let step = if of_camera { Step::on_document(name) } else { Step::on_frame(name, self.session.frame) };
+        if !self.begin_step(step) {
+            return;
+        }
+        let index = self.session.frame;
+        if let Some(open) = &mut self.open {
+            let camera = open.document.frames.get(index).map(|frame| frame.camera.clone());
+            if of_camera {
+                if let Some(camera) = camera.and_then(|id| open.document.camera_mut(&id)) {
+                    change(&mut camera.masks);
+                }
+            } else if let Some(frame) = open.document.frames.get_mut(index) {
+                change(&mut frame.masks);
+            }
+        }
+        self.commit();
+    }
+}

@@ -1,0 +1,217 @@
+//! The only place that changes state: an action in, effects out.
+
+mod clicks;
+mod commands;
+mod document;
+mod frames;
+mod naming;
+mod numbers;
+
+pub use commands::MAX_SCALE;
+
+use super::action::{Action, Effect};
+use super::current::Current;
+use super::session::{Level, Mode, Saving, Session};
+use super::{OpenProject, Settings};
+use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate, solved_neighbours};
+use crate::solve::SolveError;
+
+/// The whole application without a window.
+#[derive(Debug, Default)]
+pub struct App {
+    /// What belongs to the user.
+    pub settings: Settings,
+    /// What the window shows and what has been begun.
+    pub session: Session,
+    open: Option<OpenProject>,
+    current: Current,
+    effects: Vec<Effect>,
+}
+
+impl App {
+    /// An application with nothing open.
+    #[must_use]
+    pub fn new(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
+    /// The document that is open.
+    #[must_use]
+    pub const fn open(&self) -> Option<&OpenProject> {
+        self.open.as_ref()
+    }
+
+    /// The frame that is shown.
+    #[must_use]
+    pub fn frame(&self) -> Option<&Frame> {
+        self.open.as_ref()?.frame(self.session.frame)
+    }
+
+    /// The shown frame, solved.
+    #[must_use]
+    pub const fn current(&self) -> &Current {
+        &self.current
+    }
+
+    /// Changes state; what the outside then has to do is returned in order.
+    pub fn update(&mut self, action: Action) -> Vec<Effect> {
+        self.apply(action);
+        self.current = Current::derive(self.open.as_mut(), &self.session);
+        std::mem::take(&mut self.effects)
+    }
+
+    fn apply(&mut self, action: Action) {
+        match action {
+            Action::Command(command) => self.command(command),
+            Action::Hold(command, down) => self.hold(command, down),
+            Action::Hover(at) => self.session.hover = at,
+            Action::Press { at, on } => self.press(at, on),
+            Action::Drag(to) => self.drag(to),
+            Action::Release => self.release(),
+            Action::Select(click) => self.select(click),
+            Action::Nudge { dx_px, dy_px } => self.nudge(dx_px, dy_px),
+            Action::View(view) => self.session.view = view,
+            Action::FitScale(scale) => self.session.fit_scale = scale,
+            Action::TypeName(typed) => self.type_name(typed),
+            Action::HighlightName(index) => self.highlight_name(index),
+            Action::TakeName(index) => self.take_name(index),
+            Action::OfferLines(lines) => self.offer_lines(lines),
+            Action::Pick(target) => self.pick(target),
+            Action::Name { click, target } => self.name_click(click, target),
+            Action::DeleteClick(click) => self.delete_click(click),
+            Action::SetCheck { click, check } => self.set_check(click, check),
+            Action::GoTo(frame) => self.go_to(frame),
+            Action::RejectAs(reason) => self.reject_as(reason),
+            Action::SetComment(comment) => self.set_comment(&comment),
+            Action::SetFilter(filter) => self.session.filter = filter,
+            Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
+            Action::RemoveMask { of_camera, index } => self.remove_mask(of_camera, index),
+            Action::BeginEdit(name) => self.begin_edit(name),
+            Action::EditPtz(ptz) => self.edit_ptz(ptz),
+            Action::EditCamera(camera) => self.edit_camera(*camera),
+            Action::EditField(field) => self.edit_field(field),
+            Action::EndEdit => self.end_edit(),
+            Action::AbortEdit => self.abort(),
+            Action::SolveAgain => self.solve_again(),
+            Action::SetOverlayStyle(style) => {
+                self.settings.overlay = style;
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::AssignKey(command, chord) => self.assign_key(command, chord),
+            Action::ResetKeys => {
+                self.settings.keys.reset();
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::SetDetails(shown) => {
+                self.settings.details = shown;
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::CloseDialog => self.session.dialog = None,
+            Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
+            Action::Notify(level, text) => self.session.notify(level, text),
+            Action::Open(path) => self.open_path(path),
+            Action::Opened(opened) => self.opened(*opened),
+            Action::OpenFailed(message) => {
+                self.session.opening = None;
+                self.session.notify(Level::Error, message);
+            }
+            Action::CameraLoaded(camera) => self.camera_loaded(&camera),
+            Action::Saved { revision, at } => self.saved(revision, at),
+            Action::SaveFailed(message) => self.save_failed(message),
+            Action::Exported(path) => {
+                self.session.notify(Level::Info, format!("Dataset written: {}", path.display()));
+            }
+            Action::Copied(path) => self.session.notify(Level::Info, format!("Copy written: {}", path.display())),
+            Action::CloseRequested => self.close_requested(),
+        }
+    }
+
+    /// Opens a step of undo on the shown frame; false (and said so) if nothing can be changed.
+    fn begin(&mut self, name: impl Into<String>) -> bool {
+        self.begin_step(Step::on_frame(name, self.session.frame))
+    }
+
+    fn begin_step(&mut self, step: Step) -> bool {
+        let Some(open) = &mut self.open else { return false };
+        if let Some(reason) = &open.read_only {
+            let text = format!("Nothing can be changed here: {reason}");
+            self.session.notify(Level::Warning, text);
+            return false;
+        }
+        open.begin(step);
+        true
+    }
+
+    /// Closes the step of undo; what changed goes into the journal.
+    fn commit(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
+        if open.history.commit(&open.document) {
+            self.journal(&name);
+        }
+    }
+
+    /// Gives the open step of undo up, and whatever was begun.
+    fn abort(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.history.abort(&mut open.document);
+        }
+        self.session.mode = Mode::Idle;
+        self.clamp_selection();
+    }
+
+    /// Hands what changed since the last time to the journal.
+    fn journal(&mut self, name: &str) {
+        let Some(open) = &mut self.open else { return };
+        if let Some(edit) = open.take_edit(name) {
+            if !matches!(self.session.saving, Saving::Failed { .. }) {
+                self.session.saving = Saving::Pending;
+            }
+            self.effects.push(Effect::Journal { edit, revision: open.revision });
+        }
+    }
+
+    /// The shown frame, to change it within a step.
+    fn frame_mut(&mut self) -> Option<&mut Frame> {
+        let index = self.session.frame;
+        self.open.as_mut()?.document.frames.get_mut(index).map(|frame| &mut **frame)
+    }
+
+    /// Solves the shown frame anew after its clicks changed, within a step.
+    fn clicks_changed(&mut self) {
+        let index = self.session.frame;
+        let Some(open) = &mut self.open else { return };
+        solve_in_place(open, index);
+        if let Some(frame) = open.document.frames.get_mut(index)
+            && !matches!(frame.status, FrameStatus::Rejected)
+        {
+            let untouched = frame.clicks.is_empty() && frame.ptz.is_none();
+            frame.status = if untouched { FrameStatus::New } else { FrameStatus::Draft };
+        }
+    }
+
+    fn clamp_selection(&mut self) {
+        let clicks = self.frame().map_or(0, |frame| frame.clicks.len());
+        self.session.selected = self.session.selected.filter(|selected| *selected < clicks);
+    }
+}
+
+/// Writes what a frame's clicks say into the frame. Where they give no camera an earlier proposal stays, but an earlier
+/// solve goes; a camera without a base changes nothing.
+fn solve_in_place(open: &mut OpenProject, index: usize) {
+    let Ok(field) = open.field_of(index) else { return };
+    let Some(frame) = open.document.frames.get(index) else { return };
+    let solved = calibrate(&open.document, frame, &field, solved_neighbours(&open.document, index));
+    let Some(frame) = open.document.frames.get_mut(index) else { return };
+    match solved {
+        Ok(solved) => frame.record(&solved),
+        Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
+        Err(error) => {
+            let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
+            if frame.is_solved_by_clicks() || !too_few {
+                frame.ptz = None;
+                frame.solution = None;
+            }
+        }
+    }
+}

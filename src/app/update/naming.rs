@@ -1,0 +1,134 @@
+//! Giving a click its name.
+
+use super::App;
+use crate::app::current::rank_names;
+use crate::app::naming::certain;
+use crate::app::session::{Level, Mode, OFFERED};
+use crate::project::Target;
+
+impl App {
+    /// What a person calls a landmark or line; its id where the field lacks it.
+    #[must_use]
+    pub fn label(&self, target: &Target) -> String {
+        let field = self.current.field();
+        let label = match target {
+            Target::Landmark(id) => field.and_then(|field| field.landmark(id.as_str())).map(|known| &known.label),
+            Target::Line(id) => field.and_then(|field| field.line(id.as_str())).map(|known| &known.label),
+        };
+        label.map_or_else(|| target.as_str().to_owned(), Clone::clone)
+    }
+
+    /// Asks for the name of a click, with candidates at the cursor.
+    pub(super) fn open_naming(&mut self, click: usize) {
+        let lines = self.session.next_on_line
+            || self
+                .frame()
+                .and_then(|frame| frame.clicks.get(click))
+                .is_some_and(|click| matches!(click.target, Some(Target::Line(_))));
+        let frame = self.session.frame;
+        let Some(open) = &mut self.open else { return };
+        if let Some(naming) = rank_names(open, frame, click, lines) {
+            self.session.selected = Some(click);
+            self.session.mode = Mode::Naming(naming);
+        }
+    }
+
+    /// Names a click that is being placed while there is just one plausible name; the name follows the pointer.
+    pub(super) fn name_if_certain(&mut self, click: usize) {
+        let (frame, lines) = (self.session.frame, self.session.next_on_line);
+        let Some(open) = &mut self.open else { return };
+        let Some(naming) = rank_names(open, frame, click, lines) else { return };
+        let target = certain(&naming.candidates).map(|certain| certain.target.clone());
+        if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+            click.target = target;
+        }
+    }
+
+    /// Leaves the list of names; a click without a name stays and says so.
+    pub(super) fn leave_naming(&mut self) {
+        self.session.mode = Mode::Idle;
+    }
+
+    pub(super) fn type_name(&mut self, typed: String) {
+        if let Mode::Naming(naming) = &mut self.session.mode {
+            naming.typed = typed;
+            naming.highlighted = 0;
+        }
+    }
+
+    pub(super) fn highlight_name(&mut self, index: usize) {
+        if let Mode::Naming(naming) = &mut self.session.mode {
+            naming.highlighted = index.min(naming.offered().len().saturating_sub(1));
+        }
+    }
+
+    pub(super) fn take_name(&mut self, index: usize) {
+        let Mode::Naming(naming) = &self.session.mode else { return };
+        let Some(target) = naming.offered().get(index.min(OFFERED)).map(|candidate| candidate.target.clone()) else {
+            return;
+        };
+        let click = naming.click;
+        self.name_click(click, target);
+    }
+
+    pub(super) fn offer_lines(&mut self, lines: bool) {
+        if let Mode::Naming(naming) = &self.session.mode {
+            let (click, typed, frame) = (naming.click, naming.typed.clone(), self.session.frame);
+            let Some(open) = &mut self.open else { return };
+            if let Some(mut naming) = rank_names(open, frame, click, lines) {
+                naming.typed = typed;
+                self.session.mode = Mode::Naming(naming);
+            }
+        } else {
+            self.session.next_on_line = lines;
+        }
+    }
+
+    /// A name picked elsewhere: it goes to the click that waits for one, else to the selected click that has none, else to
+    /// the next click in the picture.
+    pub(super) fn pick(&mut self, target: Target) {
+        let waiting = match &self.session.mode {
+            Mode::Naming(naming) => Some(naming.click),
+            _ => self.session.selected.filter(|selected| {
+                let click = self.frame().and_then(|frame| frame.clicks.get(*selected));
+                click.is_some_and(|click| click.target.is_none())
+            }),
+        };
+        if let Some(click) = waiting {
+            self.name_click(click, target);
+            return;
+        }
+        let Some(frame) = self.frame() else { return };
+        let known = frame.clicks.iter().position(|click| click.target.as_ref() == Some(&target));
+        match known.filter(|_| matches!(target, Target::Landmark(_))) {
+            Some(click) => self.session.selected = Some(click),
+            None => self.session.mode = Mode::Placing(target),
+        }
+    }
+
+    pub(super) fn name_click(&mut self, click: usize, target: Target) {
+        let Some(frame) = self.frame() else { return };
+        if click >= frame.clicks.len() {
+            return;
+        }
+        let twin = frame.clicks.iter().enumerate().position(|(index, other)| {
+            index != click && matches!(target, Target::Landmark(_)) && other.target.as_ref() == Some(&target)
+        });
+        let label = self.label(&target);
+        if let Some(twin) = twin {
+            let text = format!("{label} is already point {} of this frame: delete or rename that one first.", twin + 1);
+            self.session.notify(Level::Warning, text);
+            return;
+        }
+        self.session.mode = Mode::Idle;
+        self.session.next_on_line = false;
+        if self.begin(format!("Name {label}")) {
+            if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
+                click.target = Some(target);
+            }
+            self.session.selected = Some(click);
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+}

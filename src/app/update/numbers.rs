@@ -1,0 +1,158 @@
+//! Numbers that a person types or drags: pan, tilt, focal length, the camera, the field.
+
+use super::{App, solve_in_place};
+use crate::app::OpenProject;
+use crate::app::session::{Level, Mode};
+use crate::camera::{Ptz, PtzCamera};
+use crate::project::{Camera, CameraId, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
+
+impl App {
+    /// Opens a step of undo that a row of edits belongs to.
+    pub(super) fn begin_edit(&mut self, name: &'static str) {
+        if self.begin(name) {
+            self.session.mode = Mode::Editing;
+        }
+    }
+
+    /// Opens a step of its own for an edit that none was opened for.
+    fn within_edit(&mut self, step: Step, change: impl FnOnce(&mut Self)) {
+        if self.session.mode == Mode::Editing {
+            change(self);
+        } else if self.begin_step(step) {
+            change(self);
+            self.session.mode = Mode::Editing;
+            self.end_edit();
+        }
+    }
+
+    pub(super) fn edit_ptz(&mut self, ptz: Ptz) {
+        if !ptz.is_finite() {
+            return;
+        }
+        let step = Step::on_frame("Set numbers by hand", self.session.frame);
+        self.within_edit(step, |app| {
+            let base = app.current.base;
+            let Some(frame) = app.frame_mut() else { return };
+            let k1 = match (base, &frame.ptz) {
+                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => Some(PtzCamera::new(base, ptz).k1()),
+                (_, Some(before)) => before.k1,
+                _ => None,
+            };
+            let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
+            frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, k1) });
+            frame.solution = Some(Solution { source: Some(SolutionSource::Manual), ..Solution::default() });
+            if frame.status != FrameStatus::Rejected {
+                frame.status = FrameStatus::Draft;
+            }
+        });
+    }
+
+    pub(super) fn edit_camera(&mut self, camera: Camera) {
+        if camera.position_m.is_some() != camera.base_from_world.is_some() && self.session.mode != Mode::Editing {
+            self.session.notify(Level::Info, "A base needs both a position and a rotation.");
+        }
+        let step = Step::on_document("Change camera");
+        self.within_edit(step, |app| {
+            let Some(open) = &mut app.open else { return };
+            if let Some(known) = open.document.camera_mut(&camera.id) {
+                *known = camera;
+            }
+            // The shown frame follows at once, the others when the edit ends.
+            solve_if_by_clicks(open, app.session.frame);
+        });
+    }
+
+    pub(super) fn edit_field(&mut self, field: FieldSpec) {
+        self.within_edit(Step::on_document("Change field"), |app| {
+            let Some(open) = &mut app.open else { return };
+            open.document.field = field;
+            solve_if_by_clicks(open, app.session.frame);
+        });
+    }
+
+    /// Ends a row of edits. If a camera or the field changed, every frame that clicks solved is solved again.
+    pub(super) fn end_edit(&mut self) {
+        if self.session.mode != Mode::Editing {
+            return;
+        }
+        self.session.mode = Mode::Idle;
+        if let Some(open) = &mut self.open {
+            let changed = open
+                .history
+                .before()
+                .is_some_and(|before| before.cameras != open.document.cameras || before.field != open.document.field);
+            if changed {
+                for index in 0..open.document.frames.len() {
+                    solve_if_by_clicks(open, index);
+                }
+            }
+        }
+        self.commit();
+    }
+
+    /// Clicks decide again, instead of numbers by hand.
+    pub(super) fn solve_again(&mut self) {
+        if self.begin("Solve again") {
+            if let Some(frame) = self.frame_mut() {
+                frame.solution = None;
+            }
+            self.clicks_changed();
+            self.commit();
+        }
+    }
+
+    /// Uses the other focal length that fits two clicks.
+    pub(super) fn switch_root(&mut self) {
+        let Some(other) = self.current.other_root() else {
+            self.session.notify(Level::Info, "Only one focal length fits these points.");
+            return;
+        };
+        self.edit_ptz(other);
+    }
+
+    /// The base of another document's camera becomes this camera's; its frames are solved with it.
+    pub(super) fn camera_loaded(&mut self, loaded: &Camera) {
+        let Some(known) = self.frame().map(|frame| frame.camera.clone()) else { return };
+        let Some(camera) = self.open.as_ref().and_then(|open| open.document.camera(&known)) else { return };
+        let Some(adopted) = adopt(camera, loaded) else {
+            self.session.notify(Level::Warning, format!("Camera {:?} has no base to take over.", loaded.id.as_str()));
+            return;
+        };
+        self.edit_camera(adopted);
+        self.session.notify(Level::Info, format!("Camera base taken over from {:?}.", loaded.id.as_str()));
+    }
+
+    /// The camera of the shown frame.
+    #[must_use]
+    pub fn camera_id(&self) -> Option<&CameraId> {
+        self.frame().map(|frame| &frame.camera)
+    }
+}
+
+/// A camera with another one's base; numbers in px follow if the pictures differ in size.
+fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
+    let mut base = loaded.base()?;
+    let scale = f64::from(camera.image_size.width) / f64::from(loaded.image_size.width.max(1));
+    if camera.image_size != loaded.image_size {
+        base.principal_point.x *= scale;
+        base.principal_point.y *= scale;
+        base.distortion.at_focal_px *= scale;
+        base.distortion.per_1000_px /= scale;
+    }
+    let mut adopted = camera.clone();
+    adopted.set_base(&base);
+    if adopted.masks.is_empty() && camera.image_size == loaded.image_size {
+        adopted.masks.clone_from(&loaded.masks);
+    }
+    Some(adopted)
+}
+
+/// Solves a frame again if its camera comes from clicks, or would have if there had been a base.
+fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
+    let wanted = open
+        .frame(index)
+        .is_some_and(|frame| !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none()));
+    if wanted {
+        solve_in_place(open, index);
+    }
+}

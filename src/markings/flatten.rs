@@ -1,0 +1,107 @@
+//! A field's curve as straight pieces in `cam`, as fine as the picture can tell.
+
+use super::clip::within_pyramid;
+use super::window::{NEAR_M, Window};
+use crate::camera::PtzCamera;
+use crate::field::{Curve, FieldModel};
+use crate::geometry::{Mat3, Vec3};
+
+/// A curve is halved at most this often.
+const MAX_DEPTH: u32 = 10;
+
+/// What all curves of one picture share.
+pub struct Flattener<'a> {
+    field: &'a FieldModel,
+    window: &'a Window,
+    cam_from_world: Mat3,
+    origin_in_cam: Vec3,
+    /// px in the picture per radian at most: how far a small turn of a ray moves its image.
+    px_per_radian: f64,
+    tolerance_px: f64,
+}
+
+/// A point of a curve.
+#[derive(Clone, Copy)]
+struct Knot {
+    t: f64,
+    nominal_y_m: f64,
+    in_cam: Vec3,
+}
+
+impl<'a> Flattener<'a> {
+    pub fn new(field: &'a FieldModel, camera: &PtzCamera, window: &'a Window, tolerance_px: f64) -> Self {
+        let radius_squared = window.ideal_radius * window.ideal_radius;
+        let stretch = (1.0 + 3.0 * camera.k1() * radius_squared).max(1.0);
+        Self {
+            field,
+            window,
+            cam_from_world: camera.cam_from_world(),
+            origin_in_cam: camera.cam_from_world_point(Vec3::zeros()),
+            px_per_radian: camera.ptz().focal_px * (1.0 + radius_squared) * stretch,
+            tolerance_px,
+        }
+    }
+
+    /// Gives `piece` the straight pieces of a curve that can be seen, in order: their ends in `cam`, m.
+    pub fn flatten(&self, curve: &Curve, piece: &mut impl FnMut(Vec3, Vec3)) {
+        // A circle's chord from 0 to 1 is a point, and half a circle may bend away from its chord: begin with quarters.
+        let parts = match curve {
+            Curve::Segment { .. } => 1,
+            Curve::Arc { sweep, .. } => {
+                (sweep.radians().abs() / std::f64::consts::FRAC_PI_2).ceil().clamp(1.0, 8.0) as u32
+            }
+        };
+        let mut from = self.knot(curve, 0.0);
+        for part in 1..=parts {
+            let to = self.knot(curve, f64::from(part) / f64::from(parts));
+            self.halve(curve, from, to, MAX_DEPTH, piece);
+            from = to;
+        }
+    }
+
+    fn knot(&self, curve: &Curve, t: f64) -> Knot {
+        let nominal = curve.point_at(t);
+        let in_world = self.field.world_from_nominal(nominal);
+        Knot { t, nominal_y_m: nominal.y, in_cam: self.cam_from_world * in_world + self.origin_in_cam }
+    }
+
+    fn halve(&self, curve: &Curve, a: Knot, b: Knot, depth: u32, piece: &mut impl FnMut(Vec3, Vec3)) {
+        if !a.in_cam.iter().chain(b.in_cam.iter()).all(|x| x.is_finite()) {
+            return;
+        }
+        let bend_m = self.bend_m(curve, a, b);
+        let Some(span) = within_pyramid(self.window, a.in_cam, b.in_cam, bend_m) else { return };
+        let depth_at = |t: f64| a.in_cam.z + (b.in_cam.z - a.in_cam.z) * t;
+        let nearest_m = (depth_at(span.start).min(depth_at(span.end)) - bend_m).max(NEAR_M);
+        if depth == 0 || bend_m / nearest_m * self.px_per_radian <= self.tolerance_px {
+            piece(a.in_cam, b.in_cam);
+            return;
+        }
+        let middle = self.knot(curve, (a.t + b.t) / 2.0);
+        self.halve(curve, a, middle, depth - 1, piece);
+        self.halve(curve, middle, b, depth - 1, piece);
+    }
+
+    /// How far the curve can be from its chord at most, m: (Δt)²/8 · max |second derivative|, and more where the crown
+    /// ends within the piece and the ground has an edge.
+    fn bend_m(&self, curve: &Curve, a: Knot, b: Knot) -> f64 {
+        let width_m = self.field.width_m;
+        let crown_m = self.field.crown_m.abs();
+        let (round, across_m) = match *curve {
+            Curve::Segment { .. } => (0.0, (b.nominal_y_m - a.nominal_y_m).abs()),
+            Curve::Arc { radius_m, sweep, .. } => {
+                let turn = (sweep.radians() * (b.t - a.t)).abs();
+                let second = radius_m + 8.0 * crown_m / (width_m * width_m) * radius_m * (radius_m + width_m / 2.0);
+                (second * turn * turn / 8.0, radius_m * turn)
+            }
+        };
+        if crown_m == 0.0 {
+            return round;
+        }
+        let edge_m = width_m / 2.0;
+        let reach = |y_m: f64| (y_m.abs() - edge_m).abs() <= across_m;
+        let at_the_edge = reach(a.nominal_y_m) || reach(b.nominal_y_m);
+        let crown = crown_m * (across_m / width_m).powi(2);
+        round + crown + if at_the_edge { crown_m * across_m / width_m } else { 0.0 }
+    }
+}

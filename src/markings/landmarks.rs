@@ -1,0 +1,39 @@
+//! Landmarks in the picture.
+
+use crate::camera::PtzCamera;
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize};
+
+/// A landmark that the picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProjectedLandmark {
+    /// Which landmark: index into [`FieldModel::landmarks`].
+    pub landmark: usize,
+    /// Where it is, px.
+    pub image: ImagePoint,
+}
+
+/// Every landmark within the picture and a margin around it, px, in the field's order.
+#[must_use]
+pub fn project_landmarks(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+    margin_px: f64,
+) -> Vec<ProjectedLandmark> {
+    let shown = |point: ImagePoint| {
+        point.x >= -margin_px
+            && point.y >= -margin_px
+            && point.x <= f64::from(size.width) + margin_px
+            && point.y <= f64::from(size.height) + margin_px
+    };
+    field
+        .landmarks
+        .iter()
+        .enumerate()
+        .filter_map(|(landmark, of)| {
+            let image = camera.image_from_world(field.landmark_in_world(of)).ok()?;
+            shown(image).then_some(ProjectedLandmark { landmark, image })
+        })
+        .collect()
+}

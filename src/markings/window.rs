@@ -1,0 +1,104 @@
+//! What a picture can show, on the plane z = 1 of `cam` before distortion.
+
+use crate::camera::PtzCamera;
+use crate::geometry::{ImagePoint, ImageSize, Vec2};
+
+/// Nothing nearer to the camera's plane than this is drawn, m.
+pub const NEAR_M: f64 = 0.05;
+/// Lines end this far before the fold of the distortion model, as a share of its radius.
+const FOLD_SHARE: f64 = 1.0 - 1e-4;
+
+/// The part of the picture's plane to draw in, and what of the undistorted plane it can show.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Window {
+    /// The frame with its margin, px.
+    pub min: ImagePoint,
+    /// The opposite corner, px.
+    pub max: ImagePoint,
+    /// Smallest ideal x and y that can be seen.
+    pub ideal_min: Vec2,
+    /// Largest.
+    pub ideal_max: Vec2,
+    /// The largest ideal radius that can be seen or has an image.
+    pub ideal_radius: f64,
+}
+
+impl Window {
+    /// The window of a camera's picture; none where the camera is not made of numbers.
+    pub fn new(camera: &PtzCamera, size: ImageSize, margin_px: f64) -> Option<Self> {
+        if !(camera.ptz().is_finite() && camera.base().is_finite() && camera.k1().is_finite() && margin_px.is_finite())
+        {
+            return None;
+        }
+        let min = ImagePoint::new(-margin_px, -margin_px);
+        let max = ImagePoint::new(f64::from(size.width) + margin_px, f64::from(size.height) + margin_px);
+        if !(min.x < max.x && min.y < max.y) {
+            return None;
+        }
+        // k₁ scales a radius by a factor that is monotonic in it, so the extremes of an edge are its two ends and its
+        // point nearest to the principal point.
+        let principal = camera.base().principal_point;
+        let (near_x, near_y) = (principal.x.clamp(min.x, max.x), principal.y.clamp(min.y, max.y));
+        let on_edges = [min.y, near_y, max.y]
+            .into_iter()
+            .flat_map(|y| [ImagePoint::new(min.x, y), ImagePoint::new(max.x, y)])
+            .chain([min.y, max.y].map(|y| ImagePoint::new(near_x, y)));
+        let fold = camera.fold_radius() * FOLD_SHARE;
+        let mut window =
+            Self { min, max, ideal_min: Vec2::repeat(0.0), ideal_max: Vec2::repeat(0.0), ideal_radius: 0.0 };
+        let (mut low, mut high) = (Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY));
+        for point in on_edges {
+            if let Ok(ideal) = camera.cam_plane_from_image(point) {
+                window.ideal_radius = window.ideal_radius.max(ideal.norm());
+                (low, high) = (low.inf(&ideal), high.sup(&ideal));
+            } else {
+                window.ideal_radius = fold;
+                (low, high) = (Vec2::repeat(-fold), Vec2::repeat(fold));
+            }
+        }
+        window.ideal_radius = window.ideal_radius.min(fold);
+        let disc = Vec2::repeat(window.ideal_radius);
+        (window.ideal_min, window.ideal_max) = (low.sup(&-disc), high.inf(&disc));
+        (window.ideal_radius > 0.0).then_some(window)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::geometry::Vec3;
+
+    fn camera(k1: f64, focal_px: f64) -> PtzCamera {
+        let base =
+            CameraBase::new(Vec3::zeros(), BaseAngles::default().base_from_world(), ImagePoint::new(960.0, 540.0));
+        PtzCamera::new(
+            CameraBase { distortion: FocalCurve::constant(k1), ..base },
+            Ptz::from_degrees(0.0, 0.0, focal_px),
+        )
+    }
+
+    #[test]
+    fn the_window_holds_every_point_of_the_picture() {
+        for (k1, focal_px) in [(0.0, 2000.0), (-0.1, 1500.0), (0.3, 1500.0), (-0.4, 900.0)] {
+            let camera = camera(k1, focal_px);
+            let window = Window::new(&camera, ImageSize::new(1920, 1080), 4.0).unwrap();
+            for step in 0..4000 {
+                let (x, y) = (f64::from(step % 80) * 24.3, f64::from(step / 80) * 22.0);
+                let Ok(ideal) = camera.cam_plane_from_image(ImagePoint::new(x, y)) else { continue };
+                assert!(ideal.norm() <= window.ideal_radius + 1e-12 || k1 < 0.0, "k1 {k1}: {ideal}");
+                if ideal.norm() <= window.ideal_radius {
+                    assert!(ideal >= window.ideal_min - Vec2::repeat(1e-12), "k1 {k1}: {ideal}");
+                    assert!(ideal <= window.ideal_max + Vec2::repeat(1e-12), "k1 {k1}: {ideal}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_camera_of_nan_has_no_window() {
+        assert_eq!(Window::new(&camera(f64::NAN, 2000.0), ImageSize::new(1920, 1080), 4.0), None);
+        assert_eq!(Window::new(&camera(0.0, f64::NAN), ImageSize::new(1920, 1080), 4.0), None);
+        assert_eq!(Window::new(&camera(0.0, 2000.0), ImageSize::new(0, 0), 0.0), None);
+    }
+}

@@ -1,0 +1,135 @@
+//! Files that are either the old one or the new one, never half of one.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// Writes a file so that a crash or a full disk at any moment leaves the old content or the new one: a temporary file in
+/// the same folder, flushed, renamed, and the folder flushed. The permissions of a file that is replaced are kept.
+///
+/// # Errors
+/// The folder is missing or not writable, or the disk is full; the old file is untouched.
+pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let folder = folder_of(path);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".touchline-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(folder)?;
+    file.write_all(bytes)?;
+    if let Ok(old) = fs::metadata(path) {
+        file.as_file().set_permissions(old.permissions())?;
+    }
+    file.as_file().sync_all()?;
+    file.persist(path).map_err(|error| error.error)?;
+    sync_folder(folder)
+}
+
+/// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where there is no file.
+pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return Ok(());
+    }
+    match fs::remove_file(backup) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    // Not every file system knows hard links.
+    fs::hard_link(path, backup).or_else(|_| fs::copy(path, backup).map(|_| ()))
+}
+
+/// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
+pub(super) fn set_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
+    let free = free_name(path, word);
+    fs::rename(path, &free)?;
+    sync_folder(folder_of(path))?;
+    Ok(free)
+}
+
+/// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, ….
+pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
+    let free = free_name(path, word);
+    fs::copy(path, &free)?;
+    Ok(free)
+}
+
+fn free_name(path: &Path, word: &str) -> PathBuf {
+    let mut number = 1;
+    loop {
+        let candidate = with_suffix(path, &format!(".{word}-{number}"));
+        if fs::symlink_metadata(&candidate).is_err() {
+            return candidate;
+        }
+        number += 1;
+    }
+}
+
+/// A path with something appended to its file name: `project.json` + `.bak`.
+pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(suffix);
+    PathBuf::from(name)
+}
+
+/// The folder a file lies in.
+pub(super) fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// Flushes a folder's entries; only Unix can.
+pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
+    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_replaced_whole_and_keeps_its_permissions() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.json");
+        write_atomically(&path, b"one").unwrap();
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        }
+        write_atomically(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn a_write_that_fails_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("folder");
+        fs::create_dir(&path).unwrap();
+        assert!(write_atomically(&path, b"x").is_err());
+        assert!(write_atomically(&folder.path().join("missing/a.json"), b"x").is_err());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn what_is_set_aside_never_replaces_anything() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        for content in ["1", "2"] {
+            fs::write(&path, content).unwrap();
+            set_aside(&path, "orphan").unwrap();
+        }
+        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-1")).unwrap(), "1");
+        assert_eq!(fs::read_to_string(folder.path().join("a.orphan-2")).unwrap(), "2");
+    }
+}

@@ -1,0 +1,134 @@
+//! From a frame's clicks to its camera: the document's side of the solve.
+
+use super::{Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target};
+use crate::camera::Ptz;
+use crate::field::FieldModel;
+use crate::solve::{FrameSolution, Observation, ObservationError, SolveContext, SolveError, solve_frame};
+use thiserror::Error;
+
+/// How many solved neighbours tell a solve where the camera has just been.
+const NEIGHBOURS: usize = 4;
+
+/// Why a frame's clicks give no camera.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CalibrationError {
+    /// The frame names a camera that the document lacks.
+    #[error("camera {camera:?} is not in the document")]
+    UnknownCamera {
+        /// The frame's camera.
+        camera: String,
+    },
+    /// Position and base rotation are not known yet.
+    #[error(
+        "camera {camera:?} has no position or base rotation: load a camera, or enter them in the camera panel (F2)"
+    )]
+    NoBase {
+        /// The frame's camera.
+        camera: String,
+    },
+    /// A click names something that the field lacks.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The clicks do not give a camera.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+}
+
+/// The named clicks of a frame as observations, check clicks held out.
+///
+/// # Errors
+/// A click names a landmark or line that the field lacks.
+pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation>, ObservationError> {
+    frame
+        .clicks
+        .iter()
+        .enumerate()
+        .filter_map(|(index, click)| click.target.as_ref().map(|target| (index, click, target)))
+        .map(|(index, click, target)| {
+            let observation = match target {
+                Target::Landmark(id) => {
+                    Observation::of_landmark(field, id.as_str(), click.image, frame.image_size, index)
+                }
+                Target::Line(id) => Observation::of_line(field, id.as_str(), click.image, frame.image_size, index),
+            }?;
+            Ok(if click.check { observation.held_out() } else { observation })
+        })
+        .collect()
+}
+
+/// The camera of a frame from its clicks and its camera's base.
+///
+/// # Errors
+/// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
+pub fn calibrate(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    neighbours: Vec<Ptz>,
+) -> Result<FrameSolution, CalibrationError> {
+    let camera = document
+        .camera_of(frame)
+        .ok_or_else(|| CalibrationError::UnknownCamera { camera: frame.camera.as_str().to_owned() })?;
+    let base =
+        camera.base_for(frame).ok_or_else(|| CalibrationError::NoBase { camera: frame.camera.as_str().to_owned() })?;
+    let observations = observations(frame, field)?;
+    let context = SolveContext { neighbours, ..SolveContext::new(frame.image_size) };
+    Ok(solve_frame(&base, &observations, &context)?)
+}
+
+/// Where the camera was in the nearest solved frames of the same camera and shot, nearest first.
+#[must_use]
+pub fn solved_neighbours(document: &Document, index: usize) -> Vec<Ptz> {
+    /// Farther away a camera has had time to go anywhere.
+    const WITHIN: usize = 50;
+    let Some(frame) = document.frames.get(index) else { return Vec::new() };
+    let mut found = Vec::with_capacity(NEIGHBOURS);
+    for distance in 1..=WITHIN {
+        let both = [index.checked_sub(distance), index.checked_add(distance)];
+        for other in both.into_iter().flatten().filter_map(|other| document.frames.get(other)) {
+            if other.camera == frame.camera
+                && other.clip == frame.clip
+                && let Some(ptz) = &other.ptz
+            {
+                found.push(ptz.ptz());
+                if found.len() == NEIGHBOURS {
+                    return found;
+                }
+            }
+        }
+    }
+    found
+}
+
+impl Frame {
+    /// Whether its camera comes from its own clicks.
+    #[must_use]
+    pub fn is_solved_by_clicks(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+    }
+
+    /// Takes over what a solve found.
+    pub fn record(&mut self, solved: &FrameSolution) {
+        let k1 = (solved.k1 != 0.0 || self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some())).then_some(solved.k1);
+        let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
+        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, k1) });
+        let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
+        self.solution = Some(Solution {
+            covariance: Some(solved.covariance),
+            rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
+            worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
+            source: Some(SolutionSource::Clicks),
+            confidence: None,
+            disputed: Vec::new(),
+            warnings: solved
+                .warnings
+                .iter()
+                .map(|warning| SolutionWarning {
+                    clicks: warning.clicks.clone(),
+                    ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
+                })
+                .collect(),
+            extra,
+        });
+    }
+}

@@ -1,0 +1,218 @@
+//! Undo and redo by transactions: whole values, kept as long as memory is bounded.
+//!
+//! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is one step; a commit
+//! that changed nothing is none.
+
+use std::collections::VecDeque;
+
+/// What a person did, as undo names it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// In words: "Move centre mark".
+    pub name: String,
+    /// The frame it concerns, by its place in the document; none for a change of a camera or the field.
+    pub frame: Option<usize>,
+}
+
+impl Step {
+    /// A step that concerns a frame.
+    #[must_use]
+    pub fn on_frame(name: impl Into<String>, frame: usize) -> Self {
+        Self { name: name.into(), frame: Some(frame) }
+    }
+
+    /// A step that concerns the document as a whole.
+    #[must_use]
+    pub fn on_document(name: impl Into<String>) -> Self {
+        Self { name: name.into(), frame: None }
+    }
+}
+
+/// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is what keeps them small.
+#[derive(Clone, Debug)]
+pub struct History<T> {
+    limit: usize,
+    /// Oldest first; each with the value before the step.
+    done: VecDeque<(Step, T)>,
+    /// Oldest last; each with the value after the step.
+    undone: Vec<(Step, T)>,
+    open: Option<(Step, T)>,
+}
+
+impl<T> Default for History<T> {
+    fn default() -> Self {
+        Self::new(Self::DEFAULT_LIMIT)
+    }
+}
+
+impl<T> History<T> {
+    /// How many steps are kept unless somebody says otherwise: 40 MB for a document of 10,000 frames.
+    pub const DEFAULT_LIMIT: usize = 500;
+
+    /// A history that keeps at most `limit` steps; the oldest are forgotten.
+    #[must_use]
+    pub const fn new(limit: usize) -> Self {
+        Self { limit, done: VecDeque::new(), undone: Vec::new(), open: None }
+    }
+
+    /// Whether a transaction is open.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// The step whose transaction is open.
+    #[must_use]
+    pub fn open_step(&self) -> Option<&Step> {
+        self.open.as_ref().map(|(step, _)| step)
+    }
+
+    /// The value as it was when the open transaction began.
+    #[must_use]
+    pub fn before(&self) -> Option<&T> {
+        self.open.as_ref().map(|(_, before)| before)
+    }
+
+    /// The step that undo would take back.
+    #[must_use]
+    pub fn next_undo(&self) -> Option<&Step> {
+        self.done.back().map(|(step, _)| step)
+    }
+
+    /// The step that redo would do again.
+    #[must_use]
+    pub fn next_redo(&self) -> Option<&Step> {
+        self.undone.last().map(|(step, _)| step)
+    }
+
+    /// Forgets every step.
+    pub fn clear(&mut self) {
+        *self = Self::new(self.limit);
+    }
+}
+
+impl<T: Clone + PartialEq> History<T> {
+    /// Opens a transaction on `current`; one that is still open is committed first.
+    pub fn begin(&mut self, current: &T, step: Step) {
+        self.commit(current);
+        self.open = Some((step, current.clone()));
+    }
+
+    /// Closes the open transaction. True if it changed something and is now a step; what had been undone is forgotten
+    /// then.
+    pub fn commit(&mut self, current: &T) -> bool {
+        let Some((step, before)) = self.open.take() else { return false };
+        if before == *current {
+            return false;
+        }
+        self.undone.clear();
+        self.done.push_back((step, before));
+        while self.done.len() > self.limit {
+            self.done.pop_front();
+        }
+        true
+    }
+
+    /// Gives the open transaction up and puts the value back as it was. True if there was one.
+    pub fn abort(&mut self, current: &mut T) -> bool {
+        let Some((_, before)) = self.open.take() else { return false };
+        *current = before;
+        true
+    }
+
+    /// Takes the last step back and says which; an open transaction is committed first.
+    pub fn undo(&mut self, current: &mut T) -> Option<Step> {
+        self.commit(current);
+        let (step, before) = self.done.pop_back()?;
+        let after = std::mem::replace(current, before);
+        self.undone.push((step.clone(), after));
+        Some(step)
+    }
+
+    /// Does the last undone step again and says which; after an open transaction that changed something there is none.
+    pub fn redo(&mut self, current: &mut T) -> Option<Step> {
+        self.commit(current);
+        let (step, after) = self.undone.pop()?;
+        let before = std::mem::replace(current, after);
+        self.done.push_back((step.clone(), before));
+        Some(step)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn step(name: &str) -> Step {
+        Step::on_frame(name, 7)
+    }
+
+    #[test]
+    fn a_drag_is_one_step() {
+        let (mut history, mut value) = (History::default(), 0);
+        history.begin(&value, step("drag"));
+        for position in 1..100 {
+            value = position;
+        }
+        assert!(history.commit(&value));
+        assert_eq!(history.next_undo(), Some(&step("drag")));
+        assert_eq!(history.undo(&mut value), Some(step("drag")));
+        assert_eq!(value, 0);
+        assert_eq!(history.next_redo().unwrap().frame, Some(7));
+        assert_eq!(history.redo(&mut value), Some(step("drag")));
+        assert_eq!((value, history.redo(&mut value)), (99, None));
+    }
+
+    #[test]
+    fn escape_and_a_change_of_nothing_are_no_steps() {
+        let (mut history, mut value) = (History::default(), 1);
+        history.begin(&value, step("drag"));
+        value = 5;
+        assert!(history.abort(&mut value));
+        assert_eq!((value, history.undo(&mut value)), (1, None));
+        history.begin(&value, step("there and back"));
+        assert!(!history.commit(&value));
+        assert!(!history.commit(&value) && !history.abort(&mut value));
+        assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn a_new_step_forgets_what_was_undone_and_the_oldest_goes_first() {
+        let (mut history, mut value) = (History::new(2), 0);
+        for next in 1..=4 {
+            history.begin(&value, step(&next.to_string()));
+            value = next;
+        }
+        assert_eq!(history.undo(&mut value).unwrap().name, "4", "an open transaction is committed first");
+        history.begin(&value, step("other"));
+        value = 30;
+        assert!(history.commit(&value));
+        assert_eq!(history.redo(&mut value), None);
+        let undone: Vec<_> = std::iter::from_fn(|| history.undo(&mut value).map(|step| step.name)).collect();
+        assert_eq!(undone, ["other", "3"]);
+        assert_eq!(value, 2, "step 1 and 2 were forgotten");
+    }
+
+    proptest! {
+        #[test]
+        fn undoing_everything_and_redoing_everything_come_back(values in prop::collection::vec(0u8..4, 1..40)) {
+            let (mut history, mut value) = (History::default(), 0u8);
+            for &next in &values {
+                history.begin(&value, step("set"));
+                value = next;
+                history.commit(&value);
+            }
+            let last = value;
+            let mut steps = 0;
+            while history.undo(&mut value).is_some() {
+                steps += 1;
+            }
+            prop_assert_eq!(value, 0);
+            for _ in 0..steps {
+                prop_assert!(history.redo(&mut value).is_some());
+            }
+            prop_assert_eq!(value, last);
+        }
+    }
+}

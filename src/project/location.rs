@@ -1,0 +1,210 @@
+//! Where a document lies, and its paths when it moves.
+
+use super::atomic::{folder_of, with_suffix};
+use super::{Document, StoreError};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
+
+/// The document's file in a project folder.
+pub const PROJECT_FILE: &str = "project.json";
+
+/// Where a document lies: a file, and the folder that its relative paths start from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    file: PathBuf,
+}
+
+impl Location {
+    /// Finds an existing document: a project folder, its `project.json`, or a dataset file.
+    ///
+    /// # Errors
+    /// There is no such file or folder, or the folder holds no project.
+    pub fn find(path: &Path) -> Result<Self, StoreError> {
+        let io = |source| StoreError::from_io("find", path, source);
+        let metadata = fs::metadata(path).map_err(io)?;
+        if metadata.is_dir() {
+            let file = path.join(PROJECT_FILE);
+            if !file.exists() {
+                return Err(StoreError::NoProject { folder: path.to_path_buf() });
+            }
+            return Self::find(&file).map_err(|error| match error {
+                StoreError::NotAFile { .. } => StoreError::NotAFile { path: file },
+                other => other,
+            });
+        }
+        if !metadata.is_file() {
+            return Err(StoreError::NotAFile { path: path.to_path_buf() });
+        }
+        Ok(Self { file: fs::canonicalize(path).map_err(io)? })
+    }
+
+    /// Where a new document is to lie: in a folder that exists or is named with a final separator as `project.json`,
+    /// else in the file. The folder is made.
+    ///
+    /// # Errors
+    /// The folder that is to hold it does not exist and cannot be made.
+    pub fn for_new_document(path: &Path) -> Result<Self, StoreError> {
+        let text = path.to_string_lossy();
+        let file = if path.is_dir() || text.ends_with(std::path::is_separator) {
+            path.join(PROJECT_FILE)
+        } else {
+            path.into()
+        };
+        let folder = folder_of(&file);
+        fs::create_dir_all(folder).map_err(|source| StoreError::from_io("make the folder", folder, source))?;
+        let folder = fs::canonicalize(folder).map_err(|source| StoreError::from_io("find", folder, source))?;
+        match file.file_name() {
+            Some(name) => Ok(Self { file: folder.join(name) }),
+            None => Err(StoreError::NotAFile { path: file }),
+        }
+    }
+
+    /// The document's file.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The folder that the document's relative paths start from.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        folder_of(&self.file)
+    }
+
+    /// What people call the document: the folder's name for a project, else the file's.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let name = self.file.file_name().unwrap_or_default();
+        let name = if name == PROJECT_FILE { self.folder().file_name().unwrap_or(name) } else { name };
+        name.to_string_lossy().into_owned()
+    }
+
+    /// The journal beside the document.
+    #[must_use]
+    pub fn journal(&self) -> PathBuf {
+        with_suffix(&self.file, ".journal")
+    }
+
+    /// The last version of the document.
+    #[must_use]
+    pub fn backup(&self) -> PathBuf {
+        with_suffix(&self.file, ".bak")
+    }
+
+    /// The file that says that somebody has the document open.
+    #[must_use]
+    pub fn lock(&self) -> PathBuf {
+        with_suffix(&self.file, ".lock")
+    }
+}
+
+impl Document {
+    /// The document as it must read in another folder, so that its relative paths point at the same files.
+    ///
+    /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
+    #[must_use]
+    pub fn relocated(&self, from_folder: &Path, to_folder: &Path) -> Self {
+        let mut moved = self.clone();
+        if from_folder == to_folder {
+            return moved;
+        }
+        let relocate = |path: &str| relocate(path, from_folder, to_folder);
+        for frame in &mut moved.frames {
+            let image = frame.image.as_deref().and_then(relocate);
+            let video = frame.video.as_ref().and_then(|video| relocate(&video.path));
+            if image.is_some() {
+                frame.image = image;
+            }
+            if let (Some(path), true) = (video, frame.video.is_some())
+                && let Some(video) = &mut frame.video
+            {
+                video.path = path;
+            }
+        }
+        let fields = moved.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+        let fields = fields.filter_map(|camera| camera.field.as_mut()).chain([&mut moved.field]);
+        for field in fields {
+            if field.is_file()
+                && let Some(path) = relocate(&field.template)
+            {
+                field.template = path;
+            }
+        }
+        moved
+    }
+}
+
+/// A relative path as it reads from another folder; none for an absolute one, which stays.
+fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> {
+    (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))
+}
+
+/// Absolute here or on another system: a document that was written on Windows keeps its `C:\…`.
+fn is_absolute(path: &str) -> bool {
+    let drive = path.as_bytes().get(1) == Some(&b':') && path.as_bytes()[0].is_ascii_alphabetic();
+    Path::new(path).is_absolute() || path.starts_with(['/', '\\']) || drive
+}
+
+/// How a file is called from a folder, with `/` between the parts; absolute where they share no root.
+#[must_use]
+pub fn path_between(folder: &Path, file: &Path) -> String {
+    let (folder, file) = (normalised(folder), normalised(file));
+    let shared = folder.iter().zip(&file).take_while(|(a, b)| a == b).count();
+    if shared == 0 {
+        return file.iter().collect::<PathBuf>().to_string_lossy().into_owned();
+    }
+    let up = std::iter::repeat_n("..".to_owned(), folder.len() - shared);
+    let down = file[shared..].iter().map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
+}
+
+/// The parts of a path with `.` and `..` taken out where that needs no look at the disk.
+fn normalised(path: &Path) -> Vec<Component<'_>> {
+    let mut parts = Vec::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if matches!(parts.last(), Some(Component::Normal(_))) => {
+                parts.pop();
+            }
+            Component::ParentDir if matches!(parts.last(), Some(Component::RootDir)) => {}
+            other => parts.push(other),
+        }
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+    use crate::project::{FieldSpec, Frame, VideoFrame};
+
+    #[test]
+    fn paths_between_folders() {
+        let between = |folder, file| path_between(Path::new(folder), Path::new(file));
+        assert_eq!(between("/a/b", "/a/b/images/1.jpg"), "images/1.jpg");
+        assert_eq!(between("/a/c", "/a/b/../b/images/1.jpg"), "../b/images/1.jpg");
+        assert_eq!(between("/x/y", "/a/1.jpg"), "../../a/1.jpg");
+        assert_eq!(between("/a/b", "/a/b/./../../1.jpg"), "../../1.jpg");
+    }
+
+    #[test]
+    fn relative_paths_follow_and_absolute_ones_stay() {
+        let mut document = Document::new(FieldSpec::new("fields/mine.json"));
+        let size = ImageSize::new(64, 48);
+        let mut both = Frame::from_image("images/1.jpg", "main".into(), size);
+        both.video = Some(VideoFrame::new("../match.mp4", 3, None));
+        document.frames.push(both.into());
+        document.frames.push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
+        document.frames.push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
+        let moved = document.relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
+        assert_eq!(moved.frames[0].image.as_deref(), Some("../../match/images/1.jpg"));
+        assert_eq!(moved.frames[0].video.as_ref().unwrap().path, "../../match.mp4");
+        assert_eq!(moved.field.template, "../../match/fields/mine.json");
+        assert_eq!(moved.frames[1..], document.frames[1..]);
+        assert!(moved.frames[1].is_same(&document.frames[1]), "untouched frames are shared");
+        let back = moved.relocated(Path::new("/home/a/out/deep"), Path::new("/home/a/match"));
+        assert_eq!(back, document);
+    }
+}

@@ -1,0 +1,1 @@
+//! Canvases of the render room inside the window.

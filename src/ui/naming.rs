@@ -1,0 +1,6 @@
+//! naming
+
+use super::Panel;
+
+/// Shows it.
+pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}
