@@ -3,6 +3,9 @@
 //! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1: done, but some
 //! frames could not be (they are named); 2: wrong usage or unreadable input, in one line.
 
+mod output;
+mod render;
+
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 
@@ -15,7 +18,9 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {}
+enum Command {
+    Render(render::RenderArgs),
+}
 
 /// How a command ended, when it did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,7 +36,7 @@ pub enum Outcome {
 pub fn run() -> ExitCode {
     let cli = Cli::parse();
     let result: anyhow::Result<Outcome> = match cli.command {
-        Some(command) => match command {},
+        Some(Command::Render(args)) => render::render(&args),
         None => Ok(Outcome::Done),
     };
     match result {

@@ -1,0 +1,48 @@
+//! Results that go to files: whole or not at all, and never over something that exists unless that was asked for.
+
+use crate::project::write_atomically;
+use anyhow::{Context as _, bail};
+use std::path::Path;
+
+/// Refuses a place where something is already, unless `force`; to be asked before the work begins.
+///
+/// # Errors
+/// Something is there.
+pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
+    if !force && path.exists() {
+        bail!("{} exists already; give --force to replace it, or another -o", path.display());
+    }
+    Ok(())
+}
+
+/// Writes a result.
+///
+/// # Errors
+/// Something is there already and `force` was not given, or the file cannot be written; nothing was changed then.
+pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
+    refuse_existing(path, force)?;
+    write_atomically(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_exists_is_replaced_only_by_force() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("result.png");
+        write_file(&path, b"first", false).unwrap();
+        let refusal = write_file(&path, b"second", false).unwrap_err().to_string();
+        assert!(refusal.ends_with("result.png exists already; give --force to replace it, or another -o"), "{refusal}");
+        assert_eq!(std::fs::read(&path).unwrap(), b"first");
+        write_file(&path, b"second", true).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"second");
+    }
+
+    #[test]
+    fn a_folder_that_is_missing_is_named() {
+        let error = write_file(Path::new("/no/such/folder/a.png"), b"", false).unwrap_err();
+        assert!(format!("{error:#}").starts_with("cannot write /no/such/folder/a.png: "), "{error:#}");
+    }
+}

@@ -1,0 +1,212 @@
+//! `touchline render`: a frame's overlay as the app shows it, off-screen.
+
+use super::Outcome;
+use super::output::{refuse_existing, write_file};
+use crate::app::OverlayStyle;
+use crate::app::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
+use crate::app::overlay::{OverlayScene, Standing, overlay};
+use crate::camera::PtzCamera;
+use crate::field::FieldModel;
+use crate::geometry::ImageSize;
+use crate::media::{self, FrameReader, FrameRef};
+use crate::project::{self, Document, Frame, FrameStatus};
+use crate::render::{Layer, Offscreen, Picture, PictureKey, View};
+use anyhow::{Context as _, bail};
+use image::RgbaImage;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Ground around the field on the field map, m.
+const MAP_MARGIN_M: f64 = 5.0;
+/// px per metre of the field map.
+const MAP_PX_PER_M: f64 = 12.0;
+/// How bright the frame's picture lies on the field map.
+const MAP_BRIGHTNESS: f32 = 0.8;
+
+/// Renders a frame with its overlay into a PNG, without a window.
+#[derive(clap::Args, Debug)]
+pub struct RenderArgs {
+    /// The project folder, its project.json, or a dataset file.
+    #[arg(value_name = "DOC")]
+    document: PathBuf,
+    /// The frame: its image as the document writes it, its file name, or its place in the document, counted from 0.
+    #[arg(long, value_name = "IMAGE_OR_INDEX")]
+    frame: String,
+    /// The PNG to write.
+    #[arg(short, value_name = "PNG")]
+    output: PathBuf,
+    /// Render the field from above, with the part that the frame shows.
+    #[arg(long)]
+    top_view: bool,
+    /// Replace an existing file.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The document, the frame or its picture cannot be read, nothing can render, or the PNG cannot be written.
+pub fn render(args: &RenderArgs) -> anyhow::Result<Outcome> {
+    if !args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        bail!("-o {}: a PNG is written, so its name must end with .png", args.output.display());
+    }
+    refuse_existing(&args.output, args.force)?;
+    let (location, document, recovery) = project::read(&args.document)?;
+    if let Some(message) = recovery.message() {
+        eprintln!("touchline: {message}");
+    }
+    let frame = find_frame(&document, &args.frame)
+        .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;
+    let field = document.field_of(frame).model(location.folder())?;
+    let picture = read_picture(frame, location.folder())?;
+    let camera = document.pointed(frame);
+    let style = OverlayStyle::default();
+    let mut offscreen = Offscreen::new()?;
+    let disputed = frame.solution.as_ref().map_or(&[][..], |solution| &solution.disputed);
+    let scene = OverlayScene {
+        field: &field,
+        camera: camera.as_ref(),
+        standing: if frame.status == FrameStatus::Suggested { Standing::Proposed } else { Standing::Solved },
+        image_size: frame.image_size,
+        clicks: &frame.clicks,
+        selected: None,
+        disputed,
+        style: &style,
+        zoom: 1.0,
+    };
+    let drawn = if args.top_view {
+        render_top_view(&mut offscreen, &scene, &picture)?
+    } else {
+        render_frame(&mut offscreen, &scene, picture)?
+    };
+    let mut png = Cursor::new(Vec::new());
+    drawn.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    write_file(&args.output, png.get_ref(), args.force)?;
+    eprintln!("{}: {} with {}", args.output.display(), frame.name(), offscreen.adapter());
+    if camera.is_none() {
+        eprintln!("touchline: {} has no camera yet, so it has no overlay; run `touchline solve` first", frame.name());
+        return Ok(Outcome::SomeFailed);
+    }
+    Ok(Outcome::Done)
+}
+
+/// The picture at its own size under the overlay.
+fn render_frame(
+    offscreen: &mut Offscreen,
+    scene: &OverlayScene<'_>,
+    picture: media::Picture,
+) -> anyhow::Result<RgbaImage> {
+    let ImageSize { width, height } = scene.image_size;
+    let view = View { pixels_per_point: pixels_per_point(width), ..View::one_to_one([width, height]) };
+    let layers = [layer(picture, 1.0), Layer::Drawing(Arc::new(overlay(scene)))];
+    Ok(offscreen.render(&view, SURROUND, &layers)?)
+}
+
+/// The field map, with the frame's picture laid onto it.
+fn render_top_view(
+    offscreen: &mut Offscreen,
+    scene: &OverlayScene<'_>,
+    picture: &media::Picture,
+) -> anyhow::Result<RgbaImage> {
+    let map = map_of(scene.field, scene.camera);
+    let drawing = field_map(scene, &map);
+    let mut layers = vec![Layer::Drawing(Arc::new(drawing.ground))];
+    if let Some(camera) = scene.camera {
+        layers.push(layer(picture_from_above(picture, scene.field, camera, &map), MAP_BRIGHTNESS));
+    }
+    layers.push(Layer::Drawing(Arc::new(drawing.over)));
+    let ImageSize { width, height } = map.size_px();
+    let view = View { pixels_per_point: pixels_per_point(width), ..View::one_to_one([width, height]) };
+    Ok(offscreen.render(&view, SURROUND, &layers)?)
+}
+
+fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
+    let map = FieldMap::new(field, MAP_MARGIN_M, MAP_PX_PER_M);
+    camera.map_or(map, |camera| map.turned_to(camera))
+}
+
+/// Lines keep their share of the picture on frames that are larger than a screen.
+fn pixels_per_point(width: u32) -> f32 {
+    (width as f32 / 1920.0).max(1.0)
+}
+
+fn layer(pixels: media::Picture, brightness: f32) -> Layer {
+    Layer::Picture(Picture { key: PictureKey(0), pixels, brightness })
+}
+
+/// The frame that is meant: by its name in the document, by its file name if only one frame has it, else by its place.
+fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Frame> {
+    let frames = || document.frames.iter().map(|frame| &**frame);
+    if let Some(frame) = frames().find(|frame| frame.image.as_deref() == Some(wanted) || frame.name() == wanted) {
+        return Ok(frame);
+    }
+    let of_this_name = |frame: &&Frame| {
+        frame.image.as_deref().is_some_and(|image| Path::new(image).file_name() == Some(wanted.as_ref()))
+    };
+    match frames().filter(of_this_name).collect::<Vec<_>>()[..] {
+        [frame] => return Ok(frame),
+        [first, second, ..] => {
+            bail!("two frames have this file name, {} and {}; give the whole path", first.name(), second.name())
+        }
+        [] => {}
+    }
+    let count = document.frames.len();
+    let Ok(index) = wanted.parse::<usize>() else {
+        bail!("no frame has this image; the document has {count} frames, by index 0 to {}", count.saturating_sub(1));
+    };
+    let frame = document.frames.get(index);
+    frame.map(|frame| &**frame).with_context(|| format!("there are {count} frames, counted from 0"))
+}
+
+/// The pixels of a frame: its image file, else its video's frame.
+fn read_picture(frame: &Frame, folder: &Path) -> anyhow::Result<media::Picture> {
+    let source = match (frame.image_path(folder), &frame.video) {
+        (Some(image), _) => FrameRef::image(image),
+        (None, Some(video)) => FrameRef::video(video.file_path(folder), usize::try_from(video.frame_index)?),
+        (None, None) => bail!("the frame has neither an image nor a video to show"),
+    };
+    let picture = FrameReader::new().read(&source)?;
+    if picture.size() != frame.image_size {
+        let (is, said) = (picture.size(), frame.image_size);
+        bail!(
+            "{source} is {} × {} px, but the document says {} × {} px: it is not the frame that was labelled",
+            is.width,
+            is.height,
+            said.width,
+            said.height
+        );
+    }
+    Ok(picture)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::project::{CameraId, FieldSpec};
+
+    fn document(images: &[&str]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for image in images {
+            let frame = Frame::from_image(image, CameraId::from("main"), ImageSize::new(64, 36));
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    #[test]
+    fn a_frame_is_found_by_path_by_name_and_by_place() {
+        let document = document(&["a/1.png", "b/1.png", "b/7.png", "0"]);
+        let found = |wanted: &str| find_frame(&document, wanted).map(Frame::name).map_err(|error| error.to_string());
+        assert_eq!(found("b/1.png"), Ok("b/1.png".into()));
+        assert_eq!(found("7.png"), Ok("b/7.png".into()));
+        assert_eq!(found("2"), Ok("b/7.png".into()));
+        assert_eq!(found("0"), Ok("0".into()), "a name goes before a place");
+        let two = "two frames have this file name, a/1.png and b/1.png; give the whole path";
+        assert_eq!(found("1.png"), Err(two.into()));
+        assert_eq!(found("4"), Err("there are 4 frames, counted from 0".into()));
+        let none = "no frame has this image; the document has 4 frames, by index 0 to 3";
+        assert_eq!(found("c.png"), Err(none.into()));
+    }
+}
