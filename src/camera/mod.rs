@@ -20,6 +20,7 @@ mod projection;
 mod ray;
 
 pub use base::{BaseAngles, BaseSigma, CameraBase};
+pub(crate) use distortion::undistort;
 pub use distortion::{FocalCurve, UndistortError};
 pub use jacobian::ProjectionJacobian;
 pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};

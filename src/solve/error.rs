@@ -28,8 +28,8 @@ pub enum ObservationError {
 pub enum SolveError {
     /// The clicks do not determine pan, tilt and focal length, however they lie.
     #[error(
-        "{equations} equations for 3 unknowns: a landmark gives two, a point on a line one; click {} more",
-        if *.equations == 2 { "one point of a line or one landmark" } else { "landmarks" }
+        "{equations} equations for 3 unknowns: a landmark gives two, a point on a line one; click {}",
+        if *.equations == 2 { "one more" } else { "two landmarks" }
     )]
     TooFewObservations {
         /// Equations that the clicks give.

@@ -3,16 +3,18 @@
 use super::line::line_residual;
 use super::refine::{distance_px, refine, squared_sigmas};
 use super::starts::{camera_distance, starts};
+use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
-    Candidate, CheckResult, ClickResidual, FrameSolution, Observation, SolveContext, SolveError, Target, Uncertainty,
-    checks,
+    Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, SolveContext, SolveError, Target,
+    Uncertainty, checks,
 };
-use crate::camera::{CameraBase, PtzCamera};
-use crate::geometry::ImageSize;
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::geometry::{Angle, ImageSize};
 use nalgebra::Matrix2;
 
-/// Two candidates whose χ² differ by less than this (times its expectation) cannot be told apart by the clicks.
-pub(super) const SAME_FIT: f64 = 9.0;
+/// Two candidates whose χ² differ by less than this (times its expectation) cannot be told apart by the clicks: five
+/// sigmas, since a base is never quite right.
+pub(super) const SAME_FIT: f64 = 25.0;
 
 /// Candidates nearer to each other than this (see [`camera_distance`]) are one.
 const SAME_CAMERA: f64 = 1e-4;
@@ -104,11 +106,25 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
             }
         }
     }
+    if let Some(click) = behind_the_other(base, used) {
+        return Err(SolveError::BehindCamera { click });
+    }
     let equations: usize = used.iter().map(|observation| observation.target.equations()).sum();
     if equations + if context.prior.is_some() { 3 } else { 0 } < 3 || used.is_empty() {
         return Err(SolveError::TooFewObservations { equations });
     }
     Ok(())
+}
+
+/// Of two landmarks more than a right angle apart no picture of a sports camera shows both: the one that lies farther from
+/// where the base looks.
+fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
+    let [one, two] = used else { return None };
+    let (Target::Landmark(at_one), Target::Landmark(at_two)) = (one.target, two.target) else { return None };
+    let [ray_one, ray_two] = [at_one, at_two].map(|at| base.base_from_world_point(at).normalize());
+    // Opposite rays have their own error.
+    let opposite = ray_one.cross(&ray_two).norm().asin().to_degrees() < MIN_RAY_ANGLE_DEG;
+    (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z { one.click } else { two.click })
 }
 
 /// A refined start with what it minimised.
@@ -118,33 +134,56 @@ struct Fit {
 }
 
 /// Refines every start; duplicates merged, best fit first.
+///
+/// With two landmarks and nothing else there may be two focal lengths that their angle allows. Where refinement leads both
+/// to one camera, the worse root stays a candidate at its own focal length, with pan and tilt refined.
 fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<Vec<Fit>, SolveError> {
-    let mut found: Vec<Fit> = Vec::new();
-    for start in starts(base, used, context)? {
+    let starts = starts(base, used, context)?;
+    let refined = |start: Ptz| {
         let refined = refine(base, start, used.iter(), context.loss, context.prior.as_ref());
-        let ptz = refined.ptz;
-        if !ptz.is_finite()
-            || ptz.tilt.abs().degrees() > 90.0
-            || found.iter().any(|other| camera_distance(&other.candidate.ptz, &ptz) < SAME_CAMERA)
-        {
-            continue;
-        }
-        let camera = PtzCamera::new(*base, ptz);
-        let (mut squares, mut seen, mut chi_squared) = (0.0, 0u32, 0.0);
-        for observation in used {
-            let distance_px = distance_px(&camera, observation);
-            chi_squared += squared_sigmas(distance_px, observation.sigma_px);
-            if let Some(distance_px) = distance_px {
-                squares += distance_px * distance_px;
-                seen += 1;
-            }
-        }
-        let rms_px = (squares / f64::from(seen.max(1))).sqrt();
-        let plausible = context.ranges.contains(&ptz);
-        found.push(Fit { cost: refined.cost, candidate: Candidate { ptz, rms_px, chi_squared, plausible } });
-    }
+        fit(base, refined.ptz, refined.cost, used, context)
+    };
+    let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    found.dedup_by(|worse, better| camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA);
+    if let ([one, two], [kept]) = (starts.as_slice(), found.as_slice())
+        && used.len() == 2
+        && context.prior.is_none()
+    {
+        let apart = |root: &Ptz| (root.focal_px / kept.candidate.ptz.focal_px).ln().abs();
+        let lost = if apart(one) > apart(two) { *one } else { *two };
+        if apart(&lost) > SAME_CAMERA {
+            let refined = refine(base, lost, used.iter(), context.loss, Some(&focal_held(lost)));
+            found.extend(fit(base, refined.ptz, refined.cost, used, context));
+        }
+    }
     Ok(found)
+}
+
+/// A prior that holds the focal length and leaves pan and tilt free.
+fn focal_held(ptz: Ptz) -> PtzPrior {
+    let free = Angle::from_degrees(1e6);
+    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9 }
+}
+
+/// A camera with how well it fits; none if it is no camera that stands upright.
+fn fit(base: &CameraBase, ptz: Ptz, cost: f64, used: &[Observation], context: &SolveContext) -> Option<Fit> {
+    if !ptz.is_finite() || ptz.tilt.abs().degrees() > 90.0 {
+        return None;
+    }
+    let camera = PtzCamera::new(*base, ptz);
+    let (mut squares, mut seen, mut chi_squared) = (0.0, 0u32, 0.0);
+    for observation in used {
+        let distance_px = distance_px(&camera, observation);
+        chi_squared += squared_sigmas(distance_px, observation.sigma_px);
+        if let Some(distance_px) = distance_px {
+            squares += distance_px * distance_px;
+            seen += 1;
+        }
+    }
+    let rms_px = (squares / f64::from(seen.max(1))).sqrt();
+    let candidate = Candidate { ptz, rms_px, chi_squared, plausible: context.ranges.contains(&ptz) };
+    Some(Fit { cost, candidate })
 }
 
 /// Chooses among candidates: plausible before implausible, the better fit before the worse; where the clicks cannot tell,

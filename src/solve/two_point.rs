@@ -10,8 +10,8 @@
 //! x₁·x₂ + s has the sign of r₁·r₂. Usually one does; in about 1 pair of 40 two do, and both are kept.
 
 use super::one_point::pan_tilt_from_one_ray;
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
+use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
+use crate::geometry::{ImagePoint, Vec2, Vec3};
 use thiserror::Error;
 
 /// Clicks nearer to each other than this say nothing about the focal length, px.
@@ -129,53 +129,135 @@ pub fn solve_two_points(
     let directions = points_in_world.map(|point| base.base_from_world_point(point));
     let rays = directions.map(|direction| direction.normalize());
     let clicked = pixels.map(|pixel| pixel.offset_from(base.principal_point));
-    let focals = focal_from_two_rays(clicked, rays)?;
-    let pinhole = base.distortion == crate::camera::FocalCurve::NONE;
-    let candidate = |focal_px: f64| {
-        let (focal_px, ideal) = if pinhole {
-            (focal_px, clicked.map(|offset| offset / focal_px))
-        } else {
-            with_distortion(base, pixels, rays, focal_px)?
-        };
+    let pointed = |(focal_px, ideal): (f64, [Vec2; 2])| {
         let (pan, tilt) = pan_tilt_from_one_ray(directions[0], ideal[0])
             .or_else(|_| pan_tilt_from_one_ray(directions[1], ideal[1]))
             .ok()?;
         Some(Ptz { pan, tilt, focal_px })
     };
-    let mut found = [None, None];
-    for (slot, focal_px) in found.iter_mut().zip(focals.iter()) {
-        *slot = candidate(focal_px);
+    let pinhole = focal_from_two_rays(clicked, rays);
+    if base.distortion == FocalCurve::NONE {
+        let mut found = [None, None];
+        for (slot, focal_px) in found.iter_mut().zip(pinhole?.iter()) {
+            *slot = pointed((focal_px, clicked.map(|offset| offset / focal_px)));
+        }
+        return OneOrTwo::from_pair(found).ok_or_else(|| no_real_root(pixels, rays));
     }
-    OneOrTwo::from_pair(found).ok_or_else(|| TwoPointError::NoRealRoot {
-        separation_px: pixels[0].distance_px(pixels[1]),
-        angle_deg: Angle::from_radians(rays[0].cross(&rays[1]).norm().atan2(rays[0].dot(&rays[1]))).degrees(),
-    })
+    let lens = LensPair { base, pixels, rays };
+    let followed = match pinhole {
+        Ok(roots) => {
+            let mut found = [None, None];
+            for (slot, focal_px) in found.iter_mut().zip(roots.iter()) {
+                *slot = lens.follow(focal_px).and_then(pointed);
+            }
+            OneOrTwo::from_pair(found)
+        }
+        Err(TwoPointError::NoRealRoot { .. }) => None,
+        Err(error) => return Err(error),
+    };
+    let found = followed.or_else(|| {
+        let roots = lens.scan();
+        OneOrTwo::from_pair(roots.map(|root| root.and_then(pointed)))
+    });
+    found.ok_or_else(|| no_real_root(pixels, rays))
 }
 
-/// Follows one root from the pinhole to the lens: undistort at the focal length found, solve again, keep the nearest root.
-/// Gives the focal length and the ideal points on the plane z = 1.
-fn with_distortion(
-    base: &CameraBase,
+fn no_real_root(pixels: [ImagePoint; 2], [r1, r2]: [Vec3; 2]) -> TwoPointError {
+    TwoPointError::NoRealRoot {
+        separation_px: pixels[0].distance_px(pixels[1]),
+        angle_deg: r1.cross(&r2).norm().atan2(r1.dot(&r2)).to_degrees(),
+    }
+}
+
+/// Two pixels and their rays under a lens whose distortion follows the focal length.
+struct LensPair<'a> {
+    base: &'a CameraBase,
     pixels: [ImagePoint; 2],
     rays: [Vec3; 2],
-    start_focal_px: f64,
-) -> Option<(f64, [Vec2; 2])> {
-    const ROUNDS: usize = 30;
-    let mut focal_px = start_focal_px;
-    let ideal_at = |focal_px: f64| {
-        let lens = PtzCamera::new(*base, Ptz { pan: Angle::ZERO, tilt: Angle::ZERO, focal_px });
-        Some([lens.cam_plane_from_image(pixels[0]).ok()?, lens.cam_plane_from_image(pixels[1]).ok()?])
-    };
-    for _ in 0..ROUNDS {
-        let ideal = ideal_at(focal_px)?;
-        let roots = focal_from_two_rays(ideal.map(|point| point * focal_px), rays).ok()?;
-        let distance = |root: f64| (root / focal_px).ln().abs();
-        let next = roots.iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
-        let moved = distance(next);
-        focal_px = next;
-        if moved < 1e-13 {
-            break;
-        }
+}
+
+impl LensPair<'_> {
+    /// The pixels' ideal points on the plane z = 1 at a focal length; none beyond the fold of the lens model.
+    fn ideal_at(&self, focal_px: f64) -> Option<[Vec2; 2]> {
+        let k1 = self.base.distortion.at(focal_px);
+        let ideal = |pixel: ImagePoint| undistort(pixel.offset_from(self.base.principal_point) / focal_px, k1).ok();
+        Some([ideal(self.pixels[0])?, ideal(self.pixels[1])?])
     }
-    Some((focal_px, ideal_at(focal_px)?))
+
+    /// Follows one root from the pinhole to the lens: undistort at the focal length found, solve again, keep the nearest
+    /// root.
+    fn follow(&self, pinhole_focal_px: f64) -> Option<(f64, [Vec2; 2])> {
+        const ROUNDS: usize = 30;
+        let mut focal_px = pinhole_focal_px;
+        for _ in 0..ROUNDS {
+            let ideal = self.ideal_at(focal_px)?;
+            let roots = focal_from_two_rays(ideal.map(|point| point * focal_px), self.rays).ok()?;
+            let distance = |root: f64| (root / focal_px).ln().abs();
+            let next = roots.iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+            let moved = distance(next);
+            focal_px = next;
+            if moved < 1e-13 {
+                break;
+            }
+        }
+        Some((focal_px, self.ideal_at(focal_px)?))
+    }
+
+    /// The angle between the pixels' directions at a focal length, less that between the rays, rad.
+    fn excess_angle(&self, log_focal: f64) -> Option<f64> {
+        let [one, two] = self.ideal_at(log_focal.exp())?.map(|point| Vec3::new(point.x, point.y, 1.0));
+        let between = |a: &Vec3, b: &Vec3| a.cross(b).norm().atan2(a.dot(b));
+        Some(between(&one, &two) - between(&self.rays[0], &self.rays[1]))
+    }
+
+    /// The roots that the lens has and the pinhole has not: sign changes of the excess angle over focal lengths from a
+    /// fifth to fifty times the pixels' reach. A dip that a coarse step jumps over is searched for its bottom first.
+    fn scan(&self) -> [Option<(f64, [Vec2; 2])>; 2] {
+        const STEPS: u32 = 64;
+        let reach = self.pixels.map(|pixel| pixel.distance_px(self.base.principal_point));
+        let (from, upto) = ((0.2 * reach[0].max(reach[1])).ln(), (50.0 * reach[0].max(reach[1])).ln());
+        let mut samples: Vec<(f64, f64)> = (0..=STEPS)
+            .filter_map(|step| {
+                let log_focal = from + (upto - from) * f64::from(step) / f64::from(STEPS);
+                Some((log_focal, self.excess_angle(log_focal)?))
+            })
+            .collect();
+        if let Some(at) = (1..samples.len().saturating_sub(1)).find(|&i| {
+            let [before, here, after] = [samples[i - 1].1, samples[i].1, samples[i + 1].1].map(f64::abs);
+            here <= before && here <= after && samples[i - 1].1 * samples[i + 1].1 > 0.0
+        }) && let Some(bottom) = self.bottom(samples[at - 1].0, samples[at + 1].0)
+        {
+            samples.push(bottom);
+            samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        let mut roots = samples.windows(2).filter(|pair| pair[0].1 * pair[1].1 <= 0.0).filter_map(|pair| {
+            let focal_px = self.bisect(pair[0], pair[1])?.exp();
+            Some((focal_px, self.ideal_at(focal_px)?))
+        });
+        [roots.next(), roots.next()]
+    }
+
+    /// The smallest |excess angle| between two log focal lengths (golden section).
+    fn bottom(&self, mut low: f64, mut high: f64) -> Option<(f64, f64)> {
+        const SHARE: f64 = 0.618_033_988_749_895;
+        for _ in 0..40 {
+            let (a, b) = (high - SHARE * (high - low), low + SHARE * (high - low));
+            let (at_a, at_b) = (self.excess_angle(a)?, self.excess_angle(b)?);
+            if at_a.signum() != at_b.signum() {
+                return Some((a, at_a));
+            }
+            if at_a.abs() < at_b.abs() { high = b } else { low = a }
+        }
+        let middle = f64::midpoint(low, high);
+        Some((middle, self.excess_angle(middle)?))
+    }
+
+    /// The root between two samples of opposite sign.
+    fn bisect(&self, (mut low, at_low): (f64, f64), (mut high, _): (f64, f64)) -> Option<f64> {
+        for _ in 0..60 {
+            let middle = f64::midpoint(low, high);
+            if self.excess_angle(middle)? * at_low > 0.0 { low = middle } else { high = middle }
+        }
+        Some(f64::midpoint(low, high))
+    }
 }

@@ -12,4 +12,7 @@ mod data;
 mod document;
 mod fields;
 mod overlay_pixels;
+mod published_figures;
+mod seeded;
 mod shaders;
+mod two_point_truth;
