@@ -81,6 +81,12 @@ impl Edit {
         self.changes.is_empty()
     }
 
+    /// Joins a later edit to this one.
+    pub fn join(&mut self, later: Self) {
+        self.name = later.name;
+        self.changes.extend(later.changes);
+    }
+
     /// Makes the changes.
     ///
     /// # Errors

@@ -71,7 +71,8 @@ impl Recovery {
             say(format_args!("The journal breaks off: {} bytes at its end are unreadable.", self.lost_bytes));
         }
         if self.foreign_edits > 0 {
-            say(format_args!("Another program changed the document: {} edits are not in it.", self.foreign_edits));
+            let edits = if self.foreign_edits == 1 { "edit is" } else { "edits are" };
+            say(format_args!("Another program changed the document: {} {edits} not in it.", self.foreign_edits));
         }
         if let Some(path) = &self.set_aside {
             say(format_args!("The journal is kept as {}.", path.display()));
@@ -87,6 +88,8 @@ pub struct Store {
     journal: Journal,
     /// Of the document's file as it was last read or written; none where there was no file.
     hash: Option<DocumentHash>,
+    /// The journal holds edits that the document's file lacks.
+    behind: bool,
     _lock: Lock,
 }
 
@@ -112,11 +115,13 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
         recovery.set_aside = Some(copy_aside(&path, "damaged").map_err(io)?);
     }
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
-    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), _lock: lock };
+    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), behind: false, _lock: lock };
     if damage == Damage::Misfit {
         store.write(&document)?;
     } else if recovery.edits.is_empty() {
         store.journal.restart(&hash).map_err(io)?;
+    } else {
+        store.behind = true;
     }
     Ok(Opened { location, document, access: Access::Writable(store), recovery })
 }
@@ -155,7 +160,7 @@ fn read_contents(location: &Location) -> Result<Contents, StoreError> {
     let mut attempt = 1;
     loop {
         let contents = read_contents_once(location)?;
-        // A journal of another document may be one that was restarted between the two readings.
+        // A journal of another document may be one of a document that was replaced between the two readings.
         if contents.recovery.foreign_edits == 0 || attempt == READ_ATTEMPTS {
             return Ok(contents);
         }
@@ -164,18 +169,13 @@ fn read_contents(location: &Location) -> Result<Contents, StoreError> {
 }
 
 fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
-    let path = location.file();
-    let bytes = fs::read(path).map_err(|source| StoreError::from_io("read", path, source))?;
-    let mut document = document_from_bytes(&bytes).map_err(|source| {
-        let backup = Some(location.backup()).filter(|backup| backup.exists());
-        StoreError::Read { path: path.to_path_buf(), source, backup }
-    })?;
-    let hash = hash_of(&bytes);
+    // The journal first: one that was restarted belongs to a document that is there already.
     let path = location.journal();
     let bytes = match fs::read(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
     };
+    let (mut document, hash) = read_document(location)?;
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
     let lost = &bytes[whole_bytes as usize..];
@@ -198,6 +198,16 @@ fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
         }
     }
     Ok(Contents { document, hash, recovery, whole_bytes, damage })
+}
+
+fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
+    let path = location.file();
+    let bytes = fs::read(path).map_err(|source| StoreError::from_io("read", path, source))?;
+    let document = document_from_bytes(&bytes).map_err(|source| {
+        let backup = Some(location.backup()).filter(|backup| backup.exists());
+        StoreError::Read { path: path.to_path_buf(), source, backup }
+    })?;
+    Ok((document, hash_of(&bytes)))
 }
 
 fn hash_of(bytes: &[u8]) -> DocumentHash {
@@ -233,7 +243,7 @@ impl Store {
             set_aside(&path, "orphan").map_err(io)?;
         }
         let journal = Journal::open(&path, 0).map_err(io)?;
-        let mut store = Self { location: location.clone(), journal, hash: None, _lock: lock };
+        let mut store = Self { location: location.clone(), journal, hash: None, behind: false, _lock: lock };
         store.write(document)?;
         Ok(store)
     }
@@ -244,12 +254,21 @@ impl Store {
         &self.location
     }
 
+    /// Whether the journal holds edits that the document's file lacks.
+    #[must_use]
+    pub const fn is_behind(&self) -> bool {
+        self.behind
+    }
+
     /// Appends an edit to the journal; it is on disk when this returns.
     ///
     /// # Errors
     /// The disk is full or not writable. The journal is as it was; the edit may be appended again.
     pub fn journal(&mut self, edit: Edit) -> Result<(), StoreError> {
-        self.journal.append(edit).map_err(|source| StoreError::from_io("write", &self.location.journal(), source))
+        let io = |source| StoreError::from_io("write", &self.location.journal(), source);
+        self.journal.append(edit).map_err(io)?;
+        self.behind = true;
+        Ok(())
     }
 
     /// Writes the document, keeps the version before as the backup, and restarts the journal.
@@ -304,6 +323,7 @@ impl Store {
             write_atomically(path, text.as_bytes()).map_err(io)?;
             self.hash = Some(hash.clone());
         }
+        self.behind = false;
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(journal_io)
     }

@@ -11,6 +11,7 @@ mod architecture;
 mod data;
 mod document;
 mod fields;
+mod journal;
 mod overlay_pixels;
 mod published_figures;
 mod seeded;
