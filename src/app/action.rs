@@ -174,13 +174,8 @@ pub enum Effect {
         /// The document's revision with it.
         revision: u64,
     },
-    /// Write the document.
-    Save {
-        /// The document.
-        document: Document,
-        /// Its revision.
-        revision: u64,
-    },
+    /// Write the document: the saver has every edit already.
+    Save,
     /// Write a copy of the project into a folder.
     SaveCopy {
         /// The document.

@@ -7,6 +7,7 @@
     reason = "a test says what failed by failing"
 )]
 
+mod app;
 mod architecture;
 mod data;
 mod document;

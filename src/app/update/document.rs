@@ -37,7 +37,7 @@ impl App {
         }
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
-            self.effects.push(Effect::Save { document: open.document.clone(), revision: open.revision });
+            self.effects.push(Effect::Save);
         }
     }
 
