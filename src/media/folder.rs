@@ -65,7 +65,7 @@ mod tests {
         }
         std::fs::create_dir(folder.path().join("folder.png")).unwrap();
         let listing = list_images(folder.path()).unwrap();
-        assert_eq!(names(&listing), ["a.tiff", "f1.jpeg", "f02.webp", "f2.webp", "f9.PNG", "f10.png"]);
+        assert_eq!(names(&listing), ["a.tiff", "f1.jpeg", "f2.webp", "f02.webp", "f9.PNG", "f10.png"]);
         assert!(listing.notices.is_empty());
     }
 

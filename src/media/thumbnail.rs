@@ -2,7 +2,9 @@
 
 use super::Picture;
 use crate::geometry::ImageSize;
-use image::{ImageBuffer, Rgba, RgbaImage, imageops};
+use std::ops::Range;
+
+const BLACK: [u8; 4] = [0, 0, 0, 255];
 
 /// The size of a thumbnail in the filmstrip, px.
 pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
@@ -10,15 +12,43 @@ pub const THUMBNAIL_SIZE: ImageSize = ImageSize::new(160, 90);
 /// A picture scaled to fit into `size` and centred on black. A picture that is small enough is not enlarged.
 #[must_use]
 pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
-    let mut canvas = RgbaImage::from_pixel(size.width, size.height, Rgba([0, 0, 0, 255]));
     let inner = fitted(picture.size(), size);
-    let source = ImageBuffer::<Rgba<u8>, &[u8]>::from_raw(picture.size().width, picture.size().height, picture.rgba());
-    if let Some(source) = source.filter(|_| inner.width > 0 && inner.height > 0) {
-        let small = imageops::thumbnail(&source, inner.width, inner.height);
-        let (left, top) = ((size.width - inner.width) / 2, (size.height - inner.height) / 2);
-        imageops::replace(&mut canvas, &small, i64::from(left), i64::from(top));
+    let (left, top) = ((size.width - inner.width) / 2, (size.height - inner.height) / 2);
+    let mut rgba = Vec::with_capacity(4 * size.width as usize * size.height as usize);
+    for y in 0..size.height {
+        for x in 0..size.width {
+            let inside =
+                x.checked_sub(left).zip(y.checked_sub(top)).filter(|&(x, y)| x < inner.width && y < inner.height);
+            rgba.extend(inside.map_or(BLACK, |(x, y)| mean_below(picture, inner, x, y)));
+        }
     }
-    Picture::new(size, canvas.into_raw()).unwrap_or_else(|_| Picture::filled(size, [0, 0, 0, 255]))
+    Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, BLACK))
+}
+
+/// The mean of the pixels that one pixel of a smaller picture covers.
+fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
+    let size = picture.size();
+    let columns = span(x, small.width, size.width);
+    let mut sum = [0_u64; 3];
+    let mut count = 0;
+    for row in span(y, small.height, size.height) {
+        let start = row * size.width as usize;
+        let pixels = picture.rgba().get(4 * (start + columns.start)..4 * (start + columns.end)).unwrap_or_default();
+        for pixel in pixels.chunks_exact(4) {
+            for (total, &channel) in sum.iter_mut().zip(pixel) {
+                *total += u64::from(channel);
+            }
+            count += 1;
+        }
+    }
+    let mean = sum.map(|total| ((total + count / 2) / count.max(1)) as u8);
+    [mean[0], mean[1], mean[2], 255]
+}
+
+/// The pixels of a row of `large` that pixel `at` of a row of `small` covers: at least one.
+fn span(at: u32, small: u32, large: u32) -> Range<usize> {
+    let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as usize;
+    edge(at)..edge(at + 1).max(edge(at) + 1)
 }
 
 /// The largest size of the shape of `inner` that fits into `outer`, at most `inner` itself.
@@ -34,7 +64,6 @@ mod tests {
     use super::*;
 
     const WHITE: [u8; 4] = [255; 4];
-    const BLACK: [u8; 4] = [0, 0, 0, 255];
 
     #[test]
     fn a_square_stands_between_two_black_bars() {
@@ -44,6 +73,13 @@ mod tests {
         assert_eq!(small.pixel(35, 45), Some(WHITE));
         assert_eq!(small.pixel(124, 45), Some(WHITE));
         assert_eq!(small.pixel(125, 45), Some(BLACK));
+    }
+
+    #[test]
+    fn a_pixel_is_the_mean_of_what_it_covers() {
+        let stripes = (0..320 * 180).flat_map(|pixel| if pixel % 2 == 0 { WHITE } else { BLACK }).collect();
+        let small = letterboxed(&Picture::new(ImageSize::new(320, 180), stripes).unwrap(), THUMBNAIL_SIZE);
+        assert!(small.rgba().chunks(4).all(|pixel| pixel == [128, 128, 128, 255]));
     }
 
     #[test]
