@@ -1,11 +1,32 @@
-//! The only detached threads.
+//! The only detached threads: decoding, thumbnails, saving, and slow work in general.
 //!
-//! A job is a handle that owns its thread: orders go in through a bounded channel, reports come back, a [`Wake`] callback
-//! says that there is one. Dropping the handle ends the thread.
+//! A job is a handle that owns its thread: orders go in, a bounded number of reports wait until the owner polls, once per
+//! shown frame, after the [`Wake`] callback said that there are some. Decoders are asked by replacing what they should do
+//! next, never by queueing behind stale work. A panic in a job becomes a report that the user sees. Dropping the handle
+//! stops and joins the thread.
 
+mod background;
+mod decoder;
+mod desk;
+mod frame_worker;
 mod saver;
+#[cfg(test)]
+mod stand_in;
+mod thumbnails;
 
+pub use background::{Background, BackgroundReport, Reporter};
+pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
+pub use thumbnails::{ThumbnailReport, Thumbnails};
 
-/// Called by a job's thread when it has reported something; a window repaints then.
-pub type Wake = std::sync::Arc<dyn Fn() + Send + Sync>;
+use std::any::Any;
+use std::sync::Arc;
+
+/// Called by a job's thread when a report waits to be polled; a window repaints then.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// The words of a panic.
+fn panic_message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
+}

@@ -126,6 +126,20 @@ pub enum MediaError {
         /// The decoder's words.
         reason: String,
     },
+    /// The caller did not wait for the end of a count.
+    #[error("{}: the frames were not counted to the end; open the video again", path.display())]
+    Stopped {
+        /// The video.
+        path: PathBuf,
+    },
+    /// A mistake in this program or in a library.
+    #[error("{}: reading it failed inside the program ({message}); please report this with the file", path.display())]
+    Panicked {
+        /// The file.
+        path: PathBuf,
+        /// The words of the panic.
+        message: String,
+    },
     /// A buffer whose length does not fit its size.
     #[error("{bytes} bytes are not a picture of {width} × {height} px with 4 bytes each")]
     WrongLength {
@@ -143,10 +157,9 @@ impl MediaError {
     pub(super) fn from_io(path: &Path, error: &io::Error) -> Self {
         let path = path.to_path_buf();
         match error.kind() {
-            io::ErrorKind::NotFound => Self::Missing { path },
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => Self::Missing { path },
             io::ErrorKind::PermissionDenied => Self::NoPermission { path },
             io::ErrorKind::IsADirectory => Self::NotAFile { path },
-            io::ErrorKind::NotADirectory => Self::Missing { path },
             _ => Self::Unreadable { path, reason: error.to_string() },
         }
     }

@@ -13,6 +13,7 @@ mod data;
 mod document;
 mod fields;
 mod journal;
+mod media;
 mod overlay_pixels;
 mod published_figures;
 mod seeded;

@@ -1,6 +1,6 @@
 //! The boundary to OpenCV's video reader.
 //!
-//! Three of its habits matter (found with OpenCV 4.6 on FFmpeg 5.1). Its frame numbers are times multiplied by the
+//! Three of its habits matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
 //! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
 //! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. And a file it
 //! cannot read is no error, it is just not open.
@@ -26,7 +26,7 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    /// Opens a video through FFmpeg: the other readers of OpenCV print warnings and count differently.
+    /// Opens a video through `FFmpeg`: the other readers of OpenCV print warnings and count differently.
     pub(super) fn open(path: &Path) -> Result<Self, MediaError> {
         Self::open_with(path, &[videoio::CAP_PROP_HW_ACCELERATION, videoio::VIDEO_ACCELERATION_NONE])
     }

@@ -1,9 +1,10 @@
 //! A video's frames by number: reading forward where that is near, jumping where it is far.
 
-use super::VideoInfo;
 use super::capture::Capture;
 use super::survey::{Survey, survey};
+use super::{CountProgress, VideoInfo};
 use crate::media::{MediaError, Picture};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key frame before the
@@ -24,7 +25,19 @@ impl Video {
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
     pub fn open(path: &Path) -> Result<Self, MediaError> {
-        let Survey { info, preroll, capture } = survey(path)?;
+        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Opens a video as [`Video::open`] does; where all frames are visited, `watch` is told every now and then how far
+    /// that has come, and may end it.
+    ///
+    /// # Errors
+    /// As [`Video::open`]; [`MediaError::Stopped`] when `watch` ended it.
+    pub fn open_watched(
+        path: &Path,
+        watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+    ) -> Result<Self, MediaError> {
+        let Survey { info, preroll, capture } = survey(path, watch)?;
         Ok(Self { player: Player { capture, position: None, preroll }, info })
     }
 
@@ -78,7 +91,14 @@ impl Player {
         if self.position.is_none_or(|at| at > target || target - at > farthest) {
             self.jump_before(info, target)?;
         }
-        match self.read_on_to(info, target) {
+        let mut landed = self.read_on_to(info, target);
+        if landed.is_none() {
+            // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying behind the stated
+            // number of frames and holds them back. Played from the start they come.
+            self.restart(info, target)?;
+            landed = self.read_on_to(info, target);
+        }
+        match landed {
             Some(landed) if landed == target => Ok(()),
             Some(_) => Err(damaged(info, target, "the decoder passes over it")),
             None => Err(damaged(info, target, "the decoder stops before it")),
@@ -130,6 +150,11 @@ impl Player {
             }
             back = (2 * back).max(16);
         }
+        self.restart(info, target)
+    }
+
+    /// Opens the file again and goes to its first frame.
+    fn restart(&mut self, info: &VideoInfo, target: usize) -> Result<(), MediaError> {
         self.capture = Capture::open(&info.path)?;
         self.position = None;
         if self.capture.grab() {

@@ -54,3 +54,14 @@ impl VideoInfo {
         (index < self.decoded_frames).then(|| self.clock.pts_s(index)).flatten()
     }
 }
+
+/// How far the numbering of a video's frames has come, where every one of them must be visited.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CountProgress {
+    /// The video.
+    pub path: Arc<Path>,
+    /// How many frames have been visited.
+    pub counted: usize,
+    /// How many frames the container states; 0 where it states none.
+    pub stated: usize,
+}

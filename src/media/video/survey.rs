@@ -7,11 +7,12 @@
 
 use super::capture::Capture;
 use super::decode::Player;
-use super::{FrameClock, VideoInfo};
+use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};
 use std::io::Read;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,6 +24,8 @@ const LONG_LEAD_FRAMES: usize = 640;
 const PREROLL_FRAMES: usize = 300;
 /// How far from the end the search for the last frame begins.
 const TAIL_FRAMES: usize = 64;
+/// How many frames are counted between two reports of progress.
+const COUNT_REPORT_FRAMES: usize = 100;
 /// Times on a steady rate, s: what is left is the rounding of floating-point numbers.
 const EXACT_S: f64 = 2e-6;
 /// Times on a steady rate in a container that rounds to milliseconds, s.
@@ -38,7 +41,7 @@ pub(super) struct Survey {
 /// How a container stores its frames, by the first bytes of the file.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Container {
-    /// MP4 and QuickTime: states the exact number of stored frames and their average rate.
+    /// MP4 and `QuickTime`: states the exact number of stored frames and their average rate.
     Mp4,
     /// Matroska, `WebM` and AVI: indexed by key frames, rate and length are nominal.
     Indexed,
@@ -47,7 +50,10 @@ enum Container {
 }
 
 /// Opens a video and finds out what there is to know.
-pub(super) fn survey(path: &Path) -> Result<Survey, MediaError> {
+pub(super) fn survey(
+    path: &Path,
+    watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
     let mut capture = Capture::open(path)?;
     let size = capture.size();
@@ -76,20 +82,18 @@ pub(super) fn survey(path: &Path) -> Result<Survey, MediaError> {
             info.clock = listed(&lead.times_s, first_s, info.fps);
         }
     } else {
+        let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
         let counted = (deviation_s <= ROUNDED_S).then(|| count_to_the_end(&mut player, &info)).flatten();
-        let is_sure = |count: usize| {
-            (container == Container::Mp4 && deviation_s <= EXACT_S)
-                || count_packets(path).is_some_and(|packets| packets == count)
-        };
-        match counted {
-            Some(count) if is_sure(count) => info.decoded_frames = count,
-            _ => {
-                let (times_s, capture) = play_through(path)?;
-                player = Player { capture, position: times_s.len().checked_sub(1), preroll };
-                info.decoded_frames = times_s.len();
-                if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
-                    info.clock = listed(&times_s, first_s, info.fps);
-                }
+        let states_its_average = container == Container::Mp4 && deviation_s <= EXACT_S;
+        let is_sure = counted.is_some() && (states_its_average || count_packets(path, &mut counter)? == counted);
+        if let Some(count) = counted.filter(|_| is_sure) {
+            info.decoded_frames = count;
+        } else {
+            let (times_s, capture) = play_through(path, &mut counter)?;
+            player = Player { capture, position: times_s.len().checked_sub(1), preroll };
+            info.decoded_frames = times_s.len();
+            if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
+                info.clock = listed(&times_s, first_s, info.fps);
             }
         }
     }
@@ -182,24 +186,46 @@ fn count_to_the_end(player: &mut Player, info: &VideoInfo) -> Option<usize> {
     player.read_to_the_end(info).map(|last| last + 1)
 }
 
-/// The number of stored frames, decodable or not, read without decoding.
-fn count_packets(path: &Path) -> Option<usize> {
-    let mut capture = Capture::open_packets(path).ok()?;
+/// The number of stored frames, decodable or not, read without decoding; none when they cannot be read so.
+fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, MediaError> {
+    let Ok(mut capture) = Capture::open_packets(path) else { return Ok(None) };
     let mut count = 0;
     while capture.grab() {
         count += 1;
+        counter.at(count)?;
     }
-    Some(count)
+    Ok(Some(count))
 }
 
 /// The time of every frame, by playing them all.
-fn play_through(path: &Path) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
+fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>, Capture), MediaError> {
     let mut capture = Capture::open(path)?;
     let mut times_s = Vec::new();
     while capture.grab() {
         times_s.push(capture.time_s());
+        counter.at(times_s.len())?;
     }
     Ok((times_s, capture))
+}
+
+/// Tells now and then how far a count has come.
+struct Counter<'a> {
+    path: Arc<Path>,
+    stated: usize,
+    watch: &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+}
+
+impl Counter<'_> {
+    fn at(&mut self, counted: usize) -> Result<(), MediaError> {
+        if !counted.is_multiple_of(COUNT_REPORT_FRAMES) {
+            return Ok(());
+        }
+        let progress = CountProgress { path: Arc::clone(&self.path), counted, stated: self.stated };
+        match (self.watch)(progress) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(MediaError::Stopped { path: self.path.to_path_buf() }),
+        }
+    }
 }
 
 /// Whether jumping to frames gives the pictures that playing gave.

@@ -1,9 +1,10 @@
 //! The same interface without OpenCV: no video opens, by name.
 
-use super::VideoInfo;
+use super::{CountProgress, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::{MediaError, Picture};
 use std::convert::Infallible;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// A video; without the feature `opencv` there is none.
@@ -20,6 +21,17 @@ impl Video {
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         open_file(path)?;
         Err(MediaError::NoVideoSupport { path: path.to_path_buf() })
+    }
+
+    /// Says that this program reads no videos.
+    ///
+    /// # Errors
+    /// As [`Video::open`].
+    pub fn open_watched(
+        path: &Path,
+        _watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+    ) -> Result<Self, MediaError> {
+        Self::open(path)
     }
 
     /// What is known about the video.

@@ -1,0 +1,396 @@
+//! Decodes the current frame and its neighbours.
+
+use super::Wake;
+use super::desk::{Choice, WorkReport};
+use super::frame_worker::{FrameWorker, MakeReader};
+use crate::media::{CountProgress, FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture};
+use std::collections::BTreeMap;
+use std::io;
+
+/// How the decoder works.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct DecoderOptions {
+    /// Memory for decoded frames, bytes. 512 MiB by default: 64 frames of 1920 × 1080 px.
+    pub cache_bytes: usize,
+}
+
+impl Default for DecoderOptions {
+    fn default() -> Self {
+        Self { cache_bytes: 512 << 20 }
+    }
+}
+
+/// What the decoder says.
+#[derive(Clone, Debug, PartialEq)]
+pub enum DecoderReport {
+    /// A frame is decoded; it is also kept for [`Decoder::picture`].
+    Ready {
+        /// Which frame.
+        frame: FrameRef,
+        /// Its pixels.
+        picture: Picture,
+    },
+    /// The current frame could not be had. Neighbours that fail are not reported before the user comes to them.
+    Failed {
+        /// Which frame.
+        frame: FrameRef,
+        /// Why.
+        error: MediaError,
+    },
+    /// A mistake in this program or in a library stopped the decoding of a frame; the decoder goes on with others.
+    Panicked {
+        /// Which frame.
+        frame: FrameRef,
+        /// The words of the panic.
+        message: String,
+    },
+    /// A video without an even rate is being read through once to number its frames.
+    Counting(CountProgress),
+    /// What the user should know about a video, once for each video.
+    Notice(Notice),
+}
+
+/// What can be shown for a frame right now.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FrameState {
+    /// Its pixels.
+    Ready(Picture),
+    /// It is being decoded or waits for that.
+    Pending,
+    /// It could not be had.
+    Failed(MediaError),
+    /// Nobody asked for it, or it has been forgotten since.
+    Absent,
+}
+
+/// Decodes frames on a thread of its own and keeps them. Dropping it stops and joins the thread.
+pub struct Decoder {
+    worker: FrameWorker,
+    memory: Memory,
+    asked: Option<(FrameRef, Vec<FrameRef>)>,
+}
+
+/// What the decoder remembers on its owner's side.
+struct Memory {
+    current: Option<FrameRef>,
+    cache: FrameCache,
+    failures: BTreeMap<FrameRef, MediaError>,
+    unpolled: Vec<DecoderReport>,
+}
+
+impl Decoder {
+    /// Starts the decoder; `wake` is called from its thread when a report waits.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub fn spawn(options: DecoderOptions, wake: Wake) -> io::Result<Self> {
+        Self::with_reader(options, wake, Box::new(|watch| Box::new(FrameReader::watched(watch))))
+    }
+
+    /// Starts a decoder that reads frames in a way of its own.
+    pub(super) fn with_reader(options: DecoderOptions, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+        Ok(Self {
+            worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
+            memory: Memory {
+                current: None,
+                cache: FrameCache::new(options.cache_bytes),
+                failures: BTreeMap::new(),
+                unpolled: Vec::new(),
+            },
+            asked: None,
+        })
+    }
+
+    /// Asks for the current frame and then, in this order, for others; what was asked before and is not in here is
+    /// given up. Frames that are kept are not decoded again. Asking the same again costs nothing, so that this can be
+    /// called whenever the window is drawn.
+    ///
+    /// A frame that failed is tried again when it becomes the current one: its file may have been mended.
+    pub fn request(&mut self, current: &FrameRef, prefetch: &[FrameRef]) {
+        if self.asked.as_ref().is_some_and(|(before, others)| before == current && others == prefetch) {
+            return;
+        }
+        let is_new = self.memory.current.as_ref() != Some(current);
+        self.memory.current = Some(current.clone());
+        let memory = &mut self.memory;
+        self.worker.desk().replace_agenda(|reports| {
+            for report in reports {
+                memory.take_in(report);
+            }
+            if is_new {
+                memory.failures.remove(current);
+            }
+            let wanted: Vec<FrameRef> = std::iter::once(current).chain(prefetch).cloned().collect();
+            let missing = wanted.iter().filter(|frame| memory.lacks(frame)).cloned().collect();
+            Choice { wanted, missing }
+        });
+        self.asked = Some((current.clone(), prefetch.to_vec()));
+    }
+
+    /// Gives up everything asked for, as when a document is closed; kept frames and failures are forgotten.
+    pub fn clear(&mut self) {
+        self.worker.desk().replace_agenda(|_| Choice { wanted: Vec::new(), missing: Vec::new() });
+        self.asked = None;
+        self.memory = Memory {
+            current: None,
+            cache: FrameCache::new(self.memory.cache.budget_bytes()),
+            failures: BTreeMap::new(),
+            unpolled: Vec::new(),
+        };
+    }
+
+    /// What has happened since the last call. To be called whenever the window is drawn.
+    pub fn poll(&mut self) -> Vec<DecoderReport> {
+        for report in self.worker.desk().fetch_reports() {
+            self.memory.take_in(report);
+        }
+        std::mem::take(&mut self.memory.unpolled)
+    }
+
+    /// The pixels of a frame, if they are kept.
+    pub fn picture(&mut self, frame: &FrameRef) -> Option<Picture> {
+        self.memory.cache.get(frame)
+    }
+
+    /// What can be shown for a frame right now.
+    pub fn state(&mut self, frame: &FrameRef) -> FrameState {
+        if let Some(picture) = self.picture(frame) {
+            FrameState::Ready(picture)
+        } else if let Some(error) = self.memory.failures.get(frame) {
+            FrameState::Failed(error.clone())
+        } else if self.worker.desk().is_pending(frame) {
+            FrameState::Pending
+        } else {
+            FrameState::Absent
+        }
+    }
+
+    /// The memory for decoded frames, bytes.
+    #[must_use]
+    pub const fn cache_bytes(&self) -> usize {
+        self.memory.cache.budget_bytes()
+    }
+
+    pub(super) const fn worker(&self) -> &FrameWorker {
+        &self.worker
+    }
+}
+
+impl Memory {
+    fn take_in(&mut self, report: WorkReport) {
+        let report = match report {
+            WorkReport::Frame(frame, Ok(picture)) => {
+                self.failures.remove(&frame);
+                self.cache.insert(frame.clone(), picture.clone());
+                self.keep_current();
+                DecoderReport::Ready { frame, picture }
+            }
+            WorkReport::Frame(frame, Err(error)) => {
+                self.failures.insert(frame.clone(), error.clone());
+                if self.current.as_ref() != Some(&frame) {
+                    return;
+                }
+                DecoderReport::Failed { frame, error }
+            }
+            WorkReport::Panicked(frame, message) => {
+                let path = frame.path().to_path_buf();
+                self.failures.insert(frame.clone(), MediaError::Panicked { path, message: message.clone() });
+                DecoderReport::Panicked { frame, message }
+            }
+            WorkReport::Counting(progress) => DecoderReport::Counting(progress),
+            WorkReport::Notice(notice) => DecoderReport::Notice(notice),
+        };
+        self.unpolled.push(report);
+    }
+
+    /// The current frame counts as used whatever arrives, so that neighbours do not push it out.
+    fn keep_current(&mut self) {
+        if let Some(current) = &self.current {
+            let _ = self.cache.get(current);
+        }
+    }
+
+    fn lacks(&self, frame: &FrameRef) -> bool {
+        !self.cache.contains(frame) && !self.failures.contains_key(frame)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::stand_in::{Answer, Hand, frame, picture, stand_in};
+    use super::*;
+    use std::path::Path;
+
+    fn held_decoder() -> (Decoder, Hand) {
+        let (make_reader, wake, hand) = stand_in();
+        (Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(), hand)
+    }
+
+    fn frames(indices: &[usize]) -> Vec<FrameRef> {
+        indices.iter().map(|&index| frame(index)).collect()
+    }
+
+    fn ready(index: usize) -> DecoderReport {
+        DecoderReport::Ready { frame: frame(index), picture: picture(index) }
+    }
+
+    #[test]
+    fn the_current_frame_comes_first_then_its_neighbours_in_order() {
+        let (mut decoder, hand) = held_decoder();
+        assert_eq!(decoder.state(&frame(5)), FrameState::Absent);
+        decoder.request(&frame(5), &frames(&[6, 7, 4, 5, 6]));
+        assert_eq!(decoder.state(&frame(5)), FrameState::Pending);
+        let mut order = Vec::new();
+        for _ in 0..4 {
+            order.push(hand.next_begun());
+            hand.let_out(Answer::Picture);
+            assert_eq!(hand.poll_until(|| decoder.poll()), [ready(*order.last().unwrap())]);
+        }
+        assert_eq!(order, [5, 6, 7, 4]);
+        assert_eq!(decoder.state(&frame(4)), FrameState::Ready(picture(4)));
+    }
+
+    #[test]
+    fn what_is_no_longer_asked_for_is_not_read() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1, 2, 3]));
+        assert_eq!(hand.next_begun(), 0);
+        decoder.request(&frame(50), &frames(&[51]));
+        assert_eq!(decoder.state(&frame(1)), FrameState::Absent);
+        hand.let_out_pictures(3);
+        assert_eq!([hand.next_begun(), hand.next_begun()], [50, 51]);
+        let mut reports = Vec::new();
+        while reports.len() < 3 {
+            reports.extend(hand.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(reports, [ready(0), ready(50), ready(51)], "what had been begun is kept all the same");
+        assert!(hand.begun.try_recv().is_err());
+    }
+
+    #[test]
+    fn a_frame_kept_or_being_read_is_not_read_again() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1]));
+        hand.let_out_pictures(1);
+        assert_eq!([hand.next_begun(), hand.next_begun()], [0, 1]);
+        // 0 waits to be polled, 1 is being read.
+        decoder.request(&frame(1), &frames(&[0, 2]));
+        assert_eq!(decoder.picture(&frame(0)), Some(picture(0)), "taken in with the request");
+        hand.let_out_pictures(2);
+        assert_eq!(hand.next_begun(), 2);
+        let mut reports = Vec::new();
+        while reports.len() < 3 {
+            reports.extend(hand.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(reports, [ready(0), ready(1), ready(2)]);
+        decoder.request(&frame(2), &frames(&[1, 0]));
+        assert_eq!(decoder.state(&frame(2)), FrameState::Ready(picture(2)));
+        assert!(hand.begun.try_recv().is_err());
+    }
+
+    #[test]
+    fn a_neighbour_that_fails_is_reported_when_the_user_comes_to_it() {
+        let (mut decoder, hand) = held_decoder();
+        let error = MediaError::Missing { path: Path::new("match.mp4").to_path_buf() };
+        decoder.request(&frame(0), &frames(&[1]));
+        hand.let_out(Answer::Picture);
+        hand.let_out(Answer::Missing);
+        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+        while decoder.state(&frame(1)) == FrameState::Pending {
+            assert_eq!(decoder.poll(), []);
+        }
+        assert_eq!(decoder.poll(), []);
+        assert_eq!(decoder.state(&frame(1)), FrameState::Failed(error.clone()));
+        // The user comes to it: it is tried again, and fails again.
+        hand.let_out(Answer::Missing);
+        decoder.request(&frame(1), &frames(&[0]));
+        let failed = DecoderReport::Failed { frame: frame(1), error };
+        assert_eq!(hand.poll_until(|| decoder.poll()), [failed]);
+        // The same request again is no new try; coming back to it is.
+        decoder.request(&frame(1), &frames(&[0]));
+        decoder.request(&frame(0), &[]);
+        hand.let_out(Answer::Picture);
+        decoder.request(&frame(1), &[]);
+        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(1)]);
+        assert_eq!(hand.begun.try_iter().collect::<Vec<_>>(), [0, 1, 1, 1]);
+    }
+
+    #[test]
+    fn a_panic_is_reported_and_the_next_frame_is_read() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &frames(&[1]));
+        hand.let_out(Answer::Panic);
+        hand.let_out(Answer::Picture);
+        let mut reports = Vec::new();
+        while reports.len() < 2 {
+            reports.extend(hand.poll_until(|| decoder.poll()));
+        }
+        let message = "frame 0 is cursed".to_owned();
+        assert_eq!(reports, [DecoderReport::Panicked { frame: frame(0), message }, ready(1)]);
+        let FrameState::Failed(error) = decoder.state(&frame(0)) else { panic!("not failed") };
+        assert_eq!(
+            error.to_string(),
+            "match.mp4: reading it failed inside the program (frame 0 is cursed); please report this with the file"
+        );
+    }
+
+    #[test]
+    fn a_long_count_ends_when_the_user_goes_to_another_file() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        hand.let_out(Answer::Count);
+        let reports = hand.poll_until(|| decoder.poll());
+        assert!(matches!(reports[0], DecoderReport::Counting(CountProgress { stated: 9, .. })));
+        let elsewhere = FrameRef::video(Path::new("other.mp4"), 3);
+        decoder.request(&elsewhere, &[]);
+        hand.let_out(Answer::Picture);
+        let is_ready =
+            |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
+        while !hand.poll_until(|| decoder.poll()).iter().any(is_ready) {}
+        assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
+    }
+
+    #[test]
+    fn dropping_ends_a_count_and_a_worker_that_waits_for_room() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        hand.let_out(Answer::Count);
+        assert_eq!(hand.next_begun(), 0);
+        drop(decoder);
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &(1..100).map(frame).collect::<Vec<_>>());
+        hand.let_out_pictures(100);
+        while hand.next_begun() < 32 {}
+        drop(decoder);
+        assert!(hand.begun.try_recv().is_err(), "the worker pauses when nobody polls");
+    }
+
+    #[test]
+    fn closing_a_document_forgets_its_frames() {
+        let (mut decoder, hand) = held_decoder();
+        decoder.request(&frame(0), &[]);
+        hand.let_out(Answer::Picture);
+        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+        decoder.clear();
+        assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
+        hand.let_out(Answer::Picture);
+        decoder.request(&frame(0), &[]);
+        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+    }
+
+    #[test]
+    fn a_small_cache_keeps_the_current_frame() {
+        let (make_reader, wake, hand) = stand_in();
+        let options = DecoderOptions { cache_bytes: 2 * picture(0).bytes() };
+        let mut decoder = Decoder::with_reader(options, wake, make_reader).unwrap();
+        decoder.request(&frame(0), &frames(&[1, 2, 3]));
+        hand.let_out_pictures(4);
+        let mut reports = Vec::new();
+        while reports.len() < 4 {
+            reports.extend(hand.poll_until(|| decoder.poll()));
+        }
+        assert_eq!(decoder.picture(&frame(0)), Some(picture(0)));
+        assert_eq!(decoder.picture(&frame(1)), None);
+        assert_eq!(decoder.picture(&frame(3)), Some(picture(3)));
+    }
+}

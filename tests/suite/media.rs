@@ -1,0 +1,209 @@
+//! Videos: a frame's number means one picture, however it is reached.
+#![cfg(feature = "opencv")]
+
+use crate::data::shared_data;
+use opencv::core::{Mat, Scalar, Size, Vec3b};
+use opencv::prelude::*;
+use opencv::videoio::{self, VideoCapture, VideoWriter};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use sha2::{Digest, Sha256};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use touchline::geometry::ImageSize;
+use touchline::media::{FrameClock, FrameRef, FrameSource, MediaError, Notice, Video};
+
+type PixelDigest = [u8; 32];
+
+fn digest(pixels: impl Iterator<Item = [u8; 3]>) -> PixelDigest {
+    let bytes: Vec<u8> = pixels.flatten().collect();
+    Sha256::digest(&bytes).into()
+}
+
+/// Every frame as one plain pass of OpenCV gives it: the truth that numbers are measured by.
+fn played(path: &Path) -> Vec<PixelDigest> {
+    let mut capture = VideoCapture::from_file(path, videoio::CAP_FFMPEG).unwrap();
+    let (mut frame, mut digests) = (Mat::default(), Vec::new());
+    while capture.read(&mut frame).unwrap() {
+        let pixels = frame.data_typed::<Vec3b>().unwrap();
+        digests.push(digest(pixels.iter().map(|bgr| [bgr[2], bgr[1], bgr[0]])));
+    }
+    digests
+}
+
+fn frame(video: &mut Video, index: usize) -> PixelDigest {
+    let picture = video.frame(index).unwrap();
+    assert_eq!(picture.size(), video.info().size);
+    digest(picture.rgba().chunks_exact(4).map(|rgba| [rgba[0], rgba[1], rgba[2]]))
+}
+
+/// Frames forward, backward, twice, and at random: each must be the one that playing gives.
+fn assert_numbers_hold(path: &Path, random_frames: usize) -> Video {
+    let truth = played(path);
+    let mut video = Video::open(path).unwrap();
+    let count = video.info().decoded_frames;
+    assert_eq!(count, truth.len(), "{}", path.display());
+    let mut random = Pcg64Mcg::seed_from_u64(0x6e75_6d62_6572_7321);
+    let mut order: Vec<usize> = (0..count.min(8)).chain([count - 1, count - 1, 0]).collect();
+    order.extend((count.saturating_sub(6)..count).rev());
+    order.extend((0..random_frames).map(|_| random.random_range(0..count)));
+    order.extend((count / 2..(count / 2 + 60).min(count)).step_by(7).rev());
+    for index in order {
+        assert_eq!(frame(&mut video, index), truth[index], "{}: frame {index} of {count}", path.display());
+    }
+    assert_eq!(
+        video.frame(count).unwrap_err(),
+        MediaError::NoSuchFrame { path: path.to_path_buf(), index: count, frames: count }
+    );
+    video
+}
+
+/// Runs ffmpeg in a folder; false, and said, where there is none.
+fn ffmpeg(folder: &Path, arguments: &str) -> bool {
+    let arguments = arguments.split(' ').map(|word| word.replace('~', " "));
+    match Command::new("ffmpeg").args(["-v", "error", "-y"]).args(arguments).current_dir(folder).status() {
+        Ok(status) => {
+            assert!(status.success());
+            true
+        }
+        Err(error) => {
+            eprintln!("skipped: no ffmpeg to make a video with ({error})");
+            false
+        }
+    }
+}
+
+/// Six seconds of a moving test card, and what becomes of it.
+const CARD: &str = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=6";
+
+#[test]
+fn a_number_means_one_picture_in_every_container() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, how) in [
+        ("even.mp4", "-c:v libx264 -g 50 -bf 2"),
+        ("even.mkv", "-c:v libx264 -g 50"),
+        ("open-gop.mp4", "-c:v libx264 -g 50 -x264-params open-gop=1:bframes=3"),
+        ("stream.ts", "-c:v libx264 -g 50"),
+        ("programme.mpg", "-c:v mpeg2video -g 12 -bf 2"),
+        ("motion-jpeg.avi", "-c:v mjpeg"),
+        ("one.mp4", "-c:v libx264 -frames:v 1"),
+    ] {
+        if !ffmpeg(folder.path(), &format!("{CARD} {how} {name}")) {
+            return;
+        }
+        let video = assert_numbers_hold(&folder.path().join(name), 30);
+        // A programme stream states no count, only a duration that is not exact.
+        let notices = video.info().notices.iter();
+        let others = notices.filter(|notice| name != "programme.mpg" || !matches!(notice, Notice::FramesStated { .. }));
+        assert_eq!(others.count(), 0, "{name}: {:?}", video.info().notices);
+        assert!((video.info().pts_s(10).unwrap_or(0.4) - 0.4).abs() < 1e-3);
+    }
+}
+
+#[test]
+fn uneven_frames_are_numbered_as_they_decode() {
+    let folder = tempfile::tempdir().unwrap();
+    let gap = "-vf select='not(between(n,90,94))' -vsync vfr -c:v libx264 -g 50";
+    let wavering = "-vf setpts='PTS+if(gt(N,50),0.5/TB,0)+0.006*sin(N)/TB' -vsync vfr -c:v libx264 -g 50";
+    for (name, how, count) in
+        [("gap.mp4", gap, 145), ("gap.mkv", gap, 145), ("wavering.mp4", wavering, 150), ("wavering.mkv", wavering, 150)]
+    {
+        if !ffmpeg(folder.path(), &format!("{CARD} {how} {name}")) {
+            return;
+        }
+        let video = assert_numbers_hold(&folder.path().join(name), 30);
+        assert_eq!(video.info().decoded_frames, count, "{name}");
+        assert!(matches!(video.info().clock, FrameClock::Listed(_)), "{name}");
+        assert!(video.info().notices.iter().any(|notice| matches!(notice, Notice::UnevenFrameTimes { .. })));
+        if how == gap {
+            let at = |index| video.info().pts_s(index).unwrap();
+            assert!((at(89) - 3.56).abs() < 1e-3 && (at(90) - 3.80).abs() < 1e-3, "{} {}", at(89), at(90));
+        }
+    }
+}
+
+#[test]
+fn a_video_cut_off_ends_where_it_is_cut() {
+    let folder = tempfile::tempdir().unwrap();
+    if !ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 -g 50 -movflags +faststart whole.mp4")) {
+        return;
+    }
+    let bytes = std::fs::read(folder.path().join("whole.mp4")).unwrap();
+    let path = folder.path().join("half.mp4");
+    std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
+    let video = assert_numbers_hold(&path, 20);
+    let decoded = video.info().decoded_frames;
+    assert!((40..120).contains(&decoded), "{decoded}");
+    let expected = format!("half.mp4 states 150 frames, {decoded} decode. Numbering follows decoded frames.");
+    assert_eq!(video.info().notices.iter().map(ToString::to_string).collect::<Vec<_>>(), [expected]);
+}
+
+#[test]
+fn a_video_on_its_side_is_turned_upright() {
+    let folder = tempfile::tempdir().unwrap();
+    let turn = "-i even.mp4 -c copy -metadata:s:v:0 rotate=90 turned.mp4";
+    if !ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 even.mp4")) || !ffmpeg(folder.path(), turn) {
+        return;
+    }
+    let video = assert_numbers_hold(&folder.path().join("turned.mp4"), 5);
+    if video.info().rotation_deg == 0 {
+        eprintln!("skipped: this ffmpeg writes no rotation that way");
+        return;
+    }
+    assert_eq!((video.info().rotation_deg, video.info().size), (90, ImageSize::new(90, 160)));
+}
+
+#[test]
+fn pixels_that_are_not_square_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    if !ffmpeg(folder.path(), &format!("{CARD} -vf setsar=4/3 -c:v libx264 wide.mp4")) {
+        return;
+    }
+    let video = Video::open(&folder.path().join("wide.mp4")).unwrap();
+    assert_eq!(
+        video.info().notices[0].to_string(),
+        "wide.mp4: its pixels are not square (1.333 : 1). Convert it to square pixels before calibrating."
+    );
+}
+
+/// A video that needs nothing but OpenCV to be made: each frame of one grey.
+fn grey_video(folder: &Path, frames: i32) -> PathBuf {
+    let path = folder.join("grey é.avi");
+    let size = Size::new(64, 48);
+    let fourcc = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
+    let mut writer = VideoWriter::new(path.to_str().unwrap(), fourcc, 25.0, size, true).unwrap();
+    for shade in 0..frames {
+        let grey = Scalar::all(f64::from(2 * shade));
+        writer.write(&Mat::new_size_with_default(size, opencv::core::CV_8UC3, grey).unwrap()).unwrap();
+    }
+    writer.release().unwrap();
+    path
+}
+
+#[test]
+fn a_video_is_a_source_of_numbered_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = grey_video(folder.path(), 100);
+    let source = FrameSource::open(&path).unwrap();
+    assert_eq!((source.len(), source.notices()), (100, [].as_slice()));
+    assert_eq!(source.frame(99), Some(FrameRef::video(path.as_path(), 99)));
+    assert_eq!(source.frame(100), None);
+    let mut video = assert_numbers_hold(&path, 20);
+    let shade = video.frame(70).unwrap().pixel(20, 20).unwrap()[0];
+    assert!(shade.abs_diff(140) <= 2, "{shade}");
+}
+
+#[test]
+fn a_match_states_825_frames_and_has_817() {
+    let Some(data) = shared_data() else { return };
+    let path = data.join("video-soccer/match.mp4");
+    let video = assert_numbers_hold(&path, 12);
+    let info = video.info();
+    assert_eq!((info.stated_frames, info.decoded_frames, info.fps), (825, 817, 25.0));
+    assert_eq!(info.size, ImageSize::new(1280, 720));
+    assert_eq!((info.pts_s(412), info.pts_s(816), info.pts_s(817)), (Some(16.48), Some(32.64), None));
+    assert_eq!(
+        info.notices.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        ["match.mp4 states 825 frames, 817 decode. Numbering follows decoded frames."]
+    );
+}
