@@ -56,6 +56,22 @@ impl FrameReader {
         Self { videos: Vec::new(), noticed: BTreeSet::new(), notices: Vec::new(), watch }
     }
 
+    /// The pixels of a frame.
+    ///
+    /// # Errors
+    /// Those of [`load_image`], [`Video::open`] and [`Video::frame`].
+    pub fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+        match frame {
+            FrameRef::Image(path) => load_image(path),
+            FrameRef::Video { path, index } => self.video(path)?.frame(*index),
+        }
+    }
+
+    /// What the user should know about the videos opened since the last call, once for each video.
+    pub fn take_notices(&mut self) -> Vec<Notice> {
+        std::mem::take(&mut self.notices)
+    }
+
     /// What is known about a video; it is opened if it is not open already.
     ///
     /// # Errors
@@ -81,13 +97,10 @@ impl FrameReader {
 
 impl ReadFrames for FrameReader {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
-        match frame {
-            FrameRef::Image(path) => load_image(path),
-            FrameRef::Video { path, index } => self.video(path)?.frame(*index),
-        }
+        Self::read(self, frame)
     }
 
     fn take_notices(&mut self) -> Vec<Notice> {
-        std::mem::take(&mut self.notices)
+        Self::take_notices(self)
     }
 }
