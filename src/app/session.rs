@@ -19,6 +19,8 @@ pub struct Session {
     pub mode: Mode,
     /// Where the pointer is over the picture, px of the picture.
     pub hover: Option<ImagePoint>,
+    /// The click that was just placed and named without asking, until something else is done.
+    pub named_unasked: Option<usize>,
     /// The next click is a point on a line.
     pub next_on_line: bool,
     /// Which frames the filmstrip shows.
@@ -41,7 +43,7 @@ pub struct Session {
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
     pub closing: bool,
-    /// The scale at which the picture fits its canvas, screen px per px of the picture; the viewport keeps it true.
+    /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
     pub fit_scale: f64,
     next_notice: u64,
 }
@@ -199,7 +201,7 @@ pub enum PictureView {
     Fit,
     /// Enlarged.
     Zoomed {
-        /// Screen px per px of the picture.
+        /// Physical px of the screen per px of the picture: 1 is 100 % at any density.
         scale: f64,
         /// What lies in the middle of the canvas, px of the picture.
         centre: ImagePoint,

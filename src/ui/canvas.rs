@@ -1,1 +1,79 @@
 //! Canvases of the render room inside the window.
+//!
+//! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it the layers of this frame.
+//! Without wgpu (a test without a GPU) a canvas says so and everything else works.
+
+use crate::render::{CanvasId, Layer, Renderer, View};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
+use egui::{Align2, Color32, FontId, Id, Painter, Rect};
+
+/// The frame's picture.
+pub const VIEWPORT: CanvasId = CanvasId(1);
+/// The magnified place under a point that is being placed.
+pub const LOUPE: CanvasId = CanvasId(2);
+/// The field from above.
+pub const FIELD_MAP: CanvasId = CanvasId(3);
+
+/// Builds the renderer in the window's wgpu; none: canvases only say that nothing can be drawn.
+pub fn install(ctx: &egui::Context, render_state: Option<&RenderState>) {
+    let Some(state) = render_state else { return };
+    let renderer = Renderer::new(&state.device, state.target_format);
+    state.renderer.write().callback_resources.insert(renderer);
+    ctx.data_mut(|data| data.insert_temp(installed_id(), true));
+}
+
+fn installed_id() -> Id {
+    Id::NULL.with("canvases can be drawn")
+}
+
+/// Draws layers into a box of the window, given in points and lying on whole physical px.
+pub fn paint(painter: &Painter, id: CanvasId, rect: Rect, view: View, layers: Vec<Layer>) {
+    if painter.ctx().data(|data| data.get_temp::<bool>(installed_id())) == Some(true) {
+        painter.add(Callback::new_paint_callback(rect, Canvas { id, view, layers }));
+    } else {
+        painter.rect_filled(rect, 0.0, Color32::from_gray(24));
+        let text = "No graphics adapter: pictures cannot be drawn.";
+        painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(12.0), Color32::from_gray(120));
+    }
+}
+
+/// The physical px that a box of the window covers, as the renderer will round it.
+pub fn size_px(rect: Rect, pixels_per_point: f32) -> [u32; 2] {
+    let side = |from: f32, to: f32| {
+        ((to * pixels_per_point).round() - (from * pixels_per_point).round()).clamp(0.0, 32768.0) as u32
+    };
+    [side(rect.left(), rect.right()), side(rect.top(), rect.bottom())]
+}
+
+struct Canvas {
+    id: CanvasId,
+    view: View,
+    layers: Vec<Layer>,
+}
+
+impl CallbackTrait for Canvas {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &ScreenDescriptor,
+        encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        if let Some(renderer) = resources.get_mut::<Renderer>() {
+            renderer.prepare(device, queue, encoder, self.id, &self.view, &self.layers);
+        }
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(renderer) = resources.get::<Renderer>() {
+            renderer.paint(pass, self.id);
+        }
+    }
+}

@@ -1,6 +1,175 @@
-//! loupe
+//! The magnified place under a point that is being placed or dragged, with the whole overlay.
 
-use super::Panel;
+use super::viewport::{Overlay, Placement};
+use super::{Panel, canvas};
+use crate::geometry::ImagePoint;
+use crate::render::{Layer, View};
+use egui::{
+    Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2, WidgetInfo,
+};
 
-/// Shows it.
-pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}
+/// Points of the screen per px of the picture.
+const MAGNIFICATION: f64 = 8.0;
+/// A picture that is enlarged this much already needs no loupe, points per px.
+const NOT_NEEDED_FROM: f64 = 5.0;
+/// The side of the loupe, points.
+const SIDE: f32 = 160.0;
+/// From the point to the nearest border of the loupe, points.
+const GAP: f32 = 36.0;
+/// What a change of side costs, as points of line that the loupe would hide.
+const STAY: f32 = 120.0;
+/// The crosshair is open this far around the point, points.
+const OPEN: f32 = 9.0;
+
+/// The sides of a point on which the loupe can stand.
+const SIDES: [Vec2; 8] = [
+    egui::vec2(1.0, -1.0),
+    egui::vec2(-1.0, -1.0),
+    egui::vec2(1.0, 1.0),
+    egui::vec2(-1.0, 1.0),
+    egui::vec2(0.0, -1.0),
+    egui::vec2(0.0, 1.0),
+    egui::vec2(1.0, 0.0),
+    egui::vec2(-1.0, 0.0),
+];
+
+/// Shows the loupe of a click that the pointer holds.
+pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, click: usize, picture: &Layer) {
+    let Some(at) = panel.app.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
+    if placement.points_per_px() >= NOT_NEEDED_FROM {
+        return;
+    }
+    let pixels_per_point = ui.pixels_per_point();
+    let overlay = Overlay::around(panel.app, click, MAGNIFICATION * f64::from(pixels_per_point));
+    let point = placement.screen_from_image(at);
+    let side_id = Id::NULL.with("loupe's side");
+    let before = ui.data(|data| data.get_temp::<usize>(side_id));
+    let side = free_side(point, placement.rect, &lines(&overlay, placement), before);
+    ui.data_mut(|data| data.insert_temp(side_id, side));
+    let rect = egui::emath::GuiRounding::round_to_pixels(on_side(point, side), pixels_per_point);
+
+    let response = ui.interact(rect, side_id, Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Loupe"));
+    let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, side_id));
+    let layers = std::iter::once(picture.clone()).chain(overlay.layers()).collect();
+    canvas::paint(&painter, canvas::LOUPE, rect, view(at, rect, pixels_per_point), layers);
+    crosshair(&painter, rect);
+    let text = format!("{:.2}, {:.2}", at.x, at.y);
+    let corner = rect.center_bottom() - egui::vec2(0.0, 12.0);
+    let behind = Color32::from_black_alpha(150);
+    super::viewport::plate(
+        &painter,
+        corner,
+        Align2::CENTER_CENTER,
+        &text,
+        FontId::monospace(11.0),
+        Color32::from_gray(230),
+        behind,
+    );
+    painter.rect_stroke(rect, 2.0, Stroke::new(3.0, Color32::from_black_alpha(160)), StrokeKind::Outside);
+    painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);
+}
+
+/// The picture so that a point of it lies exactly in the middle.
+fn view(at: ImagePoint, rect: Rect, pixels_per_point: f32) -> View {
+    let scale = MAGNIFICATION * f64::from(pixels_per_point);
+    let size_px = canvas::size_px(rect, pixels_per_point);
+    let [width, height] = size_px.map(f64::from);
+    let offset_px = [(width / 2.0 - at.x * scale) as f32, (height / 2.0 - at.y * scale) as f32];
+    View { scale: scale as f32, offset_px, size_px, pixels_per_point }
+}
+
+/// Thin lines to the exact place, which itself stays free.
+fn crosshair(painter: &egui::Painter, rect: Rect) {
+    let centre = rect.center();
+    let reach = SIDE / 2.0 - 24.0;
+    for (width, colour) in [(3.0, Color32::from_black_alpha(110)), (1.0, Color32::WHITE)] {
+        for way in [Vec2::RIGHT, Vec2::LEFT, Vec2::UP, Vec2::DOWN] {
+            painter.line_segment([centre + way * OPEN, centre + way * reach], Stroke::new(width, colour));
+        }
+    }
+    painter.circle_filled(centre, 1.75, Color32::from_black_alpha(140));
+    painter.circle_filled(centre, 1.0, Color32::WHITE);
+}
+
+fn on_side(point: Pos2, side: usize) -> Rect {
+    Rect::from_center_size(point + SIDES[side % SIDES.len()] * (GAP + SIDE / 2.0), Vec2::splat(SIDE))
+}
+
+/// The side on which the loupe hides least of the overlay's lines; it changes only for a reason.
+fn free_side(point: Pos2, bounds: Rect, lines: &[[Pos2; 2]], before: Option<usize>) -> usize {
+    let cost = |side: usize| {
+        let rect = on_side(point, side);
+        let outside = (rect.area() - rect.intersect(bounds).area().max(0.0)).max(0.0);
+        let hidden: f32 = lines.iter().map(|line| length_within(*line, rect)).sum();
+        let change = if before.is_some_and(|before| before != side) { STAY } else { 0.0 };
+        outside + hidden + change
+    };
+    (0..SIDES.len()).min_by(|a, b| cost(*a).total_cmp(&cost(*b))).unwrap_or(0)
+}
+
+/// The lines of the overlay on the screen.
+fn lines(overlay: &Overlay, placement: &Placement) -> Vec<[Pos2; 2]> {
+    let on_screen = |[x, y]: [f32; 2]| placement.screen_from_image(ImagePoint::new(f64::from(x), f64::from(y)));
+    let strokes = overlay.drawings.iter().flat_map(|drawing| &drawing.strokes).flat_map(|group| &group.strokes);
+    strokes.flat_map(|stroke| stroke.points.windows(2)).map(|ends| [on_screen(ends[0]), on_screen(ends[1])]).collect()
+}
+
+/// How much of a piece of line lies within a box (Liang and Barsky 1984).
+fn length_within([a, b]: [Pos2; 2], rect: Rect) -> f32 {
+    let along = b - a;
+    let (mut from, mut to) = (0.0_f32, 1.0_f32);
+    let limits = [
+        (-along.x, a.x - rect.left()),
+        (along.x, rect.right() - a.x),
+        (-along.y, a.y - rect.top()),
+        (along.y, rect.bottom() - a.y),
+    ];
+    for (rate, room) in limits {
+        if rate < 0.0 {
+            from = from.max(room / rate);
+        } else if rate > 0.0 {
+            to = to.min(room / rate);
+        } else if room < 0.0 {
+            return 0.0;
+        }
+    }
+    along.length() * (to - from).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::pos2;
+
+    const BOUNDS: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(980.0, 580.0) };
+
+    #[test]
+    fn the_loupe_keeps_off_the_point_the_lines_and_the_border() {
+        for point in [pos2(500.0, 300.0), pos2(2.0, 3.0), pos2(978.0, 4.0), pos2(976.0, 575.0), pos2(5.0, 570.0)] {
+            let rect = on_side(point, free_side(point, BOUNDS, &[], None));
+            assert!(BOUNDS.contains_rect(rect) && !rect.contains(point), "{point:?} {rect:?}");
+        }
+        let point = pos2(500.0, 300.0);
+        let line = [pos2(400.0, 400.0), pos2(900.0, -100.0)];
+        let side = free_side(point, BOUNDS, &[line], None);
+        assert_eq!(length_within(line, on_side(point, side)), 0.0);
+    }
+
+    #[test]
+    fn the_loupe_stays_where_it_is_without_a_reason() {
+        let point = pos2(500.0, 300.0);
+        for side in 0..SIDES.len() {
+            assert_eq!(free_side(point, BOUNDS, &[], Some(side)), side);
+        }
+    }
+
+    #[test]
+    fn the_length_within_a_box_is_that_of_the_clipped_line() {
+        let rect = Rect::from_min_max(pos2(0.0, 0.0), pos2(10.0, 10.0));
+        assert_eq!(length_within([pos2(-5.0, 5.0), pos2(15.0, 5.0)], rect), 10.0);
+        assert_eq!(length_within([pos2(2.0, 2.0), pos2(2.0, 6.0)], rect), 4.0);
+        assert_eq!(length_within([pos2(-5.0, 20.0), pos2(15.0, 20.0)], rect), 0.0);
+        assert_eq!(length_within([pos2(12.0, -5.0), pos2(12.0, 5.0)], rect), 0.0);
+    }
+}

@@ -15,6 +15,7 @@ mod menu;
 mod naming;
 mod notices;
 mod pictures;
+mod rejecting;
 mod shell;
 mod status;
 mod theme;

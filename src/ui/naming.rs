@@ -1,6 +1,204 @@
-//! naming
+//! The list of names beside a point that waits for one.
 
 use super::Panel;
+use super::viewport::Placement;
+use crate::app::Action;
+use crate::app::Command;
+use crate::app::naming::NameCandidate;
+use crate::app::session::{Mode, Naming, OFFERED};
+use egui::{
+    Align2, Area, Color32, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo,
+    pos2, vec2,
+};
 
-/// Shows it.
-pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}
+/// The list's width, points.
+const WIDTH: f32 = 316.0;
+/// The height of a row, of the title and of the hint, points.
+const ROW: f32 = 24.0;
+/// From the point to the list, points: the marker and its ring stay free.
+const GAP: f32 = 24.0;
+/// Around the list, points.
+const MARGIN: f32 = 6.0;
+
+/// Reads the keys while names are offered; they reach nobody else then.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    let Mode::Naming(naming) = &panel.app.session.mode else { return };
+    if ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
+        return;
+    }
+    let mut typed = naming.typed.clone();
+    let offered = naming.offered().len();
+    let actions = &mut *panel.actions;
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let action = match event {
+                Event::Key { key, pressed: true, modifiers, .. } if !modifiers.command && !modifiers.alt => {
+                    on_key(*key, naming, offered, &mut typed)
+                }
+                Event::Text(text) => on_text(text, naming, offered, &mut typed),
+                _ => None,
+            };
+            let for_others = action.is_none();
+            actions.extend(action);
+            for_others
+        });
+    });
+    // The keys of the list do not move the keyboard's focus as well.
+    ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+}
+
+fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
+    match key {
+        Key::Enter => Some(Action::TakeName(naming.highlighted)),
+        Key::ArrowDown => Some(Action::HighlightName((naming.highlighted + 1) % offered.max(1))),
+        Key::ArrowUp => Some(Action::HighlightName((naming.highlighted + offered.max(1) - 1) % offered.max(1))),
+        Key::Tab => Some(Action::OfferLines(!naming.lines)),
+        Key::Escape => Some(Action::Command(Command::Cancel)),
+        Key::Backspace => {
+            typed.pop();
+            Some(Action::TypeName(typed.clone()))
+        }
+        _ => None,
+    }
+}
+
+/// A digit takes a row, a capital L changes to lines and back, everything else filters.
+fn on_text(text: &str, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
+    if let Some(number) = text.parse::<usize>().ok().filter(|number| (1..=OFFERED).contains(number)) {
+        return (number <= offered).then(|| Action::TakeName(number - 1));
+    }
+    if text == "L" {
+        return Some(Action::OfferLines(!naming.lines));
+    }
+    typed.extend(text.chars().filter(|letter| !letter.is_control()));
+    Some(Action::TypeName(typed.clone()))
+}
+
+/// Shows the list beside its point.
+pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
+    let Mode::Naming(naming) = &panel.app.session.mode else { return };
+    let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(naming.click)) else { return };
+    let point = placement.screen_from_image(click.image);
+    let offered = naming.offered();
+    let rows = offered.len().max(1) as f32;
+    let size = vec2(WIDTH + 2.0 * MARGIN, (rows + 2.0) * ROW + 2.0 * MARGIN);
+    Area::new(Id::NULL.with("naming"))
+        .order(Order::Foreground)
+        .fixed_pos(beside(point, size, placement.rect))
+        .constrain(false)
+        .show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).inner_margin(MARGIN).show(ui, |ui| {
+                ui.set_width(WIDTH);
+                ui.spacing_mut().item_spacing = Vec2::ZERO;
+                title(ui, naming);
+                for (index, candidate) in offered.iter().enumerate() {
+                    if let Some(action) = row(ui, index, candidate, index == naming.highlighted) {
+                        panel.actions.push(action);
+                    }
+                }
+                if offered.is_empty() {
+                    nothing(ui, naming);
+                }
+                hint(ui, naming);
+            });
+        });
+}
+
+/// Where a list of a size stands: beside its point, never over it, within the bounds if they are wide enough.
+fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
+    let right = point.x + GAP;
+    let left = point.x - GAP - size.x;
+    let x = if right + size.x <= bounds.right() || left < bounds.left() { right } else { left };
+    let lowest = (bounds.bottom() - size.y - MARGIN).max(bounds.top() + MARGIN);
+    let y = (point.y - ROW).clamp(bounds.top() + MARGIN, lowest);
+    pos2(x.round(), y.round())
+}
+
+fn title(ui: &mut egui::Ui, naming: &Naming) {
+    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let what = if naming.lines { "Which line?" } else { "Which landmark?" };
+    let visuals = ui.visuals();
+    let text = if naming.typed.is_empty() { what.to_owned() } else { format!("{}|", naming.typed) };
+    let colour = if naming.typed.is_empty() { visuals.weak_text_color() } else { visuals.strong_text_color() };
+    ui.painter().text(
+        rect.left_center() + vec2(6.0, 0.0),
+        Align2::LEFT_CENTER,
+        text,
+        FontId::proportional(13.0),
+        colour,
+    );
+}
+
+/// One name on offer: its number, label, code and how far off it lies.
+fn row(ui: &mut egui::Ui, index: usize, candidate: &NameCandidate, highlighted: bool) -> Option<Action> {
+    let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::click());
+    let name = format!("{} {}", index + 1, candidate.label);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
+    let visuals = ui.visuals();
+    let (weak, strong) = (visuals.weak_text_color(), visuals.strong_text_color());
+    if highlighted {
+        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+    }
+    let weak = if highlighted { visuals.selection.stroke.color.gamma_multiply(0.75) } else { weak };
+    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
+    let small = FontId::proportional(12.0);
+    let middle = rect.center().y;
+    painter.text(pos2(rect.left() + 14.0, middle), Align2::CENTER_CENTER, index + 1, small.clone(), weak);
+    let distance = candidate.distance_px.map(|px| format!("{px:.1} px")).unwrap_or_default();
+    let right = painter.text(pos2(rect.right() - 8.0, middle), Align2::RIGHT_CENTER, distance, small.clone(), weak);
+    let code_right =
+        if candidate.distance_px.is_some() { right.left().min(rect.right() - 58.0) - 8.0 } else { right.left() };
+    let code =
+        painter.text(pos2(code_right, middle), Align2::RIGHT_CENTER, &candidate.code, FontId::monospace(11.5), weak);
+    let left = rect.left() + 28.0;
+    let label_clip = Rect::from_min_max(pos2(left, rect.top()), pos2(code.left() - 6.0, rect.bottom()));
+    let clipped = painter.with_clip_rect(label_clip.intersect(painter.clip_rect()));
+    clipped.text(pos2(left, middle), Align2::LEFT_CENTER, &candidate.label, FontId::proportional(13.0), strong);
+    if response.clicked() {
+        return Some(Action::TakeName(index));
+    }
+    // Only a pointer that moves takes the highlight from the arrow keys.
+    let pointed = response.hovered() && ui.input(|input| input.pointer.delta() != Vec2::ZERO);
+    (pointed && !highlighted).then_some(Action::HighlightName(index))
+}
+
+fn nothing(ui: &mut egui::Ui, naming: &Naming) {
+    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let kind = if naming.lines { "line" } else { "landmark" };
+    let text = format!("No {kind} matches “{}”.", naming.typed);
+    let colour = ui.visuals().warn_fg_color;
+    ui.painter().text(
+        rect.left_center() + vec2(6.0, 0.0),
+        Align2::LEFT_CENTER,
+        text,
+        FontId::proportional(13.0),
+        colour,
+    );
+}
+
+fn hint(ui: &mut egui::Ui, naming: &Naming) {
+    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let other = if naming.lines { "landmarks" } else { "lines" };
+    let text = format!("Enter or 1–{OFFERED} takes · type to filter · Tab: {other} · Esc");
+    let at = rect.left_center() + vec2(6.0, 2.0);
+    let colour: Color32 = ui.visuals().weak_text_color();
+    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), colour);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_list_never_covers_its_point_and_stays_within_the_picture() {
+        let bounds = Rect::from_min_size(pos2(0.0, 24.0), vec2(980.0, 580.0));
+        let size = vec2(300.0, 160.0);
+        for x in [0.0, 200.0, 500.0, 700.0, 980.0] {
+            for y in [24.0, 100.0, 590.0, 604.0] {
+                let list = Rect::from_min_size(beside(pos2(x, y), size, bounds), size);
+                assert!(!list.expand(GAP - 1.0).contains(pos2(x, y)), "{list:?} covers {x}, {y}");
+                assert!(bounds.contains_rect(list), "{list:?} leaves the picture for {x}, {y}");
+            }
+        }
+    }
+}

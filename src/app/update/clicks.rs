@@ -7,6 +7,7 @@ use crate::project::{Click, FrameStatus};
 
 impl App {
     pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
+        self.session.named_unasked = None;
         let Some(frame) = self.frame() else { return };
         if !at.is_finite() {
             return;
@@ -72,13 +73,15 @@ impl App {
     }
 
     pub(super) fn release(&mut self) {
-        let Mode::Dragging { click, .. } = self.session.mode else { return };
+        let Mode::Dragging { click, placed } = self.session.mode else { return };
         self.session.mode = Mode::Idle;
         self.commit();
         let unnamed =
             self.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none());
         if unnamed {
             self.open_naming(click);
+        } else if placed {
+            self.session.named_unasked = Some(click);
         }
     }
 
@@ -115,6 +118,7 @@ impl App {
         }
         let name = self.click_name(click);
         self.session.mode = Mode::Idle;
+        self.session.named_unasked = None;
         if self.begin(format!("Delete {name}")) {
             if let Some(frame) = self.frame_mut() {
                 frame.clicks.remove(click);

@@ -66,6 +66,7 @@ impl App {
             self.session.notify(Level::Info, reason);
             return;
         }
+        self.session.named_unasked = None;
         match command {
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),

@@ -21,6 +21,7 @@ impl App {
         self.session.frame = frame;
         self.session.selected = None;
         self.session.hover = None;
+        self.session.named_unasked = None;
         self.session.mode = Mode::Idle;
     }
 

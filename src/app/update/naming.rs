@@ -122,6 +122,7 @@ impl App {
         }
         self.session.mode = Mode::Idle;
         self.session.next_on_line = false;
+        self.session.named_unasked = None;
         if self.begin(format!("Name {label}")) {
             if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
                 click.target = Some(target);

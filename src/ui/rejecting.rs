@@ -1,0 +1,59 @@
+//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6.
+
+use super::Panel;
+use crate::app::Action;
+use crate::app::session::Mode;
+use crate::project::RejectReason;
+use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
+
+/// A reason as a person reads it.
+pub const fn label(reason: RejectReason) -> &'static str {
+    match reason {
+        RejectReason::CloseUp => "Close-up",
+        RejectReason::Replay => "Replay",
+        RejectReason::OtherCamera => "Other camera",
+        RejectReason::Graphic => "Graphic",
+        RejectReason::Blur => "Blur",
+        RejectReason::TooLittleField => "Too little field",
+    }
+}
+
+/// Reads the keys 1 to 6 while a reason is asked for; they reach nobody else then.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    if !matches!(panel.app.session.mode, Mode::Rejecting { .. }) || ctx.text_edit_focused() {
+        return;
+    }
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let Event::Text(text) = event else { return true };
+            let number = text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+            let Some(reason) = number.and_then(|index| RejectReason::ALL.get(index)) else { return true };
+            panel.actions.push(Action::RejectAs(*reason));
+            false
+        });
+    });
+}
+
+/// Shows the list.
+pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool) {
+    Area::new(Id::NULL.with("rejecting"))
+        .order(Order::Foreground)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(bounds.center_top() + vec2(0.0, 8.0))
+        .constrain_to(bounds)
+        .show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(bounds.width() - 32.0);
+                let what = if whole_shot { "Whole shot not calibratable:" } else { "Not calibratable:" };
+                ui.horizontal(|ui| {
+                    ui.label(what);
+                    for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
+                        if ui.button(format!("{}  {}", index + 1, label(reason))).clicked() {
+                            panel.actions.push(Action::RejectAs(reason));
+                        }
+                    }
+                    ui.weak("Esc cancels");
+                });
+            });
+        });
+}

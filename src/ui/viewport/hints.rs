@@ -1,0 +1,188 @@
+//! What is said on the picture: what a point is called, what the next click places, why there is no picture.
+
+use super::labels::{colour, plate};
+use super::placement::Placement;
+use super::scene::waits_for_name;
+use crate::app::overlay::{CLICK, UNNAMED};
+use crate::app::session::Mode;
+use crate::app::{Action, Command};
+use crate::project::FrameStatus;
+use crate::ui::{Panel, rejecting};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
+
+/// The plate behind what is said.
+pub const PLATE: Color32 = Color32::from_black_alpha(200);
+/// How long the name that was given without asking is shown, s.
+const NAME_SHOWN_S: f64 = 4.0;
+/// From a point to the text about it, points.
+const BESIDE: Vec2 = vec2(20.0, 16.0);
+
+/// Everything that is said over a picture.
+pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placement) {
+    let painter = ui.painter_at(placement.rect);
+    pulse(panel, ui, placement, &painter);
+    names(panel, ui, placement, &painter);
+    let session = &panel.app.session;
+    if let Mode::Rejecting { whole_shot } = session.mode {
+        rejecting::show(panel, ui, placement.rect, whole_shot);
+    } else if let Some(text) = banner(panel) {
+        let at = placement.rect.center_top() + vec2(0.0, 18.0);
+        plate(&painter, at, Align2::CENTER_CENTER, &text, FontId::proportional(13.0), Color32::WHITE, PLATE);
+    }
+}
+
+/// What holds for the whole picture.
+fn banner(panel: &Panel<'_>) -> Option<String> {
+    let session = &panel.app.session;
+    let frame = panel.app.frame()?;
+    let keys = &panel.app.settings.keys;
+    if session.masks {
+        let done = keys.shown(Command::ShowMasks);
+        return Some(format!(
+            "Masks: drag a box for this frame, Shift-drag for every frame of the camera. {done} when done."
+        ));
+    }
+    if session.held.compare {
+        return Some("The other solution".to_owned());
+    }
+    if frame.status == FrameStatus::Rejected {
+        let reason = frame.reason.map_or("", rejecting::label);
+        let key = keys.shown(Command::Reject);
+        return Some(format!("Not calibratable: {reason}. {key} takes the mark away.").replace(": .", "."));
+    }
+    (session.next_on_line && session.mode == Mode::Idle)
+        .then(|| format!("The next click is a point on a line. {} changes that.", keys.shown(Command::PlaceOnLine)))
+}
+
+/// Points without a name draw the eye, gently.
+fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
+    if panel.app.session.held.hide_overlay {
+        return;
+    }
+    let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    for (index, click) in clicks.iter().enumerate().filter(|(index, _)| waits_for_name(panel.app, *index)) {
+        let phase = (ui.input(|input| input.time) * 2.5 + index as f64).sin() as f32;
+        let ring = colour(UNNAMED).gamma_multiply(0.55 + 0.25 * phase);
+        let radius = 15.0 + 1.5 * phase;
+        painter.circle_stroke(placement.screen_from_image(click.image), radius, Stroke::new(1.5, ring));
+        ui.ctx().request_repaint_after_secs(0.05);
+    }
+}
+
+/// What the point in hand is called, and what the next click places.
+fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
+    let session = &panel.app.session;
+    let (click, hint) = match &session.mode {
+        Mode::Dragging { click, placed: true } => (*click, String::new()),
+        Mode::Idle => {
+            let Some(click) = session.named_unasked.filter(|_| recently(ui, session.named_unasked)) else { return };
+            (click, format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick)))
+        }
+        Mode::Placing(target) => {
+            let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| placement.rect.contains(*at));
+            if let Some(at) = pointer {
+                let text = format!("{}: click it", panel.app.label(target));
+                beside(painter, placement.rect, at, &text, "");
+            }
+            return;
+        }
+        _ => return,
+    };
+    let Some(click) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) else { return };
+    if let Some(target) = &click.target {
+        let at = placement.screen_from_image(click.image);
+        beside(painter, placement.rect, at, &panel.app.label(target), &hint);
+    }
+}
+
+/// A name and a weaker hint below and right of a point, or left of it at the right border.
+fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
+    let width = 8.0 * name.len().max(hint.len()) as f32;
+    let fits = at.x + BESIDE.x + width < bounds.right();
+    let (side, align) = if fits { (1.0, Align2::LEFT_CENTER) } else { (-1.0, Align2::RIGHT_CENTER) };
+    let down = if at.y + BESIDE.y + 40.0 < bounds.bottom() { 1.0 } else { -1.0 };
+    let first = at + vec2(side * BESIDE.x, down * BESIDE.y);
+    let written = plate(painter, first, align, name, FontId::proportional(13.0), colour(CLICK), PLATE);
+    if !hint.is_empty() {
+        let second = first + vec2(0.0, down * written.height());
+        plate(painter, second, align, hint, FontId::proportional(11.0), Color32::from_gray(190), PLATE);
+    }
+}
+
+/// Whether this click's name is news; asks for a repaint when it stops being that.
+fn recently(ui: &egui::Ui, click: Option<usize>) -> bool {
+    let now = ui.input(|input| input.time);
+    let id = super::id().with("named unasked");
+    let (known, since) = ui.data_mut(|data| {
+        let seen = data.get_temp_mut_or_insert_with(id, || (click, now));
+        if seen.0 != click {
+            *seen = (click, now);
+        }
+        *seen
+    });
+    let left = NAME_SHOWN_S - (now - since);
+    if left > 0.0 {
+        ui.ctx().request_repaint_after_secs(left as f32);
+    }
+    known.is_some() && left > 0.0
+}
+
+/// The picture cannot be shown: says why where it would be.
+pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
+    let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
+    let title = painter.layout(
+        "This picture cannot be shown".to_owned(),
+        FontId::proportional(17.0),
+        Color32::from_gray(225),
+        wrap,
+    );
+    let text = painter.layout(reason.to_owned(), FontId::proportional(13.0), Color32::from_gray(170), wrap);
+    let height = title.size().y + 8.0 + text.size().y;
+    let top = rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0);
+    let below = top + vec2(0.0, title.size().y + 8.0);
+    painter.galley(top, title, Color32::WHITE);
+    painter.galley(below, text, Color32::WHITE);
+}
+
+/// Nothing is open: what can be done.
+pub fn nothing_open(panel: &mut Panel<'_>, ui: &mut egui::Ui, rect: Rect) {
+    if let Some(opening) = &panel.app.session.opening {
+        let centre = rect.center();
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(centre - vec2(0.0, 24.0), Vec2::splat(28.0)));
+        let font = FontId::proportional(14.0);
+        ui.painter_at(rect).text(centre + vec2(0.0, 12.0), Align2::CENTER_CENTER, opening, font, Color32::GRAY);
+        return;
+    }
+    if panel.app.open().is_some() {
+        let font = FontId::proportional(14.0);
+        let text = "This project has no frames.";
+        ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, font, Color32::GRAY);
+        return;
+    }
+    let middle = Rect::from_center_size(rect.center(), vec2(rect.width().min(520.0), 120.0));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
+        ui.vertical_centered(|ui| {
+            ui.label(egui::RichText::new("Drop a video, a folder of frames or a project.").size(17.0));
+            ui.add_space(4.0);
+            ui.label(egui::RichText::new("Or try the demo match (2 minutes).").size(14.0).weak());
+            ui.add_space(16.0);
+            let commands = [Command::OpenDemo, Command::OpenFolder, Command::OpenVideo, Command::OpenProject];
+            let spacing = ui.spacing().item_spacing.x;
+            let font = egui::TextStyle::Button.resolve(ui.style());
+            let widths = commands.map(|command| {
+                let galley = ui.painter().layout_no_wrap(command.name().to_owned(), font.clone(), Color32::WHITE);
+                galley.size().x + 2.0 * ui.spacing().button_padding.x + spacing
+            });
+            let left = (ui.available_width() - widths.iter().sum::<f32>() + spacing).max(0.0) / 2.0;
+            ui.horizontal(|ui| {
+                ui.add_space(left);
+                for command in commands {
+                    let tooltip = panel.app.settings.keys.tooltip(command);
+                    if ui.button(command.name()).on_hover_text(tooltip).clicked() {
+                        panel.actions.push(Action::Command(command));
+                    }
+                }
+            });
+        });
+    });
+}

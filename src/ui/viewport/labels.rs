@@ -1,0 +1,44 @@
+//! The texts of a drawing, written with the window's own type.
+
+use super::placement::Placement;
+use crate::app::drawing::{Colour, Label};
+use crate::geometry::ImagePoint;
+use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
+
+/// How far the plate reaches beyond the letters, points.
+const PADDING: egui::Vec2 = vec2(4.0, 1.5);
+
+/// Writes the labels of a drawing.
+pub fn paint<'a>(painter: &Painter, placement: &Placement, labels: impl Iterator<Item = &'a Label>) {
+    for label in labels {
+        let [x, y] = label.at.map(f64::from);
+        let at = placement.screen_from_image(ImagePoint::new(x, y)) + label.offset_pt.into();
+        if placement.rect.expand(40.0).contains(at) {
+            let font = FontId::proportional(label.size_pt);
+            plate(painter, at, Align2::LEFT_CENTER, &label.text, font, colour(label.colour), colour(label.plate));
+        }
+    }
+}
+
+/// Writes a text on a plate and returns the box that the plate fills.
+pub fn plate(
+    painter: &Painter,
+    at: Pos2,
+    align: Align2,
+    text: &str,
+    font: FontId,
+    letters: Color32,
+    behind: Color32,
+) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), font, letters);
+    let rect = align.anchor_size(at, galley.size());
+    let around = rect.expand2(PADDING);
+    painter.rect_filled(around, CornerRadius::same(3), behind);
+    painter.galley(rect.min, galley, letters);
+    around
+}
+
+/// A drawing's colour as the window has it.
+pub fn colour(colour: Colour) -> Color32 {
+    Color32::from_rgba_unmultiplied(colour.r, colour.g, colour.b, colour.a)
+}

@@ -1,0 +1,200 @@
+//! The picture of the shown frame, with everything that lies over it.
+//!
+//! [`read`] turns the pointer into actions before anything is drawn, so that the overlay follows a dragged point in the
+//! same frame of the window; [`show`] draws.
+
+mod hints;
+mod labels;
+mod placement;
+mod pointer;
+mod scene;
+
+use super::{Panel, PictureState, canvas, loupe, naming};
+use crate::app::Action;
+use crate::app::session::Mode;
+use crate::geometry::{ImagePoint, ImageSize};
+use crate::media;
+use crate::render::{Layer, Picture, PictureKey};
+use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
+use pointer::{Hold, Pointer, Surroundings};
+
+pub use labels::plate;
+pub use placement::Placement;
+pub use scene::Overlay;
+
+/// A picture that is waited for shorter than this is not missed, s.
+const PATIENCE_S: f64 = 0.15;
+/// How bright the picture before is while the next one is waited for.
+const DIMMED: f32 = 0.4;
+/// How bright the picture is below masks.
+const BELOW_MASKS: f32 = 0.75;
+
+/// What the viewport remembers from one frame of the window to the next.
+#[derive(Clone, Debug, Default)]
+struct Remembered {
+    pointer: Pointer,
+    /// The picture that was shown last.
+    last: Option<(u64, media::Picture)>,
+    /// Since when the shown frame's picture is waited for, s.
+    waiting_since: Option<f64>,
+}
+
+fn id() -> Id {
+    Id::NULL.with("viewport")
+}
+
+fn remembered<T>(ctx: &egui::Context, change: impl FnOnce(&mut Remembered) -> T) -> T {
+    ctx.data_mut(|data| change(data.get_temp_mut_or_default::<Remembered>(id())))
+}
+
+/// Reads the pointer.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    let Some(before) = ctx.read_response(id()) else { return };
+    let Some(frame) = panel.app.frame() else { return };
+    let session = &panel.app.session;
+    let placement = Placement::new(before.rect, ctx.pixels_per_point(), frame.image_size, session.view);
+    let layer = before.layer_id;
+    let is_free =
+        |at| before.rect.contains(at) && before.enabled() && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer);
+    let clicks: Vec<ImagePoint> = frame.clicks.iter().map(|click| click.image).collect();
+    let around = Surroundings {
+        placement,
+        clicks: &clicks,
+        mode: &session.mode,
+        hover: session.hover,
+        ready: shown_picture(panel, frame.image_size).is_ok(),
+        masks: session.masks,
+        space: ctx.input(|input| input.key_down(Key::Space)) && !ctx.text_edit_focused(),
+        is_free: &is_free,
+    };
+    let (events, modifiers) = ctx.input(|input| (input.events.clone(), input.modifiers));
+    let mut pointer = remembered(ctx, |remembered| remembered.pointer);
+    panel.actions.extend(pointer.read(&events, modifiers, &around));
+    remembered(ctx, |remembered| remembered.pointer = pointer);
+}
+
+/// The shown frame's picture if points can be placed on it, or why not.
+fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::Picture), Missing> {
+    match panel.pictures.current() {
+        PictureState::Ready(_, picture) if picture.size() != expected => {
+            let found = picture.size();
+            Err(Missing::Never(format!(
+                "The picture is {} × {} px, but the project says {} × {} px. Nothing can be clicked here, since every \
+                 position would be wrong. Put the right picture back, or remove this frame.",
+                found.width, found.height, expected.width, expected.height
+            )))
+        }
+        PictureState::Ready(key, picture) => Ok((key, picture)),
+        PictureState::None | PictureState::Loading => Err(Missing::Yet),
+        PictureState::Failed(reason) => Err(Missing::Never(reason)),
+    }
+}
+
+/// Why there is no picture.
+enum Missing {
+    /// It is on its way.
+    Yet,
+    /// It will not come, and why.
+    Never(String),
+}
+
+/// Shows the picture and what lies over it.
+pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
+    let pixels_per_point = ui.pixels_per_point();
+    let rect = egui::emath::GuiRounding::round_to_pixels(ui.available_rect_before_wrap(), pixels_per_point);
+    let response = ui.interact(rect, id(), Sense::click_and_drag());
+    ui.advance_cursor_after_rect(rect);
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    let Some(frame) = panel.app.frame() else {
+        hints::nothing_open(panel, ui, rect);
+        return;
+    };
+    let expected = frame.image_size;
+    let placement = Placement::new(rect, pixels_per_point, expected, panel.app.session.view);
+    if panel.app.session.fit_scale != placement.fit_scale {
+        panel.actions.push(Action::FitScale(placement.fit_scale));
+    }
+    match shown_picture(panel, expected) {
+        Ok((key, picture)) => {
+            let hold = remembered(ui.ctx(), |remembered| {
+                remembered.last = Some((key, picture.clone()));
+                remembered.waiting_since = None;
+                remembered.pointer.hold
+            });
+            show_frame(panel, ui, &placement, &hold, key, picture);
+        }
+        Err(Missing::Yet) => show_last(ui, &placement, rect),
+        Err(Missing::Never(reason)) => hints::failed(&painter, rect, &reason),
+    }
+}
+
+/// The picture before, dimmed once the next one keeps the user waiting.
+fn show_last(ui: &egui::Ui, placement: &Placement, rect: Rect) {
+    let now = ui.input(|input| input.time);
+    let (last, since) =
+        remembered(ui.ctx(), |remembered| (remembered.last.clone(), *remembered.waiting_since.get_or_insert(now)));
+    let slow = now - since >= PATIENCE_S;
+    if let Some((key, pixels)) = last
+        && pixels.size() == placement.image_size
+    {
+        let brightness = if slow { DIMMED } else { 1.0 };
+        let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });
+        canvas::paint(&ui.painter_at(rect), canvas::VIEWPORT, rect, placement.render_view(), vec![picture]);
+    }
+    if slow {
+        egui::Spinner::new().paint_at(ui, Rect::from_center_size(rect.center(), egui::Vec2::splat(28.0)));
+    } else {
+        ui.ctx().request_repaint_after_secs((PATIENCE_S - (now - since)) as f32);
+    }
+}
+
+fn show_frame(
+    panel: &mut Panel<'_>,
+    ui: &mut egui::Ui,
+    placement: &Placement,
+    hold: &Hold,
+    key: u64,
+    pixels: media::Picture,
+) {
+    let rect = placement.rect;
+    let overlay = Overlay::new(panel.app, hold, placement.scale);
+    let brightness = if panel.app.session.masks { BELOW_MASKS } else { 1.0 };
+    let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });
+    let layers = std::iter::once(picture.clone()).chain(overlay.layers()).collect();
+    let painter = ui.painter_at(rect);
+    canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), layers);
+    labels::paint(&painter, placement, overlay.labels());
+    hints::over_picture(panel, ui, placement);
+    cursor(panel, ui, placement, hold);
+    if let Mode::Dragging { click, .. } = panel.app.session.mode {
+        loupe::show(panel, ui, placement, click, &picture);
+    }
+    naming::show(panel, ui, placement);
+}
+
+/// The pointer says what a press would do.
+fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) {
+    let icon = match hold {
+        Hold::Picture(_) => CursorIcon::Grabbing,
+        Hold::Click { moving: true, .. } => CursorIcon::None,
+        Hold::Click { .. } | Hold::Mask { .. } => CursorIcon::Crosshair,
+        Hold::Nothing => {
+            let free = |at: &egui::Pos2| {
+                placement.rect.contains(*at) && ui.ctx().layer_id_at(*at).is_none_or(|on_top| on_top == ui.layer_id())
+            };
+            let Some(at) = ui.input(|input| input.pointer.hover_pos()).filter(free) else { return };
+            let clicks: Vec<ImagePoint> =
+                panel.app.frame().into_iter().flat_map(|frame| &frame.clicks).map(|click| click.image).collect();
+            if ui.input(|input| input.key_down(Key::Space)) {
+                CursorIcon::Grab
+            } else if !panel.app.session.masks && pointer::click_at(placement, &clicks, at).is_some() {
+                CursorIcon::Move
+            } else {
+                CursorIcon::Crosshair
+            }
+        }
+    };
+    ui.ctx().set_cursor_icon(icon);
+}

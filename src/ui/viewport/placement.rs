@@ -1,0 +1,167 @@
+//! Where the picture lies in the viewport.
+
+use crate::app::MAX_SCALE;
+use crate::app::session::PictureView;
+use crate::geometry::{ImagePoint, ImageSize, Vec2};
+use crate::render::View;
+use crate::ui::canvas;
+use egui::{Pos2, Rect, pos2};
+
+/// A picture in a box of the window. Scales are physical px of the screen per px of the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// The box, points.
+    pub rect: Rect,
+    /// The picture, px.
+    pub image_size: ImageSize,
+    /// The scale that is shown.
+    pub scale: f64,
+    /// The scale at which the picture just fits.
+    pub fit_scale: f64,
+    pixels_per_point: f32,
+    /// What lies in the middle of the box, but for the rounding of `offset_px`.
+    centre: ImagePoint,
+    /// Where the picture's corner lies, whole physical px from the box's corner: at 100 % pixel lies on pixel.
+    offset_px: [f64; 2],
+}
+
+impl Placement {
+    /// Lays a picture into a box.
+    pub fn new(rect: Rect, pixels_per_point: f32, image_size: ImageSize, view: PictureView) -> Self {
+        let size_px = canvas::size_px(rect, pixels_per_point).map(|side| f64::from(side.max(1)));
+        let image_px = [image_size.width, image_size.height].map(|side| f64::from(side.max(1)));
+        let fit_scale = (size_px[0] / image_px[0]).min(size_px[1] / image_px[1]);
+        let (scale, centre) = match view {
+            PictureView::Zoomed { scale, centre } if scale > fit_scale => (scale, within(centre, image_size)),
+            _ => (fit_scale, image_size.centre()),
+        };
+        let offset_px = [size_px[0] / 2.0 - centre.x * scale, size_px[1] / 2.0 - centre.y * scale].map(f64::round);
+        Self { rect, image_size, scale, fit_scale, pixels_per_point, centre, offset_px }
+    }
+
+    /// The same box showing the picture otherwise.
+    pub fn showing(&self, view: PictureView) -> Self {
+        Self::new(self.rect, self.pixels_per_point, self.image_size, view)
+    }
+
+    /// Points of the screen per px of the picture.
+    pub fn points_per_px(&self) -> f64 {
+        self.scale / f64::from(self.pixels_per_point)
+    }
+
+    /// A place of the screen in the picture; also beyond its borders.
+    pub fn image_from_screen(&self, at: Pos2) -> ImagePoint {
+        let pixels_per_point = f64::from(self.pixels_per_point);
+        let along = |screen: f32, corner: f32, offset: f64| {
+            (f64::from(screen - corner) * pixels_per_point - offset) / self.scale
+        };
+        ImagePoint::new(
+            along(at.x, self.rect.left(), self.offset_px[0]),
+            along(at.y, self.rect.top(), self.offset_px[1]),
+        )
+    }
+
+    /// A point of the picture on the screen.
+    pub fn screen_from_image(&self, at: ImagePoint) -> Pos2 {
+        let pixels_per_point = f64::from(self.pixels_per_point);
+        let along = |px: f64, corner: f32, offset: f64| corner + ((px * self.scale + offset) / pixels_per_point) as f32;
+        pos2(along(at.x, self.rect.left(), self.offset_px[0]), along(at.y, self.rect.top(), self.offset_px[1]))
+    }
+
+    /// A way on the screen as a way in the picture.
+    pub fn image_from_screen_vector(&self, along: egui::Vec2) -> Vec2 {
+        Vec2::new(f64::from(along.x), f64::from(along.y)) / self.points_per_px()
+    }
+
+    /// What the renderer is told.
+    pub fn render_view(&self) -> View {
+        View {
+            scale: self.scale as f32,
+            offset_px: self.offset_px.map(|px| px as f32),
+            size_px: canvas::size_px(self.rect, self.pixels_per_point),
+            pixels_per_point: self.pixels_per_point,
+        }
+    }
+
+    /// The view after zooming by a factor, with the picture held still under `at`.
+    pub fn zoomed(&self, factor: f64, at: Pos2) -> PictureView {
+        let scale = (self.scale * factor).min(MAX_SCALE);
+        if !(scale > self.fit_scale) {
+            return PictureView::Fit;
+        }
+        let held = self.image_from_screen(at);
+        let centre = held.moved(self.centre.offset_from(held) * (self.scale / scale));
+        PictureView::Zoomed { scale, centre: within(centre, self.image_size) }
+    }
+
+    /// The view after the picture was moved by a way on the screen.
+    pub fn panned(&self, along: egui::Vec2) -> PictureView {
+        if self.scale <= self.fit_scale {
+            return PictureView::Fit;
+        }
+        let centre = self.centre.moved(-self.image_from_screen_vector(along));
+        PictureView::Zoomed { scale: self.scale, centre: within(centre, self.image_size) }
+    }
+}
+
+/// The middle of the box stays on the picture, so that it cannot be lost.
+fn within(centre: ImagePoint, image_size: ImageSize) -> ImagePoint {
+    ImagePoint::new(centre.x.clamp(0.0, f64::from(image_size.width)), centre.y.clamp(0.0, f64::from(image_size.height)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::vec2;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn placement(pixels_per_point: f32, view: PictureView) -> Placement {
+        Placement::new(Rect::from_min_size(pos2(10.0, 24.0), vec2(980.0, 580.0)), pixels_per_point, SIZE, view)
+    }
+
+    #[test]
+    fn a_place_comes_back_at_any_zoom_and_density() {
+        let zoomed = PictureView::Zoomed { scale: 7.3, centre: ImagePoint::new(1200.25, 33.7) };
+        for pixels_per_point in [1.0, 1.25, 2.0] {
+            for view in [PictureView::Fit, zoomed] {
+                let placement = placement(pixels_per_point, view);
+                let at = pos2(431.5, 300.25);
+                let back = placement.screen_from_image(placement.image_from_screen(at));
+                assert!(back.distance(at) < 1e-3, "{pixels_per_point} {view:?}: {back:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_fitted_picture_fills_the_box_at_any_density() {
+        for pixels_per_point in [1.0, 2.0] {
+            let placement = placement(pixels_per_point, PictureView::Fit);
+            assert!((placement.points_per_px() - 980.0 / 1920.0).abs() < 1e-9);
+            assert_eq!(placement.render_view().size_px, [980, 580].map(|side| side * pixels_per_point as u32));
+        }
+    }
+
+    #[test]
+    fn zooming_holds_the_picture_under_the_pointer() {
+        let mut placement = placement(1.0, PictureView::Fit);
+        let at = pos2(700.0, 400.0);
+        let held = placement.image_from_screen(at);
+        for _ in 0..12 {
+            let view = placement.zoomed(1.25, at);
+            placement = Placement::new(placement.rect, 1.0, SIZE, view);
+            let off = placement.image_from_screen(at).distance_px(held) * placement.scale;
+            assert!(off < 9.0, "{off} screen px at {}", placement.scale);
+        }
+        assert_eq!(placement.zoomed(1e-3, at), PictureView::Fit);
+        assert!(matches!(placement.zoomed(1e3, at), PictureView::Zoomed { scale, .. } if scale == MAX_SCALE));
+    }
+
+    #[test]
+    fn the_picture_cannot_be_lost() {
+        let view = placement(1.0, PictureView::Zoomed { scale: 2.0, centre: SIZE.centre() });
+        let PictureView::Zoomed { centre, .. } = view.panned(vec2(1e6, -1e6)) else { panic!("still enlarged") };
+        assert_eq!(centre, ImagePoint::new(0.0, 1080.0));
+        assert_eq!(placement(1.0, PictureView::Fit).panned(vec2(50.0, 0.0)), PictureView::Fit);
+    }
+}

@@ -1,0 +1,112 @@
+//! What lies over the picture: the field, the clicks, a camera that is tried out, masks.
+
+use super::pointer::Hold;
+use crate::app::OverlayStyle;
+use crate::app::drawing::{Drawing, Label};
+use crate::app::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
+use crate::app::{App, session::Mode};
+use crate::camera::PtzCamera;
+use crate::project::FrameStatus;
+use crate::render::Layer;
+use std::sync::Arc;
+
+/// A camera that is tried out stands back behind the frame's own, or is seen as not final.
+const PREVIEW_OPACITY: f32 = 0.75;
+/// The frame's own camera steps back while another one is tried out.
+const BEHIND_PREVIEW: f32 = 0.35;
+
+/// The drawings over the picture, the lowest first.
+#[derive(Clone, Debug, Default)]
+pub struct Overlay {
+    /// What the renderer draws.
+    pub drawings: Vec<Arc<Drawing>>,
+}
+
+impl Overlay {
+    /// What lies over the shown frame at a zoom (physical px per px of the picture).
+    pub fn new(app: &App, hold: &Hold, zoom: f64) -> Self {
+        Self::without(app, None, hold, zoom)
+    }
+
+    /// The same around a click that the pointer holds, without its marker.
+    pub fn around(app: &App, click: usize, zoom: f64) -> Self {
+        Self::without(app, Some(click), &Hold::Nothing, zoom)
+    }
+
+    fn without(app: &App, left_out: Option<usize>, hold: &Hold, zoom: f64) -> Self {
+        let mut drawings = Vec::new();
+        if app.session.held.hide_overlay {
+            return Self::default();
+        }
+        if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
+            let disputed = frame.solution.as_ref().map(|solution| solution.disputed.as_slice()).unwrap_or_default();
+            let camera = shown_camera(app);
+            let preview = app.current().preview.as_ref();
+            let style = app.settings.overlay;
+            let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
+            let scene = OverlayScene {
+                field,
+                camera: camera.as_ref(),
+                standing: if frame.status == FrameStatus::Suggested { Standing::Proposed } else { Standing::Solved },
+                image_size: frame.image_size,
+                clicks: &frame.clicks,
+                selected: app.session.selected,
+                disputed,
+                style: if preview.is_some() { &behind } else { &style },
+                zoom,
+            };
+            drawings.push(field_overlay(&scene));
+            if let Some(preview) = preview {
+                let style = OverlayStyle { opacity: style.opacity * PREVIEW_OPACITY, landmarks: false, ..style };
+                let tried =
+                    OverlayScene { camera: Some(preview), standing: Standing::Proposed, style: &style, ..scene };
+                drawings.push(field_overlay(&tried));
+            }
+            if app.session.masks {
+                drawings.extend(masks(app, hold));
+            }
+            let mut clicks = click_overlay(&scene);
+            if let Some(held) = left_out.and_then(|click| frame.clicks.get(click)) {
+                let at = [held.image.x as f32, held.image.y as f32];
+                clicks.markers.retain(|marker| marker.at != at);
+            }
+            drawings.push(clicks);
+        }
+        Self { drawings: drawings.into_iter().map(Arc::new).collect() }
+    }
+
+    /// The drawings as layers.
+    pub fn layers(&self) -> impl Iterator<Item = Layer> {
+        self.drawings.iter().map(|drawing| Layer::Drawing(Arc::clone(drawing)))
+    }
+
+    /// Every text.
+    pub fn labels(&self) -> impl Iterator<Item = &Label> {
+        self.drawings.iter().flat_map(|drawing| &drawing.labels)
+    }
+}
+
+/// The frame's camera, or with the key held down the other one that fits as well.
+fn shown_camera(app: &App) -> Option<PtzCamera> {
+    let current = app.current();
+    let other = current.other_root().zip(current.base).filter(|_| app.session.held.compare);
+    other.map(|(ptz, base)| PtzCamera::new(base, ptz)).or(current.camera)
+}
+
+fn masks(app: &App, hold: &Hold) -> Vec<Drawing> {
+    let of_camera = app.camera_id().and_then(|id| app.open()?.document.camera(id)).map(|camera| &camera.masks);
+    let of_frame = app.frame().map(|frame| &frame.masks);
+    let mut boxes: Vec<_> = of_camera.into_iter().chain(of_frame).flatten().copied().collect();
+    boxes.extend(hold.mask().map(|(_, mask)| mask));
+    vec![mask_overlay(&boxes)]
+}
+
+/// Whether a click of the frame waits for its name and nobody is about to give it one.
+pub fn waits_for_name(app: &App, click: usize) -> bool {
+    let busy = match &app.session.mode {
+        Mode::Naming(naming) => naming.click == click,
+        Mode::Dragging { click: held, .. } => *held == click,
+        _ => false,
+    };
+    !busy && app.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none())
+}
