@@ -83,6 +83,20 @@ pub enum FrameStatus {
     Rejected,
 }
 
+impl FrameStatus {
+    /// The name in documents.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::New => "new",
+            Self::Draft => "draft",
+            Self::Suggested => "suggested",
+            Self::Reference => "reference",
+            Self::Rejected => "rejected",
+        }
+    }
+}
+
 /// Why a frame is not calibratable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

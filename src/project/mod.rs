@@ -8,6 +8,7 @@
 mod atomic;
 mod calibration;
 mod camera;
+mod check;
 mod click;
 mod creation;
 mod document;
@@ -28,6 +29,7 @@ mod write;
 pub use atomic::write_atomically;
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
+pub use check::{Fault, Problem, check_pictures, check_values};
 pub use click::{Click, Target};
 pub use creation::{Created, CreationError, new_document};
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};

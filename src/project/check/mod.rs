@@ -1,0 +1,16 @@
+//! Everything wrong with a document, by name.
+
+mod fault;
+mod pictures;
+mod values;
+
+pub use fault::{Fault, Problem};
+pub use pictures::check_pictures;
+pub use values::check_values;
+
+use super::Frame;
+
+/// How a problem names a frame.
+fn place_of(index: usize, frame: &Frame) -> String {
+    format!("frames[{index}] ({})", frame.name())
+}
