@@ -3,10 +3,17 @@
 //! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1: done, but some
 //! frames could not be (they are named); 2: wrong usage or unreadable input, in one line.
 
+mod check;
+mod document;
+mod export;
+mod messages;
+mod new;
 mod output;
 mod render;
+mod solve;
 
 use clap::{Parser, Subcommand};
+use messages::Messages;
 use std::process::ExitCode;
 
 /// Calibrates a pan-tilt-zoom sports camera from two clicks.
@@ -15,11 +22,18 @@ use std::process::ExitCode;
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    /// Messages as JSON, one object a line.
+    #[arg(long, global = true)]
+    json: bool,
 }
 
 #[derive(Subcommand)]
 enum Command {
+    Check(check::CheckArgs),
+    Export(export::ExportArgs),
+    New(new::NewArgs),
     Render(render::RenderArgs),
+    Solve(solve::SolveArgs),
 }
 
 /// How a command ended, when it did not fail.
@@ -34,17 +48,38 @@ pub enum Outcome {
 /// Runs the program with the process's arguments.
 #[must_use]
 pub fn run() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) if error.use_stderr() => return wrong_usage(&error),
+        Err(help) => help.exit(),
+    };
+    let messages = if cli.json { Messages::Json } else { Messages::Text };
     let result: anyhow::Result<Outcome> = match cli.command {
+        Some(Command::Check(args)) => check::check(&args, messages),
+        Some(Command::Export(args)) => export::export(&args, messages),
+        Some(Command::New(args)) => new::new(&args, messages),
         Some(Command::Render(args)) => render::render(&args),
+        Some(Command::Solve(args)) => solve::solve(&args, messages),
         None => Ok(Outcome::Done),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeFailed) => ExitCode::from(1),
         Err(error) => {
-            eprintln!("touchline: {error:#}");
+            messages.error(&format!("{error:#}"));
             ExitCode::from(2)
         }
     }
+}
+
+/// Says in one line what was wrong with the arguments.
+fn wrong_usage(error: &clap::Error) -> ExitCode {
+    let text = error.to_string();
+    let what =
+        text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).map(str::trim);
+    let what = what.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    let what = what.strip_prefix("error: ").unwrap_or(&what);
+    let messages = if std::env::args_os().any(|arg| arg == "--json") { Messages::Json } else { Messages::Text };
+    messages.error(&format!("{what}; see touchline --help"));
+    ExitCode::from(2)
 }

@@ -2,6 +2,7 @@
 
 use crate::project::write_atomically;
 use anyhow::{Context as _, bail};
+use std::io::Write as _;
 use std::path::Path;
 
 /// Refuses a place where something is already, unless `force`; to be asked before the work begins.
@@ -9,10 +10,27 @@ use std::path::Path;
 /// # Errors
 /// Something is there.
 pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
-    if !force && path.exists() {
+    if !force && path.exists() && !is_empty_folder(path) {
         bail!("{} exists already; give --force to replace it, or another -o", path.display());
     }
     Ok(())
+}
+
+/// An empty folder counts as absent.
+fn is_empty_folder(path: &Path) -> bool {
+    std::fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// Writes a result to standard output. A reader that has seen enough is no error.
+///
+/// # Errors
+/// It cannot be written.
+pub fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => Ok(()),
+        other => other.context("cannot write to standard output"),
+    }
 }
 
 /// Writes a result.

@@ -158,6 +158,18 @@ pub fn path_between(folder: &Path, file: &Path) -> String {
     up.chain(down).collect::<Vec<_>>().join("/")
 }
 
+/// A path without symbolic links, as far as it exists; the rest follows as it is written.
+#[must_use]
+pub(super) fn resolved(path: &Path) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    for ancestor in path.ancestors() {
+        if let (Ok(real), Ok(rest)) = (ancestor.canonicalize(), path.strip_prefix(ancestor)) {
+            return real.join(rest);
+        }
+    }
+    path
+}
+
 /// The parts of a path with `.` and `..` taken out where that needs no look at the disk.
 fn normalised(path: &Path) -> Vec<Component<'_>> {
     let mut parts = Vec::new();

@@ -10,6 +10,7 @@ mod calibration;
 mod camera;
 mod check;
 mod click;
+mod create;
 mod creation;
 mod document;
 mod doors;
@@ -23,6 +24,7 @@ mod lock;
 mod read;
 mod shared;
 mod solution;
+mod solve_all;
 mod store;
 mod write;
 
@@ -31,6 +33,7 @@ pub use calibration::{CalibrationError, calibrate, observations, solved_neighbou
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use check::{Fault, Problem, check_pictures, check_values};
 pub use click::{Click, Target};
+pub use create::{NewDocument, document_from_frames};
 pub use creation::{Created, CreationError, new_document};
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
 pub use edit::{Change, Edit, EditMismatch};
@@ -42,7 +45,8 @@ pub use lock::ReadOnly;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;
 pub use solution::{FramePtz, Solution, SolutionSource, SolutionWarning};
-pub use store::{Access, Opened, Recovery, Store, open, read};
+pub use solve_all::{SolveOutcome, solve_document};
+pub use store::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

@@ -136,6 +136,26 @@ pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     Ok((location, document, recovery))
 }
 
+/// Writes a document that nobody has open: a command's result, a dataset, a new project.
+///
+/// Where a project has been edited, its last version and the edits that only its journal holds are kept beside.
+///
+/// # Errors
+/// Something is there and `replace` is false, another program has it open, or it cannot be written.
+pub fn write_document(location: &Location, document: &Document, replace: bool) -> Result<(), StoreError> {
+    let path = location.file();
+    if path.exists() && !replace {
+        return Err(StoreError::Exists { path: path.to_path_buf() });
+    }
+    if location.journal().exists() || location.lock().exists() {
+        return Store::replace(location, document).map(drop);
+    }
+    let text = document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+    let backup = location.backup();
+    keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
+    write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
+}
+
 struct Contents {
     document: Document,
     hash: DocumentHash,

@@ -1,0 +1,62 @@
+//! `touchline check`: everything wrong with a document, by name.
+
+use super::Outcome;
+use super::document::{DocumentArg, Loaded};
+use super::messages::Messages;
+use super::output::print;
+use crate::project::{Document, Problem, check_pictures, check_values};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Lists everything wrong with a document, by name; exit 1 if there is anything.
+#[derive(clap::Args, Debug)]
+pub struct CheckArgs {
+    #[command(flatten)]
+    document: DocumentArg,
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The document cannot be read.
+pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    let Loaded { location, document } = args.document.load(messages)?;
+    let bar = messages.progress(document.frames.len(), "Looking at pictures");
+    let mut problems = check_values(&document, location.folder());
+    problems.extend(check_pictures(&document, location.folder(), &|| bar.inc(1)));
+    problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
+    bar.finish_and_clear();
+    print(&match messages {
+        Messages::Text => text(&document, &problems),
+        Messages::Json => format!("{:#}\n", report(&document, &problems)),
+    })?;
+    Ok(if problems.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+}
+
+fn text(document: &Document, problems: &[Problem]) -> String {
+    let mut text = String::new();
+    for problem in problems {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{problem}");
+    }
+    let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let clicks = document.frames.iter().map(|frame| frame.clicks.len()).sum();
+    let (frames, clicks) = (counted(document.frames.len(), "frame"), counted(clicks, "click"));
+    let _ = match problems.len() {
+        0 => writeln!(text, "No problems: {frames}, {clicks}."),
+        count => writeln!(text, "{} in {frames}, {clicks}.", counted(count, "problem")),
+    };
+    text
+}
+
+fn report(document: &Document, problems: &[Problem]) -> Value {
+    let problem = |problem: &Problem| {
+        json!({
+            "code": problem.fault.code(),
+            "place": problem.place,
+            "frame": problem.frame,
+            "message": problem.fault.to_string(),
+        })
+    };
+    json!({ "frames": document.frames.len(), "problems": problems.iter().map(problem).collect::<Vec<_>>() })
+}

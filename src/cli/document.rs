@@ -1,0 +1,72 @@
+//! Documents as commands take and give them.
+
+use super::messages::Messages;
+use super::output::{print, refuse_existing};
+use crate::project::{self, Document, Location};
+use std::path::{Path, PathBuf};
+
+/// The document that a command reads.
+#[derive(clap::Args, Debug)]
+pub struct DocumentArg {
+    /// The project folder, its project.json, or a dataset file.
+    #[arg(value_name = "DOC")]
+    pub document: PathBuf,
+}
+
+/// Where a command writes a document.
+#[derive(clap::Args, Debug)]
+pub struct DocumentOutput {
+    /// The document to write, a file or a folder; standard output if absent.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: Option<PathBuf>,
+    /// Replace what exists.
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// A document that was read, and where.
+pub struct Loaded {
+    /// Where it lies.
+    pub location: Location,
+    /// The document, with the edits that its journal held.
+    pub document: Document,
+}
+
+impl DocumentArg {
+    /// Reads the document; what its journal brought back is said.
+    ///
+    /// # Errors
+    /// There is no document, or it cannot be read.
+    pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
+        let (location, document, recovery) = project::read(&self.document)?;
+        if let Some(message) = recovery.message() {
+            messages.note(&message);
+        }
+        Ok(Loaded { location, document })
+    }
+}
+
+impl DocumentOutput {
+    /// Refuses a place where something is already; to be asked before the work begins.
+    ///
+    /// # Errors
+    /// Something is there and `--force` was not given.
+    pub fn refuse_existing(&self) -> anyhow::Result<()> {
+        self.output.as_deref().map_or(Ok(()), |path| refuse_existing(path, self.force))
+    }
+
+    /// Writes a document whose relative paths start from `folder`; where it lands they point at the same files.
+    ///
+    /// # Errors
+    /// Something is there already, or it cannot be written; nothing was changed then.
+    pub fn write(&self, document: &Document, folder: &Path) -> anyhow::Result<()> {
+        let Some(path) = &self.output else {
+            let here = std::env::current_dir()?;
+            return print(&project::document_to_string(&document.relocated(folder, &here))?);
+        };
+        refuse_existing(path, self.force)?;
+        let location = Location::for_new_document(path)?;
+        let document = document.relocated(folder, location.folder());
+        Ok(project::write_document(&location, &document, self.force)?)
+    }
+}

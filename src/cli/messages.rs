@@ -1,0 +1,76 @@
+//! What a command says on standard error: lines for people, or one JSON object a line.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{IsTerminal, Write};
+
+/// How messages are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Messages {
+    /// For people.
+    Text,
+    /// For machines: `{"level": …, "message": …}`, with `frame` where it is about one.
+    Json,
+}
+
+impl Messages {
+    /// Something a person should know, though nothing failed.
+    pub fn note(self, message: &str) {
+        self.write("note", None, message);
+    }
+
+    /// A frame that could not be done.
+    pub fn frame_failed(self, frame: &str, message: &str) {
+        self.write("frame_failed", Some(frame), message);
+    }
+
+    /// Why the command failed as a whole.
+    pub fn error(self, message: &str) {
+        self.write("error", None, message);
+    }
+
+    /// A bar that shows how many of `count` are done; on a terminal only, and not among messages for machines.
+    #[must_use]
+    pub fn progress(self, count: usize, what: &'static str) -> ProgressBar {
+        let shown = self == Self::Text && std::io::stderr().is_terminal();
+        let target = if shown { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(count as u64), target).with_message(what);
+        match ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}") {
+            Ok(style) => bar.with_style(style),
+            Err(_) => bar,
+        }
+    }
+
+    fn write(self, level: &str, frame: Option<&str>, message: &str) {
+        let line = self.line(level, frame, message);
+        // Standard error is closed: there is nobody to tell.
+        let _ = writeln!(std::io::stderr(), "{line}");
+    }
+
+    fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
+        match (self, frame) {
+            (Self::Text, None) => one_line(&format!("touchline: {message}")),
+            (Self::Text, Some(frame)) => one_line(&format!("touchline: {frame}: {message}")),
+            (Self::Json, None) => serde_json::json!({ "level": level, "message": message }).to_string(),
+            (Self::Json, Some(frame)) => {
+                serde_json::json!({ "level": level, "frame": frame, "message": message }).to_string()
+            }
+        }
+    }
+}
+
+fn one_line(text: &str) -> String {
+    text.lines().map(str::trim).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Messages;
+
+    #[test]
+    fn a_message_is_one_line_for_people_and_an_object_for_machines() {
+        let text = Messages::Text.line("frame_failed", Some("a.jpg"), "no\n  base");
+        assert_eq!(text, "touchline: a.jpg: no base");
+        let json = Messages::Json.line("error", None, "a \"b\"\nc");
+        assert_eq!(json, r#"{"level":"error","message":"a \"b\"\nc"}"#);
+    }
+}

@@ -1,0 +1,100 @@
+//! `touchline new`: a project from a folder of images or a video.
+
+use super::Outcome;
+use super::messages::Messages;
+use super::output::refuse_existing;
+use crate::media::FrameSource;
+use crate::project::{self, FieldSpec, Location, document_from_frames};
+use anyhow::{Context as _, ensure};
+use std::path::{Path, PathBuf};
+
+/// Makes a project from a folder of images or a video. The frames stay where they are.
+#[derive(clap::Args, Debug)]
+pub struct NewArgs {
+    /// The project's folder; made if absent.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// The folder of images, or the video.
+    #[arg(long, value_name = "FOLDER_OR_VIDEO")]
+    frames: PathBuf,
+    /// The field's template, or a template file (`touchline fields` lists the templates).
+    #[arg(long, value_name = "TEMPLATE")]
+    field: String,
+    /// A parameter of the field, such as `length_m=105`; may be given several times.
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
+    set: Vec<(String, f64)>,
+    /// Take every n-th frame only.
+    #[arg(long, value_name = "N", default_value = "1")]
+    every: std::num::NonZeroUsize,
+    /// Make the project although the folder holds something; a project in it is kept as project.json.bak.
+    #[arg(long)]
+    force: bool,
+}
+
+fn parameter(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write NAME=NUMBER, such as length_m=105")?;
+    match value.trim().parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),
+        _ => Err(format!("{value:?} is not a number; write NAME=NUMBER, such as length_m=105")),
+    }
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The folder exists, the field is not valid, or the frames cannot be read.
+pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    refuse_existing(&args.folder, args.force)?;
+    ensure!(
+        args.folder.is_dir() || !args.folder.exists(),
+        "{} is a file; give a folder for the project",
+        args.folder.display()
+    );
+    let field = field(args)?;
+    let source = FrameSource::open(&args.frames)?;
+    for notice in source.notices() {
+        messages.note(&notice.to_string());
+    }
+    ensure!(
+        !source.is_empty(),
+        "{} holds no PNG, JPEG, TIFF, BMP or WebP image; give the folder that holds the frames",
+        args.frames.display()
+    );
+    let folder = std::path::absolute(&args.folder)?;
+    let bar = messages.progress(source.len().div_ceil(args.every.get()), "Reading frames");
+    let made = document_from_frames(&source, &folder, field, args.every, &|| bar.inc(1));
+    bar.finish_and_clear();
+    for (name, error) in &made.left_out {
+        messages.frame_failed(name, &error.to_string());
+    }
+    ensure!(!made.document.frames.is_empty(), "{}: not one image can be read", args.frames.display());
+    let location = Location::for_new_document(&folder.join(""))?;
+    project::write_document(&location, &made.document, args.force)?;
+    messages.note(&format!("{}: {} frames", location.file().display(), made.document.frames.len()));
+    Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+}
+
+/// The field as asked for; a template file's path is made absolute, as it is given relative to the working directory.
+fn field(args: &NewArgs) -> anyhow::Result<FieldSpec> {
+    let mut field = FieldSpec::new(&args.field);
+    if field.is_file() {
+        let path = std::path::absolute(&args.field)?;
+        field.template = path.to_str().context("the template's path is not UTF-8; rename it")?.to_owned();
+    }
+    field.params = args.set.iter().cloned().collect();
+    field.model(Path::new(""))?;
+    Ok(field)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::parameter;
+
+    #[test]
+    fn a_parameter_is_a_name_and_a_number() {
+        assert_eq!(parameter("length_m=101.5"), Ok(("length_m".to_owned(), 101.5)));
+        for wrong in ["length_m", "length_m=", "length_m=NaN", "length_m=inf", "length_m=1e999"] {
+            assert!(parameter(wrong).unwrap_err().ends_with("write NAME=NUMBER, such as length_m=105"), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! `touchline solve`: pan, tilt and focal length of every frame with enough clicks.
+
+use super::Outcome;
+use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::messages::Messages;
+use crate::project::{SolveOutcome, solve_document};
+
+/// Solves every frame with enough clicks; statuses stay as they are.
+#[derive(clap::Args, Debug)]
+pub struct SolveArgs {
+    #[command(flatten)]
+    document: DocumentArg,
+    #[command(flatten)]
+    output: DocumentOutput,
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The document cannot be read, its field is not valid, or the result cannot be written.
+pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    args.output.refuse_existing()?;
+    let Loaded { location, mut document } = args.document.load(messages)?;
+    let bar = messages.progress(document.frames.len(), "Solving");
+    let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;
+    bar.finish_and_clear();
+    let count = |wanted: fn(&SolveOutcome) -> bool| outcomes.iter().filter(|outcome| wanted(outcome)).count();
+    let solved = count(|outcome| matches!(outcome, SolveOutcome::Solved));
+    let passed = count(|outcome| matches!(outcome, SolveOutcome::TooFewClicks));
+    for (frame, outcome) in document.frames.iter().zip(&outcomes) {
+        if let SolveOutcome::Failed(error) = outcome {
+            messages.frame_failed(&frame.name(), &error.to_string());
+        }
+    }
+    args.output.write(&document, location.folder())?;
+    let failed = outcomes.len() - solved - passed;
+    messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
+    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
