@@ -126,8 +126,8 @@ pub enum Action {
     Open(PathBuf),
     /// It is open.
     Opened(Box<Opened>),
-    /// It is not.
-    OpenFailed(String),
+    /// Something that was asked for could not be done: one line.
+    Failed(String),
     /// A camera base was read from another document.
     CameraLoaded(Box<Camera>),
     /// Every edit up to this revision is in the journal or the document.
@@ -136,6 +136,8 @@ pub enum Action {
         revision: u64,
         /// The local time, "12:03:41".
         at: String,
+        /// The document itself was written, not only the journal.
+        whole: bool,
     },
     /// Edits are only in memory.
     SaveFailed(String),
@@ -180,6 +182,8 @@ pub enum Effect {
     SaveCopy {
         /// The document.
         document: Document,
+        /// The folder that its relative paths start from.
+        from: PathBuf,
         /// Where.
         folder: PathBuf,
     },
@@ -187,6 +191,8 @@ pub enum Effect {
     Export {
         /// The document.
         document: Document,
+        /// The folder that its relative paths start from.
+        from: PathBuf,
         /// Where.
         file: PathBuf,
     },

@@ -118,7 +118,7 @@ fn two_clicks_solve_a_frame_and_enter_accepts_it() {
     assert!(journalled >= 4, "every edit goes to the journal at once: {journalled}");
     assert_eq!(bench.app.session.saving, Saving::Pending);
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision, at: "12:03:41".into() });
+    bench.act(Action::Saved { revision, at: "12:03:41".into(), whole: true });
     assert_eq!(bench.app.session.saving, Saving::Saved { at: "12:03:41".into() });
 }
 
@@ -362,9 +362,9 @@ fn closing_waits_until_everything_is_on_disk() {
     bench.act(Action::CloseRequested);
     assert!(matches!(bench.effects[..], [Effect::Save]), "{:?}", bench.effects);
     let revision = bench.app.open().unwrap().revision;
-    bench.act(Action::Saved { revision: revision - 1, at: "1".into() });
+    bench.act(Action::Saved { revision: revision - 1, at: "1".into(), whole: true });
     assert!(!bench.effects.contains(&Effect::Close));
-    bench.act(Action::Saved { revision, at: "2".into() });
+    bench.act(Action::Saved { revision, at: "2".into(), whole: true });
     assert!(bench.effects.contains(&Effect::Close));
 }
 

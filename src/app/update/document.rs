@@ -46,10 +46,18 @@ impl App {
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
             (Question::CopyTo, Some(open)) => {
-                self.effects.push(Effect::SaveCopy { document: open.document.clone(), folder: path });
+                self.effects.push(Effect::SaveCopy {
+                    document: open.document.clone(),
+                    from: open.folder.clone(),
+                    folder: path,
+                });
             }
             (Question::ExportTo, Some(open)) => {
-                self.effects.push(Effect::Export { document: open.document.to_dataset(), file: path });
+                self.effects.push(Effect::Export {
+                    document: open.document.to_dataset(),
+                    from: open.folder.clone(),
+                    file: path,
+                });
             }
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
             (_, None) => {}
@@ -57,11 +65,11 @@ impl App {
         std::mem::take(&mut self.effects)
     }
 
-    pub(super) fn saved(&mut self, revision: u64, at: String) {
+    pub(super) fn saved(&mut self, revision: u64, at: String, whole: bool) {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.saving = Saving::Saved { at };
-            if self.session.closing {
+            if self.session.closing && whole {
                 self.effects.push(Effect::Close);
             }
         }

@@ -111,12 +111,12 @@ impl App {
             Action::Notify(level, text) => self.session.notify(level, text),
             Action::Open(path) => self.open_path(path),
             Action::Opened(opened) => self.opened(*opened),
-            Action::OpenFailed(message) => {
+            Action::Failed(message) => {
                 self.session.opening = None;
                 self.session.notify(Level::Error, message);
             }
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),
-            Action::Saved { revision, at } => self.saved(revision, at),
+            Action::Saved { revision, at, whole } => self.saved(revision, at, whole),
             Action::SaveFailed(message) => self.save_failed(message),
             Action::Exported(path) => {
                 self.session.notify(Level::Info, format!("Dataset written: {}", path.display()));

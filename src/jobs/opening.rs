@@ -1,0 +1,153 @@
+//! Opens whatever a user names: a project, a dataset, a folder of frames, a video.
+
+use crate::app::Opened;
+use crate::media::FrameSource;
+use crate::project::{self, Access, Camera, FieldSpec, Location, PROJECT_FILE, Store, new_document};
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// What a folder of frames or a video gets its project's name from: `match.mp4` lies beside `match.mp4.touchline/`.
+const PROJECT_SUFFIX: &str = ".touchline";
+/// The field of a project that is made by opening frames.
+const DEFAULT_FIELD: &str = "soccer";
+
+/// A document as the app gets it, and the way to write it, if there is one.
+#[derive(Debug)]
+pub struct Ready {
+    /// For the app.
+    pub opened: Opened,
+    /// For the saver; none for a document to look at only.
+    pub store: Option<Store>,
+}
+
+/// Opens a project, a dataset, a folder of frames or a video. Frames without a project get one beside them, or where
+/// that cannot be written in the user's data folder.
+///
+/// # Errors
+/// One line: what, where, how to mend it.
+pub fn open_anything(path: &Path) -> Result<Ready, String> {
+    if !path.exists() {
+        return Err(format!("{}: there is no such file or folder", path.display()));
+    }
+    let is_document = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+        || path.join(PROJECT_FILE).exists();
+    if is_document {
+        return open_document(path, Vec::new());
+    }
+    let path = std::fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    for folder in project_folders(&path) {
+        if folder.join(PROJECT_FILE).exists() {
+            return open_document(&folder, Vec::new());
+        }
+    }
+    let source = FrameSource::open(&path).map_err(|error| error.to_string())?;
+    let mut refused = None;
+    for folder in project_folders(&path) {
+        let created =
+            new_document(&source, &path, &folder, FieldSpec::new(DEFAULT_FIELD)).map_err(|error| error.to_string())?;
+        let written = std::fs::create_dir_all(&folder).map_err(|error| error.to_string()).and_then(|()| {
+            let location = Location::for_new_document(&folder).map_err(|error| error.to_string())?;
+            Store::create(&location, &created.document).map_err(|error| error.to_string())
+        });
+        match written {
+            Ok(store) => {
+                drop(store);
+                let mut notices = created.notices;
+                notices.push(format!("The project is kept in {}.", folder.display()));
+                return open_document(&folder, notices);
+            }
+            Err(error) => refused = Some(error),
+        }
+    }
+    Err(refused.unwrap_or_else(|| format!("{}: there is no place to keep a project in", path.display())))
+}
+
+/// Where the project of a folder of frames or of a video may lie, the better place first.
+fn project_folders(path: &Path) -> Vec<PathBuf> {
+    let mut name: OsString = path.file_name().unwrap_or_default().to_owned();
+    name.push(PROJECT_SUFFIX);
+    let beside = path.parent().map(|parent| parent.join(&name));
+    let own = user_projects().map(|folder| {
+        let mut parts = path.parent().into_iter().flat_map(Path::components).filter_map(|part| match part {
+            std::path::Component::Normal(name) => Some(name.to_owned()),
+            _ => None,
+        });
+        let place = parts.next_back().map_or_else(PathBuf::new, PathBuf::from);
+        folder.join(place).join(&name)
+    });
+    beside.into_iter().chain(own).collect()
+}
+
+/// The folder of this user's own projects.
+pub(super) fn user_projects() -> Option<PathBuf> {
+    Some(directories::ProjectDirs::from("", "", "touchline")?.data_dir().join("projects"))
+}
+
+fn open_document(path: &Path, mut notices: Vec<String>) -> Result<Ready, String> {
+    let project::Opened { location, document, access, recovery } =
+        project::open(path).map_err(|error| error.to_string())?;
+    notices.extend(recovery.message());
+    let (store, read_only) = match access {
+        Access::Writable(store) => (Some(store), None),
+        Access::ReadOnly(reason) => (None, Some(reason.to_string())),
+    };
+    let opened = Opened {
+        document,
+        folder: location.folder().to_path_buf(),
+        file: location.file().to_path_buf(),
+        read_only,
+        notices,
+    };
+    Ok(Ready { opened, store })
+}
+
+/// The first camera of a document that has a base.
+///
+/// # Errors
+/// One line: the document cannot be read, or no camera of it has a base.
+pub fn camera_with_base(path: &Path) -> Result<Camera, String> {
+    let (_, document, _) = project::read(path).map_err(|error| error.to_string())?;
+    document
+        .cameras
+        .iter()
+        .find(|camera| camera.base().is_some())
+        .map(|camera| (**camera).clone())
+        .ok_or_else(|| format!("{}: no camera has a position and a base rotation", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_get_a_project_beside_them_once() {
+        let root = tempfile::tempdir().unwrap();
+        let frames = root.path().join("first half");
+        std::fs::create_dir(&frames).unwrap();
+        image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+        let ready = open_anything(&frames).unwrap();
+        assert_eq!(ready.opened.document.frames[0].name(), "../first half/1.png");
+        assert!(ready.opened.file.ends_with("first half.touchline/project.json"), "{:?}", ready.opened.file);
+        assert!(ready.opened.notices.iter().any(|notice| notice.starts_with("The project is kept in")));
+        drop(ready);
+        let again = open_anything(&frames).unwrap();
+        assert!(again.opened.notices.is_empty(), "{:?}", again.opened.notices);
+        assert!(again.store.is_some());
+        let second = open_anything(&frames).unwrap();
+        assert!(second.store.is_none() && second.opened.read_only.is_some(), "two at once: the second only looks");
+    }
+
+    #[test]
+    fn what_cannot_be_opened_is_named() {
+        let root = tempfile::tempdir().unwrap();
+        let error = open_anything(&root.path().join("none")).unwrap_err();
+        assert!(error.contains("there is no such file or folder"), "{error}");
+        let empty = root.path().join("empty");
+        std::fs::create_dir(&empty).unwrap();
+        assert!(open_anything(&empty).unwrap_err().contains("holds no image"));
+        assert!(!root.path().join("empty.touchline").exists(), "nothing is left behind");
+        let text = root.path().join("notes.json");
+        std::fs::write(&text, "[1, 2]").unwrap();
+        assert!(open_anything(&text).is_err());
+    }
+}

@@ -1,0 +1,175 @@
+//! Carries out what the application asks for, in the background.
+
+use super::opening::{Ready, camera_with_base, open_anything};
+use super::{Background, BackgroundReport, Saver, SaverOptions, SaverReport, Wake, demo};
+use crate::app::session::Level;
+use crate::app::{Action, Effect, Question};
+use crate::project::{Document, Location, Store, document_to_string, write_atomically};
+use std::path::Path;
+
+/// What is left for the window to do.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Request {
+    /// Ask for a path.
+    Ask(Question),
+    /// Keep the settings.
+    SaveSettings,
+    /// Close.
+    Close,
+}
+
+/// What a task ends with.
+enum Outcome {
+    Opened(Box<Ready>),
+    Action(Action),
+}
+
+/// Carries out effects; its reports are actions.
+pub struct Runner {
+    wake: Wake,
+    saver: Option<Saver>,
+    tasks: Vec<Background<String, Result<Outcome, String>>>,
+    reports: Vec<Action>,
+}
+
+impl Runner {
+    /// Nothing to do yet. `wake` is called when there is something to poll.
+    #[must_use]
+    pub const fn new(wake: Wake) -> Self {
+        Self { wake, saver: None, tasks: Vec::new(), reports: Vec::new() }
+    }
+
+    /// Carries an effect out, or begins to; what only a window can do comes back.
+    pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
+        match effect {
+            Effect::Open(path) => self.begin("open", move || {
+                open_anything(&path).map(|ready| Outcome::Opened(Box::new(ready)))
+            }),
+            Effect::OpenDemo => self.begin("demo", move || {
+                open_anything(&demo::fresh_copy()?).map(|ready| Outcome::Opened(Box::new(ready)))
+            }),
+            Effect::Journal { edit, revision } => match &mut self.saver {
+                Some(saver) => saver.edit(edit, revision),
+                None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
+            },
+            Effect::Save => {
+                if let Some(saver) = &mut self.saver {
+                    saver.save();
+                }
+            }
+            Effect::SaveCopy { document, from, folder } => self.begin("copy", move || {
+                save_copy(&document, &from, &folder)?;
+                Ok(Outcome::Action(Action::Copied(folder)))
+            }),
+            Effect::Export { document, from, file } => self.begin("export", move || {
+                export(&document, &from, &file)?;
+                Ok(Outcome::Action(Action::Exported(file)))
+            }),
+            Effect::LoadCamera(path) => self.begin("camera", move || {
+                camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
+            }),
+            Effect::Ask(question) => return Some(Request::Ask(question)),
+            Effect::SaveSettings => return Some(Request::SaveSettings),
+            Effect::Close => return Some(Request::Close),
+        }
+        None
+    }
+
+    /// What has happened since the last call.
+    pub fn poll(&mut self) -> Vec<Action> {
+        let mut actions = std::mem::take(&mut self.reports);
+        let mut opened = None;
+        for task in &mut self.tasks {
+            while let Some(report) = task.poll() {
+                match report {
+                    BackgroundReport::Progress(text) => actions.push(Action::Notify(Level::Info, text)),
+                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
+                    BackgroundReport::Done(Ok(Outcome::Action(action))) => actions.push(action),
+                    BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
+                    BackgroundReport::Panicked(message) => {
+                        actions.push(Action::Failed(format!("a mistake in this program: {message}")));
+                    }
+                }
+            }
+        }
+        self.tasks.retain(|task| !task.is_over());
+        if let Some(ready) = opened {
+            // What was open before is written first; its last words matter no more than a failure.
+            actions.extend(self.close());
+            match self.start_saver(*ready) {
+                Ok(action) => actions.push(action),
+                Err(message) => actions.push(Action::Failed(message)),
+            }
+        }
+        let reports = self.saver.as_mut().map(Saver::reports).unwrap_or_default();
+        actions.extend(reports.into_iter().flat_map(actions_of));
+        actions
+    }
+
+    /// Writes what is left of the open document and waits for the disk.
+    pub fn close(&mut self) -> Vec<Action> {
+        let failures = |action: &Action| matches!(action, Action::SaveFailed(_));
+        let reports = self.saver.take().map(Saver::close).unwrap_or_default();
+        reports.into_iter().flat_map(actions_of).filter(failures).collect()
+    }
+
+    /// Whether something is still under way.
+    #[must_use]
+    pub fn is_busy(&self) -> bool {
+        !self.tasks.is_empty()
+    }
+
+    fn start_saver(&mut self, ready: Ready) -> Result<Action, String> {
+        if let Some(store) = ready.store {
+            let document = ready.opened.document.clone();
+            let saver = Saver::start(store, document, SaverOptions::default(), self.wake.clone());
+            self.saver = Some(saver.map_err(|error| format!("the system starts no thread for saving: {error}"))?);
+        }
+        Ok(Action::Opened(Box::new(ready.opened)))
+    }
+
+    fn begin(&mut self, name: &str, task: impl FnOnce() -> Result<Outcome, String> + Send + 'static) {
+        match Background::spawn(name, self.wake.clone(), move |_| task()) {
+            Ok(task) => self.tasks.push(task),
+            Err(error) => {
+                self.reports.push(Action::Failed(format!("the system starts no thread for “{name}”: {error}")));
+            }
+        }
+    }
+}
+
+fn actions_of(report: SaverReport) -> Vec<Action> {
+    match report {
+        SaverReport::Journaled { revision, at } => vec![Action::Saved { revision, at: clock(at), whole: false }],
+        SaverReport::Saved { revision, at, set_aside } => {
+            let said = set_aside.map(|path| {
+                let text = format!("Another program changed the document; its version is kept as {}.", path.display());
+                Action::Notify(Level::Warning, text)
+            });
+            said.into_iter().chain([Action::Saved { revision, at: clock(at), whole: true }]).collect()
+        }
+        SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
+        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving broke down: {message}"))],
+    }
+}
+
+/// The time of day as the window shows it: "12:03:41".
+fn clock(at: jiff::civil::Time) -> String {
+    format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
+}
+
+/// Writes a document into another folder; an existing project there is not touched.
+fn save_copy(document: &Document, from: &Path, folder: &Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let location = Location::for_new_document(folder).map_err(|error| error.to_string())?;
+    let moved = document.relocated(from, location.folder());
+    Store::create(&location, &moved).map(drop).map_err(|error| error.to_string())
+}
+
+/// Writes a dataset; the file dialog has asked before replacing one.
+fn export(document: &Document, from: &Path, file: &Path) -> Result<(), String> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = std::fs::canonicalize(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let text = document_to_string(&document.relocated(from, &folder)).map_err(|error| error.to_string())?;
+    write_atomically(file, text.as_bytes()).map_err(|error| format!("{}: {error}", file.display()))
+}
