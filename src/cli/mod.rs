@@ -14,12 +14,16 @@ mod solve;
 
 use clap::{Parser, Subcommand};
 use messages::Messages;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Calibrates a pan-tilt-zoom sports camera from two clicks.
 #[derive(Parser)]
 #[command(name = "touchline", version, about)]
+#[command(args_conflicts_with_subcommands = true)]
 struct Cli {
+    /// A project, dataset, folder of frames or video to open in the window.
+    document: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
     /// Messages as JSON, one object a line.
@@ -45,23 +49,37 @@ pub enum Outcome {
     SomeFailed,
 }
 
-/// Runs the program with the process's arguments.
+/// What the program does after its arguments have been read.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// A command ran; its exit code.
+    Exit(ExitCode),
+    /// No command was given: the window opens, on a document if one was named.
+    Window(Option<PathBuf>),
+}
+
+/// Reads the process's arguments and runs the command they name.
 #[must_use]
-pub fn run() -> ExitCode {
+pub fn run() -> Next {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) if error.use_stderr() => return wrong_usage(&error),
+        Err(error) if error.use_stderr() => return Next::Exit(wrong_usage(&error)),
         Err(help) => help.exit(),
     };
     let messages = if cli.json { Messages::Json } else { Messages::Text };
-    let result: anyhow::Result<Outcome> = match cli.command {
-        Some(Command::Check(args)) => check::check(&args, messages),
-        Some(Command::Export(args)) => export::export(&args, messages),
-        Some(Command::New(args)) => new::new(&args, messages),
-        Some(Command::Render(args)) => render::render(&args),
-        Some(Command::Solve(args)) => solve::solve(&args, messages),
-        None => Ok(Outcome::Done),
+    let Some(command) = cli.command else { return Next::Window(cli.document) };
+    let result: anyhow::Result<Outcome> = match command {
+        Command::Check(args) => check::check(&args, messages),
+        Command::Export(args) => export::export(&args, messages),
+        Command::New(args) => new::new(&args, messages),
+        Command::Render(args) => render::render(&args),
+        Command::Solve(args) => solve::solve(&args, messages),
     };
+    Next::Exit(exit_code(result, messages))
+}
+
+/// The exit code of a command; what went wrong is said in one line.
+fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeFailed) => ExitCode::from(1),

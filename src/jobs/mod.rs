@@ -7,8 +7,11 @@
 
 mod background;
 mod decoder;
+mod demo;
 mod desk;
 mod frame_worker;
+mod opening;
+mod runner;
 mod saver;
 #[cfg(test)]
 mod stand_in;
@@ -16,6 +19,8 @@ mod thumbnails;
 
 pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
+pub use opening::{Ready, camera_with_base, open_anything};
+pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use thumbnails::{ThumbnailReport, Thumbnails};
 

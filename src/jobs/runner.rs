@@ -42,9 +42,9 @@ impl Runner {
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
-            Effect::Open(path) => self.begin("open", move || {
-                open_anything(&path).map(|ready| Outcome::Opened(Box::new(ready)))
-            }),
+            Effect::Open(path) => {
+                self.begin("open", move || open_anything(&path).map(|ready| Outcome::Opened(Box::new(ready))))
+            }
             Effect::OpenDemo => self.begin("demo", move || {
                 open_anything(&demo::fresh_copy()?).map(|ready| Outcome::Opened(Box::new(ready)))
             }),

@@ -7,6 +7,7 @@ mod camera_panel;
 mod canvas;
 mod dialogs;
 mod field_map;
+mod files;
 mod filmstrip;
 mod inspector;
 mod keys;
@@ -34,4 +35,6 @@ pub struct Panel<'a> {
     pub pictures: &'a mut Pictures,
     /// What the user asks for.
     pub actions: &'a mut Vec<Action>,
+    /// What draws: its name and the graphics interface, for the diagnostic report.
+    pub adapter: &'a str,
 }

@@ -1,32 +1,61 @@
 //! The window as a whole: lays the panels out, hands actions to the app and effects to the outside.
 
+use super::files::Files;
 use super::{
     Panel, Pictures, camera_panel, canvas, dialogs, filmstrip, inspector, keys, menu, naming, notices, rejecting,
     status, theme, viewport,
 };
-use crate::app::session::Panel as RightPanel;
+use crate::app::session::{Level, Panel as RightPanel};
 use crate::app::{Action, App, Effect, Settings};
+use crate::jobs::{Request, Runner, Wake};
+use std::io;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// The height of the menu row and of the status row, points.
 const ROW: f32 = 24.0;
+/// From this width on, points, there is room for larger side panels.
+const WIDE: f32 = 1800.0;
 
 /// The window's program.
 pub struct Shell {
     app: App,
     pictures: Pictures,
+    runner: Runner,
+    files: Files,
+    adapter: String,
+    settings_path: Option<PathBuf>,
+    may_close: bool,
 }
 
 impl Shell {
-    /// A window on an application; `document` is opened at once.
-    pub fn new(creation: &eframe::CreationContext<'_>, settings: Settings, document: Option<PathBuf>) -> Self {
+    /// A window on an application; `document` is opened at once. Settings are kept in `settings_path`, if given.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub fn new(
+        creation: &eframe::CreationContext<'_>,
+        settings_path: Option<PathBuf>,
+        document: Option<PathBuf>,
+    ) -> io::Result<Self> {
         theme::apply(&creation.egui_ctx);
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
-        let mut shell = Self { app: App::new(settings), pictures: Pictures::default() };
-        if let Some(document) = document {
-            shell.carry_out(vec![Action::Open(document)]);
-        }
-        shell
+        let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
+        let ctx = creation.egui_ctx.clone();
+        let wake: Wake = Arc::new(move || ctx.request_repaint());
+        let mut shell = Self {
+            app: App::new(settings),
+            pictures: Pictures::start(wake.clone())?,
+            runner: Runner::new(wake.clone()),
+            files: Files::new(wake),
+            adapter: creation.wgpu_render_state.as_ref().map(adapter_of).unwrap_or_default(),
+            settings_path,
+            may_close: false,
+        };
+        shell.tell_about_adapter(creation);
+        let first = trouble.map(|text| Action::Notify(Level::Warning, text));
+        shell.apply(first.into_iter().chain(document.map(Action::Open)));
+        Ok(shell)
     }
 
     /// The application behind the window.
@@ -38,27 +67,104 @@ impl Shell {
     /// Reads keys and pointer and carries out what they ask for, so that everything drawn afterwards shows it.
     fn read_input(&mut self, ctx: &egui::Context) {
         let mut actions = Vec::new();
-        let mut panel = Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions };
+        let mut panel =
+            Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
         naming::read(&mut panel, ctx);
         rejecting::read(&mut panel, ctx);
         keys::read(&mut panel, ctx);
         viewport::read(&mut panel, ctx);
-        self.carry_out(actions);
+        self.apply(actions);
     }
 
-    fn carry_out(&mut self, actions: Vec<Action>) {
-        let effects: Vec<Effect> = actions.into_iter().flat_map(|action| self.app.update(action)).collect();
-        drop(effects);
+    /// Whether everything that was begun in the background has ended.
+    #[must_use]
+    pub fn is_idle(&self) -> bool {
+        !self.runner.is_busy()
+    }
+
+    /// Says once for each adapter that drawing runs on the processor.
+    fn tell_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
+        let Some(state) = &creation.wgpu_render_state else { return };
+        let on_processor = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        if on_processor && self.app.settings.told_about_adapter != self.adapter {
+            self.app.settings.told_about_adapter.clone_from(&self.adapter);
+            let text = format!(
+                "No graphics card was found: {} draws on the processor. Everything works, slower.",
+                self.adapter
+            );
+            self.app.session.notify(Level::Info, text);
+            self.save_settings();
+        }
+    }
+
+    fn apply(&mut self, actions: impl IntoIterator<Item = Action>) {
+        for action in actions {
+            let effects = self.app.update(action);
+            self.carry_out(effects);
+        }
+    }
+
+    fn carry_out(&mut self, effects: Vec<Effect>) {
+        for effect in effects {
+            match self.runner.carry_out(effect) {
+                Some(Request::Ask(question)) => {
+                    let near = self.app.open().map(|open| open.folder.clone());
+                    self.files.ask(question, near.as_deref());
+                }
+                Some(Request::SaveSettings) => self.save_settings(),
+                Some(Request::Close) => self.may_close = true,
+                None => {}
+            }
+        }
+    }
+
+    fn save_settings(&mut self) {
+        if let Some(path) = &self.settings_path
+            && let Err(error) = self.app.settings.save(path)
+        {
+            self.app.session.notify(Level::Warning, error.to_string());
+        }
+    }
+
+    /// Takes in what came from the background, dialogs and other programs.
+    fn take_in(&mut self, ctx: &egui::Context) {
+        let actions = self.runner.poll();
+        self.apply(actions);
+        match self.files.poll() {
+            Some(Ok((question, path))) => {
+                let effects = self.app.answer(question, path);
+                self.carry_out(effects);
+            }
+            Some(Err(action)) => self.apply([action]),
+            None => {}
+        }
+        let dropped: Vec<_> =
+            ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
+        self.apply(dropped.into_iter().take(1).map(Action::Open));
+        let actions = self.pictures.update(&self.app, ctx);
+        self.apply(actions);
     }
 }
 
 impl eframe::App for Shell {
+    fn logic(&mut self, ctx: &egui::Context, _frame: &mut eframe::Frame) {
+        if ctx.input(|input| input.viewport().close_requested()) && !self.may_close {
+            ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
+            self.apply([Action::CloseRequested]);
+        }
+        self.take_in(ctx);
+        if self.may_close {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
+        }
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.read_input(&ui.ctx().clone());
         let mut actions = Vec::new();
-        let mut panel = Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions };
-        let (filmstrip_height, side_width) =
-            if ui.available_width() >= 1800.0 { (110.0, 380.0) } else { (92.0, 300.0) };
+        let wide = ui.available_width() >= WIDE;
+        let (filmstrip_height, side_width) = if wide { (110.0, 380.0) } else { (92.0, 300.0) };
+        let mut panel =
+            Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
         egui::Panel::top("menu").exact_size(ROW).show(ui, |ui| menu::show(&mut panel, ui));
         egui::Panel::bottom("status").exact_size(ROW).show(ui, |ui| status::show(&mut panel, ui));
         egui::Panel::right("side").exact_size(side_width).show(ui, |ui| match panel.app.session.panel {
@@ -69,12 +175,26 @@ impl eframe::App for Shell {
         egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(&mut panel, ui));
         notices::show(&mut panel, ui);
         dialogs::show(&mut panel, ui);
+        self.pictures.finish();
         if !actions.is_empty() {
             // What a button asked for is shown by the next frame of the window.
             ui.ctx().request_repaint();
         }
-        self.carry_out(actions);
+        self.apply(actions);
     }
+
+    fn on_exit(&mut self) {
+        for action in self.runner.close() {
+            if let Action::SaveFailed(message) = action {
+                eprintln!("touchline: NOT SAVED: {message}");
+            }
+        }
+    }
+}
+
+fn adapter_of(state: &eframe::egui_wgpu::RenderState) -> String {
+    let info = state.adapter.get_info();
+    format!("{} ({:?})", info.name, info.backend)
 }
 
 /// Opens the window and returns when it is closed.
@@ -82,11 +202,21 @@ impl eframe::App for Shell {
 /// # Errors
 /// There is no display or no way to draw on it.
 pub fn run(document: Option<PathBuf>) -> eframe::Result<()> {
-    let settings = Settings::default_path().map(|path| Settings::load(&path).0).unwrap_or_default();
-    let options = eframe::NativeOptions::default();
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default()
+            .with_title("touchline")
+            .with_app_id("touchline")
+            .with_inner_size([1280.0, 720.0])
+            .with_min_inner_size([960.0, 600.0])
+            .with_drag_and_drop(true),
+        ..eframe::NativeOptions::default()
+    };
     eframe::run_native(
         "touchline",
         options,
-        Box::new(|creation| Ok(Box::new(Shell::new(creation, settings, document)))),
+        Box::new(|creation| {
+            let shell = Shell::new(creation, Settings::default_path(), document)?;
+            Ok(Box::new(shell))
+        }),
     )
 }

@@ -1,0 +1,76 @@
+//! The system's file dialogs, on a thread of their own so that the window never waits.
+
+use crate::app::session::Level;
+use crate::app::{Action, Question};
+use crate::jobs::{Background, BackgroundReport, Wake};
+use std::path::{Path, PathBuf};
+
+/// Image, video and document files as the dialogs filter them.
+const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];
+
+/// At most one file dialog.
+pub struct Files {
+    wake: Wake,
+    open: Option<(Question, Background<(), Option<PathBuf>>)>,
+}
+
+impl Files {
+    /// No dialog is open.
+    pub const fn new(wake: Wake) -> Self {
+        Self { wake, open: None }
+    }
+
+    /// Opens a dialog, near a folder if one is given; one that is open already stays.
+    pub fn ask(&mut self, question: Question, near: Option<&Path>) {
+        if self.open.is_some() {
+            return;
+        }
+        let dialog = dialog(question, near);
+        let task = Background::spawn("file dialog", self.wake.clone(), move |_| pick(question, dialog));
+        self.open = task.ok().map(|task| (question, task));
+    }
+
+    /// What was chosen, once it has been; cancelling says nothing, a dialog that could not open says so.
+    pub fn poll(&mut self) -> Option<Result<(Question, PathBuf), Action>> {
+        let (question, task) = self.open.as_mut()?;
+        let (question, report) = (*question, task.poll()?);
+        self.open = None;
+        match report {
+            BackgroundReport::Done(path) => path.map(|path| Ok((question, path))),
+            BackgroundReport::Panicked(message) => {
+                let text = format!("The system's file dialog failed: {message}. Type the path instead.");
+                Some(Err(Action::Notify(Level::Warning, text)))
+            }
+            BackgroundReport::Progress(()) => None,
+        }
+    }
+}
+
+fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
+    let dialog = rfd::FileDialog::new().set_title(match question {
+        Question::Project => "Open a project or dataset",
+        Question::Folder => "Open a folder of frames",
+        Question::Video => "Open a video",
+        Question::CopyTo => "Save a copy into a folder",
+        Question::ExportTo => "Export the dataset",
+        Question::CameraFrom => "Take the camera from a project or dataset",
+    });
+    let dialog = match near {
+        Some(near) => dialog.set_directory(near),
+        None => dialog,
+    };
+    match question {
+        Question::Project | Question::CameraFrom => dialog.add_filter("Projects and datasets", &["json"]),
+        Question::Video => dialog.add_filter("Videos", VIDEOS),
+        Question::ExportTo => dialog.add_filter("Dataset", &["json"]).set_file_name("dataset.json"),
+        Question::Folder | Question::CopyTo => dialog,
+    }
+}
+
+fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
+    match question {
+        Question::Project | Question::Video | Question::CameraFrom => dialog.pick_file(),
+        Question::Folder | Question::CopyTo => dialog.pick_folder(),
+        Question::ExportTo => dialog.save_file(),
+    }
+}
