@@ -219,3 +219,79 @@ fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
     ];
     Some(std::array::from_fn(|channel| corners.iter().map(|(pixel, share)| f64::from(pixel[channel]) * share).sum()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::OverlayStyle;
+    use crate::app::overlay::Standing;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::field::builtin;
+    use crate::geometry::Angle;
+    use std::collections::BTreeMap;
+
+    const SIZE: ImageSize = ImageSize::new(640, 360);
+
+    fn field() -> FieldModel {
+        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+    }
+
+    fn camera(y_m: f64, heading_deg: f64) -> PtzCamera {
+        let angles = BaseAngles { heading: Angle::from_degrees(heading_deg), ..BaseAngles::default() };
+        let base = CameraBase::new(Vec3::new(0.0, y_m, 18.0), angles.base_from_world(), SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(0.0, -16.0, 900.0))
+    }
+
+    #[test]
+    fn the_camera_stands_at_the_lower_border() {
+        let field = field();
+        for (camera, near_left) in
+            [(camera(-60.0, 0.0), Vec3::new(-52.5, -34.0, 0.0)), (camera(60.0, 180.0), Vec3::new(52.5, 34.0, 0.0))]
+        {
+            let map = FieldMap::new(&field, 5.0, 10.0).turned_to(&camera);
+            assert_eq!(map.size_px(), ImageSize::new(1150, 780));
+            assert_eq!(map.map_from_world(near_left), ImagePoint::new(50.0, 730.0));
+            assert!((map.world_from_map(ImagePoint::new(50.0, 730.0)) - near_left).norm() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_map_shows_the_markings_and_what_the_picture_shows() {
+        let (field, camera, style) = (field(), camera(-60.0, 0.0), OverlayStyle::default());
+        let scene = OverlayScene {
+            field: &field,
+            camera: Some(&camera),
+            standing: Standing::Solved,
+            image_size: SIZE,
+            clicks: &[],
+            selected: None,
+            disputed: &[],
+            style: &style,
+            zoom: 1.0,
+        };
+        let drawing = field_map(&scene, &FieldMap::new(&field, 5.0, 10.0));
+        let painted = field.lines.iter().filter(|line| line.painted).count();
+        assert_eq!(drawing.over.strokes[0].strokes.len(), painted);
+        assert_eq!((drawing.over.areas.len(), drawing.ground.areas.len()), (1, 1));
+        let unsolved = field_map(&OverlayScene { camera: None, ..scene }, &FieldMap::new(&field, 5.0, 10.0));
+        assert!(unsolved.over.areas.is_empty());
+    }
+
+    #[test]
+    fn the_picture_lies_on_the_map_where_the_camera_saw_it() {
+        let (field, camera) = (field(), camera(-60.0, 0.0));
+        let map = FieldMap::new(&field, 5.0, 4.0);
+        // Red left of the picture's middle, blue right of it.
+        let rgba = (0..SIZE.height)
+            .flat_map(|_| (0..SIZE.width).flat_map(|x| if x < 320 { [200, 0, 0, 255] } else { [0, 0, 200, 255] }));
+        let picture = Picture::new(SIZE, rgba.collect()).unwrap();
+        let above = picture_from_above(&picture, &field, &camera, &map);
+        let at = |x_m: f64, y_m: f64| {
+            let point = map.map_from_world(Vec3::new(x_m, y_m, 0.0));
+            above.pixel(point.x as u32, point.y as u32).unwrap()
+        };
+        assert_eq!(at(-8.0, 0.0), [200, 0, 0, 255]);
+        assert_eq!(at(8.0, 0.0), [0, 0, 200, 255]);
+        assert_eq!(at(-50.0, -30.0), [0, 0, 0, 0], "out of sight");
+    }
+}

@@ -206,3 +206,104 @@ const fn rim(width_pt: f32) -> Outline {
 const fn drawn(point: ImagePoint) -> [f32; 2] {
     [point.x as f32, point.y as f32]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::field::{LandmarkId, LineId, builtin};
+    use crate::geometry::Vec3;
+    use std::collections::BTreeMap;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn field() -> FieldModel {
+        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+    }
+
+    fn camera() -> PtzCamera {
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1800.0))
+    }
+
+    fn scene<'a>(
+        field: &'a FieldModel,
+        camera: Option<&'a PtzCamera>,
+        clicks: &'a [Click],
+        style: &'a OverlayStyle,
+    ) -> OverlayScene<'a> {
+        OverlayScene {
+            field,
+            camera,
+            standing: Standing::Solved,
+            image_size: SIZE,
+            clicks,
+            selected: None,
+            disputed: &[],
+            style,
+            zoom: 1.0,
+        }
+    }
+
+    #[test]
+    fn a_proposal_is_dashed_and_the_lines_end_at_the_picture() {
+        let (field, camera, style) = (field(), camera(), OverlayStyle::default());
+        let solved = scene(&field, Some(&camera), &[], &style);
+        let lines = &field_overlay(&solved).strokes[0];
+        assert_eq!(lines.clip_px, Some([0.0, 0.0, 1280.0, 720.0]));
+        assert_eq!(lines.opacity, style.opacity);
+        assert!(!lines.strokes.is_empty() && lines.strokes.iter().all(|stroke| stroke.dash.is_none()));
+        let proposed = field_overlay(&OverlayScene { standing: Standing::Proposed, ..solved });
+        assert!(proposed.strokes[0].strokes.iter().all(|stroke| stroke.dash.is_some()));
+    }
+
+    #[test]
+    fn without_a_camera_only_the_clicks_show() {
+        let (field, style) = (field(), OverlayStyle::default());
+        let clicks = [
+            Click::landmark(LandmarkId::from("centre_mark"), ImagePoint::new(640.0, 360.0)),
+            Click::unnamed(ImagePoint::new(10.0, 20.0)),
+        ];
+        let drawing = overlay(&scene(&field, None, &clicks, &style));
+        assert!(drawing.strokes.is_empty());
+        assert_eq!(drawing.markers.iter().map(|marker| marker.colour).collect::<Vec<_>>(), [CLICK, UNNAMED]);
+        let texts: Vec<_> = drawing.labels.iter().map(|label| label.text.as_str()).collect();
+        assert_eq!(texts, [field.landmark("centre_mark").unwrap().code.as_str(), "?"]);
+    }
+
+    #[test]
+    fn a_click_is_tied_to_where_the_solution_has_it() {
+        let (field, camera, style) = (field(), camera(), OverlayStyle::default());
+        let exact = camera.image_from_world(field.landmark("centre_mark").unwrap().nominal_m).unwrap();
+        let off = ImagePoint::new(exact.x + 12.0, exact.y - 5.0);
+        let mut check = Click::landmark(LandmarkId::from("centre_mark"), off);
+        check.check = true;
+        let clicks = [check, Click::line(LineId::from("halfway_line"), off)];
+        let scene = OverlayScene { selected: Some(1), disputed: &[1], ..scene(&field, Some(&camera), &clicks, &style) };
+        let drawing = click_overlay(&scene);
+        assert_eq!(drawing.strokes[0].strokes.len(), 1, "a click on a line has no one place to be");
+        assert_eq!(drawing.strokes[0].strokes[0].points, [drawn(off), drawn(exact)]);
+        let seen: Vec<_> = drawing.markers.iter().map(|marker| (marker.shape, marker.colour)).collect();
+        assert_eq!(
+            seen,
+            [(MarkerShape::Diamond, CHECK), (MarkerShape::Cross, DISPUTED), (MarkerShape::Ring, DISPUTED)]
+        );
+    }
+
+    #[test]
+    fn a_clicked_landmark_has_no_ring_besides() {
+        let (field, camera, style) = (field(), camera(), OverlayStyle::default());
+        let rings = |clicks: &[Click]| field_overlay(&scene(&field, Some(&camera), clicks, &style)).markers.len();
+        let click = Click::landmark(LandmarkId::from("centre_mark"), ImagePoint::new(1.0, 1.0));
+        assert_eq!(rings(&[click]) + 1, rings(&[]));
+        let plain = OverlayStyle { landmarks: false, ..style };
+        assert!(field_overlay(&scene(&field, Some(&camera), &[], &plain)).markers.is_empty());
+    }
+
+    #[test]
+    fn a_mask_is_a_box_with_a_border() {
+        let drawing = mask_overlay(&[PixelBox { x: 10.0, y: 20.0, width: 30.0, height: 40.0 }]);
+        assert_eq!(drawing.areas[0].corners, [[10.0, 20.0], [40.0, 20.0], [40.0, 60.0], [10.0, 60.0]]);
+        assert_eq!(drawing.strokes[0].strokes[0].points.len(), 5);
+    }
+}

@@ -111,9 +111,11 @@ fn render_top_view(
     picture: &media::Picture,
 ) -> anyhow::Result<RgbaImage> {
     let map = map_of(scene.field, scene.camera);
-    let drawing = field_map(scene, &map);
+    let mut drawing = field_map(scene, &map);
     let mut layers = vec![Layer::Drawing(Arc::new(drawing.ground))];
     if let Some(camera) = scene.camera {
+        // The picture itself shows what is visible; a tint over it would only change its colours.
+        drawing.over.areas.clear();
         layers.push(layer(picture_from_above(picture, scene.field, camera, &map), MAP_BRIGHTNESS));
     }
     layers.push(Layer::Drawing(Arc::new(drawing.over)));

@@ -31,11 +31,16 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
     let scale = PxScale::from(label.size_pt * view.pixels_per_point);
     let font = font.as_scaled(scale);
     let [x, y] = view.canvas_from_image(label.at);
-    let left = x + label.offset_pt[0] * view.pixels_per_point;
-    let middle = y + label.offset_pt[1] * view.pixels_per_point;
-    if !(left.is_finite() && middle.is_finite()) {
+    let [width, height] = view.size_px.map(|side| side as f32);
+    // A label belongs to its point: with the point off the canvas it is gone, on the canvas it is whole.
+    if !((0.0..=width).contains(&x) && (0.0..=height).contains(&y)) {
         return;
     }
+    let padding = PADDING * scale.y;
+    let text_width: f32 = label.text.chars().map(|character| font.h_advance(font.glyph_id(character))).sum();
+    let left = (x + label.offset_pt[0] * view.pixels_per_point).min(width - padding - text_width).max(padding);
+    let half_height = scale.y / 2.0;
+    let middle = (y + label.offset_pt[1] * view.pixels_per_point).min(height - half_height).max(half_height);
     let baseline = middle + (font.ascent() + font.descent()) / 2.0;
     let mut pen = left;
     let mut outlines = Vec::new();
@@ -47,7 +52,6 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
         pen += font.h_advance(id);
         previous = Some(id);
     }
-    let padding = PADDING * scale.y;
     let (top, bottom) = (baseline - font.ascent(), baseline - font.descent());
     fill_box(picture, [left - padding, top - padding / 3.0, pen + padding, bottom + padding / 3.0], label.plate);
     for outline in outlines {
@@ -110,9 +114,14 @@ mod tests {
     }
 
     #[test]
-    fn labels_beyond_the_border_are_cut_off() {
-        for at in [[-500.0, 10.0], [58.0, 29.0], [5.0, -3.0], [f32::NAN, 0.0], [1e9, 1e9]] {
-            assert_eq!(written("corner", at).dimensions(), (60, 30));
+    fn a_label_at_the_border_is_whole_and_one_of_a_point_outside_is_gone() {
+        let bright = |at| written("cm", at).pixels().filter(|pixel| pixel.0[0] > 120).count();
+        let whole = bright([10.0, 15.0]);
+        for at in [[59.0, 15.0], [0.0, 0.0], [60.0, 30.0]] {
+            assert!(bright(at).abs_diff(whole) <= 12, "{at:?}: {} bright pixels instead of {whole}", bright(at));
+        }
+        for at in [[-500.0, 10.0], [5.0, -3.0], [f32::NAN, 0.0], [1e9, 1e9]] {
+            assert_eq!(bright(at), 0, "{at:?}");
         }
     }
 }

@@ -15,6 +15,7 @@ mod fields;
 mod journal;
 mod media;
 mod overlay_pixels;
+mod overlay_projection;
 mod published_figures;
 mod seeded;
 mod shaders;

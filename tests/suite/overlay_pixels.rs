@@ -11,7 +11,7 @@ const WHITE: Colour = Colour::rgb(255, 255, 255);
 const BLACK: Colour = Colour::rgb(0, 0, 0);
 
 /// One device for all tests: starting one costs more than drawing.
-fn offscreen() -> MutexGuard<'static, Offscreen> {
+pub fn offscreen() -> MutexGuard<'static, Offscreen> {
     static DEVICE: OnceLock<Mutex<Offscreen>> = OnceLock::new();
     DEVICE
         .get_or_init(|| Mutex::new(Offscreen::new().unwrap()))
