@@ -12,6 +12,7 @@ mod filmstrip;
 mod inspector;
 mod keys;
 mod loupe;
+mod masks;
 mod menu;
 mod naming;
 mod notices;

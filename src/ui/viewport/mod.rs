@@ -8,8 +8,9 @@ mod labels;
 mod placement;
 mod pointer;
 mod scene;
+mod wheel;
 
-use super::{Panel, PictureState, canvas, loupe, naming};
+use super::{Panel, PictureState, canvas, loupe, masks, naming};
 use crate::app::Action;
 use crate::app::session::Mode;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -18,9 +19,10 @@ use crate::render::{Layer, Picture, PictureKey};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
 
-pub use labels::plate;
+pub use labels::{colour, plate};
 pub use placement::Placement;
 pub use scene::Overlay;
+pub use wheel::Gesture;
 
 /// A picture that is waited for shorter than this is not missed, s.
 const PATIENCE_S: f64 = 0.15;
@@ -168,6 +170,7 @@ fn show_frame(
     labels::paint(&painter, placement, overlay.labels());
     hints::over_picture(panel, ui, placement);
     cursor(panel, ui, placement, hold);
+    masks::show(panel, ui, placement);
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
         loupe::show(panel, ui, placement, click, &picture);
     }

@@ -3,10 +3,11 @@
 //! Events are read one by one, so that a press and its release within one frame of the window are both seen.
 
 use super::placement::Placement;
+use super::wheel::Gesture;
 use crate::app::Action;
 use crate::app::session::{Mode, PictureView};
 use crate::geometry::{ImagePoint, PixelBox};
-use egui::{Event, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, Vec2};
+use egui::{Event, Modifiers, PointerButton, Pos2};
 
 /// A click this near to the pointer is taken hold of, points.
 pub const REACH_PT: f32 = 8.0;
@@ -14,12 +15,6 @@ pub const REACH_PT: f32 = 8.0;
 const SLACK_PT: f32 = 2.0;
 /// What Shift makes of the pointer's speed.
 const FINE: f64 = 0.1;
-/// One notch of the wheel.
-const ZOOM_PER_LINE: f64 = 1.25;
-/// Zooming by fingers or Ctrl: a factor of e per so many points.
-const ZOOM_POINTS: f64 = 200.0;
-/// Lines and pages of a wheel as points.
-const POINTS_PER_LINE: f32 = 40.0;
 
 /// What the pointer holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -135,9 +130,11 @@ impl Reading<'_> {
             Event::PointerGone => self.pointer.at = None,
             // Nobody says that the button went up over another window.
             Event::WindowFocused(false) => self.let_go(),
-            Event::MouseWheel { unit, delta, source, modifiers, .. } => self.wheel(*unit, *delta, *source, *modifiers),
-            Event::Zoom(factor) => self.zoom(f64::from(*factor)),
-            _ => {}
+            _ => {
+                if let Some(gesture) = Gesture::from_event(event) {
+                    self.gesture(gesture);
+                }
+            }
         }
     }
 
@@ -215,41 +212,12 @@ impl Reading<'_> {
         }
     }
 
-    /// A wheel zooms, fingers on a pad move the picture; with Ctrl both zoom.
-    fn wheel(&mut self, unit: MouseWheelUnit, delta: Vec2, source: MouseWheelSource, modifiers: Modifiers) {
-        let is_wheel = match source {
-            MouseWheelSource::Wheel => true,
-            MouseWheelSource::Trackpad | MouseWheelSource::Momentum => false,
-            MouseWheelSource::Unknown => unit != MouseWheelUnit::Point,
-        };
-        let points = match unit {
-            MouseWheelUnit::Point => delta,
-            MouseWheelUnit::Line => delta * POINTS_PER_LINE,
-            MouseWheelUnit::Page => Vec2::new(delta.x, delta.y.signum() * POINTS_PER_LINE),
-        };
-        if !self.pointer.at.is_some_and(self.around.is_free) {
-            return;
-        }
-        if modifiers.command || modifiers.ctrl || (is_wheel && !modifiers.shift && points.y != 0.0) {
-            let factor = if is_wheel {
-                ZOOM_PER_LINE.powf(f64::from(points.y / POINTS_PER_LINE))
-            } else {
-                (f64::from(points.y) / ZOOM_POINTS).exp()
-            };
-            self.zoom(factor);
-        } else {
-            let along = if modifiers.shift && points.x == 0.0 { Vec2::new(points.y, 0.0) } else { points };
-            self.show(self.placement.panned(along));
-        }
-    }
-
-    fn zoom(&mut self, factor: f64) {
-        if let Some(at) = self.pointer.at.filter(|at| (self.around.is_free)(*at))
-            && factor.is_finite()
-            && factor > 0.0
-        {
-            self.show(self.placement.zoomed(factor, at));
-        }
+    fn gesture(&mut self, gesture: Gesture) {
+        let Some(at) = self.pointer.at.filter(|at| (self.around.is_free)(*at)) else { return };
+        self.show(match gesture {
+            Gesture::Zoom(factor) => self.placement.zoomed(factor, at),
+            Gesture::Pan(along) => self.placement.panned(along),
+        });
     }
 
     fn show(&mut self, view: PictureView) {
@@ -273,5 +241,102 @@ impl Reading<'_> {
     fn within_picture(&self, at: ImagePoint) -> ImagePoint {
         let size = self.placement.image_size;
         ImagePoint::new(at.x.clamp(0.0, f64::from(size.width)), at.y.clamp(0.0, f64::from(size.height)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+    use egui::{Rect, pos2, vec2};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// At half size: two px of the picture per point.
+    fn read(pointer: &mut Pointer, events: &[Event], modifiers: Modifiers, mode: &Mode) -> Vec<Action> {
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(960.0, 540.0));
+        let around = Surroundings {
+            placement: Placement::new(rect, 1.0, SIZE, PictureView::Fit),
+            clicks: &[ImagePoint::new(400.0, 400.0), ImagePoint::new(410.0, 400.0)],
+            mode,
+            hover: None,
+            ready: true,
+            masks: false,
+            space: false,
+            is_free: &|at| rect.contains(at),
+        };
+        let mut actions = pointer.read(events, modifiers, &around);
+        actions.retain(|action| !matches!(action, Action::Hover(_)));
+        actions
+    }
+
+    fn button(pos: Pos2, pressed: bool) -> Event {
+        Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+    }
+
+    const DRAGGING: Mode = Mode::Dragging { click: 0, placed: false };
+
+    #[test]
+    fn a_press_and_its_release_in_one_frame_are_both_seen() {
+        let at = pos2(100.25, 50.5);
+        let actions =
+            read(&mut Pointer::default(), &[button(at, true), button(at, false)], Modifiers::NONE, &Mode::Idle);
+        let press = Action::Press { at: ImagePoint::new(200.5, 101.0), on: None };
+        assert_eq!(actions, [press, Action::Release]);
+    }
+
+    #[test]
+    fn a_press_takes_the_nearest_click_and_a_trembling_hand_does_not_move_it() {
+        let mut pointer = Pointer::default();
+        let events = [button(pos2(201.0, 203.0), true), Event::PointerMoved(pos2(202.0, 204.0))];
+        let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
+        assert_eq!(actions, [Action::Press { at: ImagePoint::new(402.0, 406.0), on: Some(0) }]);
+        let actions = read(&mut pointer, &[button(pos2(202.0, 204.0), false)], Modifiers::NONE, &DRAGGING);
+        assert_eq!(actions, [Action::Release]);
+    }
+
+    #[test]
+    fn a_dragged_click_keeps_its_distance_from_the_pointer_and_shift_is_fine() {
+        let mut pointer = Pointer::default();
+        read(&mut pointer, &[button(pos2(201.0, 203.0), true)], Modifiers::NONE, &Mode::Idle);
+        let moves = [Event::PointerMoved(pos2(210.0, 203.0)), Event::PointerMoved(pos2(221.0, 213.0))];
+        let actions = read(&mut pointer, &moves, Modifiers::NONE, &DRAGGING);
+        assert_eq!(actions, [Action::Drag(ImagePoint::new(440.0, 420.0))], "one drag a frame of the window");
+        let actions = read(&mut pointer, &[Event::PointerMoved(pos2(231.0, 213.0))], Modifiers::SHIFT, &DRAGGING);
+        assert_eq!(actions, [Action::Drag(ImagePoint::new(442.0, 420.0))]);
+    }
+
+    #[test]
+    fn a_drag_that_was_cancelled_lets_go() {
+        let mut pointer = Pointer::default();
+        read(&mut pointer, &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &Mode::Idle);
+        let moves = [Event::PointerMoved(pos2(300.0, 203.0)), button(pos2(300.0, 203.0), false)];
+        assert_eq!(read(&mut pointer, &moves, Modifiers::NONE, &Mode::Idle), []);
+    }
+
+    #[test]
+    fn with_a_name_in_hand_a_click_near_another_point_places_a_new_one() {
+        let mode = Mode::Placing(crate::project::Target::Landmark("centre_mark".into()));
+        let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
+        assert_eq!(actions, [Action::Press { at: ImagePoint::new(400.0, 400.0), on: None }]);
+    }
+
+    #[test]
+    fn a_middle_drag_moves_the_picture_and_leaves_points_alone() {
+        let mut pointer = Pointer::default();
+        let middle = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Middle,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        let events = [
+            middle(pos2(200.0, 200.0), true),
+            Event::PointerMoved(pos2(260.0, 200.0)),
+            middle(pos2(260.0, 200.0), false),
+        ];
+        let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
+        assert!(actions.iter().all(|action| matches!(action, Action::View(_))), "{actions:?}");
+        assert_eq!(pointer.hold, Hold::Nothing);
     }
 }

@@ -8,6 +8,7 @@ use crate::app::{App, session::Mode};
 use crate::camera::PtzCamera;
 use crate::project::FrameStatus;
 use crate::render::Layer;
+use crate::ui::masks;
 use std::sync::Arc;
 
 /// A camera that is tried out stands back behind the frame's own, or is seen as not final.
@@ -63,7 +64,9 @@ impl Overlay {
                 drawings.push(field_overlay(&tried));
             }
             if app.session.masks {
-                drawings.extend(masks(app, hold));
+                let mut boxes: Vec<_> = masks::shown(app).into_iter().map(|mask| mask.pixel_box).collect();
+                boxes.extend(hold.mask().map(|(_, mask)| mask));
+                drawings.push(mask_overlay(&boxes));
             }
             let mut clicks = click_overlay(&scene);
             if let Some(held) = left_out.and_then(|click| frame.clicks.get(click)) {
@@ -91,14 +94,6 @@ fn shown_camera(app: &App) -> Option<PtzCamera> {
     let current = app.current();
     let other = current.other_root().zip(current.base).filter(|_| app.session.held.compare);
     other.map(|(ptz, base)| PtzCamera::new(base, ptz)).or(current.camera)
-}
-
-fn masks(app: &App, hold: &Hold) -> Vec<Drawing> {
-    let of_camera = app.camera_id().and_then(|id| app.open()?.document.camera(id)).map(|camera| &camera.masks);
-    let of_frame = app.frame().map(|frame| &frame.masks);
-    let mut boxes: Vec<_> = of_camera.into_iter().chain(of_frame).flatten().copied().collect();
-    boxes.extend(hold.mask().map(|(_, mask)| mask));
-    vec![mask_overlay(&boxes)]
 }
 
 /// Whether a click of the frame waits for its name and nobody is about to give it one.

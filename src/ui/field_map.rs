@@ -1,6 +1,0 @@
-//! field_map
-
-use super::Panel;
-
-/// Shows it.
-pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}

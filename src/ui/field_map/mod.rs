@@ -1,0 +1,243 @@
+//! The field from above: where the camera looks, what has been clicked, and a way to name a point or to pick what is
+//! clicked next. It turns to the camera's side; names never change with the view.
+
+mod pick;
+
+use super::viewport::{Gesture, Placement, plate};
+use super::{Panel, canvas};
+use crate::app::Action;
+use crate::app::App;
+use crate::app::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
+use crate::app::field_map::{FieldMap, SURROUND, field_map};
+use crate::app::overlay::{OverlayScene, SELECTED, Standing};
+use crate::app::session::{Mode, PictureView};
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, Vec3};
+use crate::project::Target;
+use crate::render::Layer;
+use egui::{
+    Align2, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Rect, Role, Sense, Shape, Stroke,
+    WidgetInfo, pos2, vec2,
+};
+use std::sync::Arc;
+
+/// What lies around the field, m.
+const MARGIN_M: f64 = 6.0;
+/// How fine the map's own px are; the screen's are found by zooming.
+const PX_PER_M: f64 = 10.0;
+/// The map's height as a share of its width.
+const SHAPE: f32 = 0.65;
+/// A landmark that has not been clicked.
+const UNCLICKED: Colour = Colour { r: 214, g: 226, b: 218, a: 150 };
+/// What a name in hand or under the pointer is ringed with.
+const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
+
+/// Shows the map across the available width.
+pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
+    let Some(field) = panel.app.current().field().cloned() else { return };
+    let width = ui.available_width();
+    let (rect, response) = ui.allocate_exact_size(vec2(width, (width * SHAPE).round()), Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Field map"));
+    let pixels_per_point = ui.pixels_per_point();
+    let rect = egui::emath::GuiRounding::round_to_pixels(rect, pixels_per_point);
+    let turned = panel.app.current().base.is_some_and(|base| base.position_m.y > 0.0);
+    let map = FieldMap { turned, ..FieldMap::new(&field, MARGIN_M, PX_PER_M) };
+
+    let view_id = Id::NULL.with("field map's view");
+    let mut view = ui.data(|data| data.get_temp::<PictureView>(view_id)).unwrap_or_default();
+    view = moved(ui, &response, Placement::new(rect, pixels_per_point, map.size_px(), view), view);
+    ui.data_mut(|data| data.insert_temp(view_id, view));
+    let placement = Placement::new(rect, pixels_per_point, map.size_px(), view);
+
+    let spots = pick::spots(&field, &map, &placement);
+    let lines = match &panel.app.session.mode {
+        Mode::Naming(naming) => naming.lines,
+        _ => panel.app.session.next_on_line,
+    };
+    let pointed =
+        response.hover_pos().and_then(|at| pick::under(&field, &map, &placement, &spots, at, lines).zip(Some(at)));
+    paint(panel.app, ui, &field, &map, &placement, &spots);
+    let painter = ui.painter_at(rect);
+    let on_map = Place { field: &field, map: &map, placement: &placement, spots: &spots };
+    camera_icon(panel.app, &painter, &on_map);
+    if let Some(target) = in_hand(panel.app) {
+        ring(&painter, &on_map, &target);
+    }
+    if let Some((target, at)) = pointed {
+        ring(&painter, &on_map, &target);
+        name(ui, at, &format!("{} · {}", panel.app.label(&target), code(&field, &target)));
+        ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+        if response.clicked() {
+            panel.actions.push(Action::Pick(target));
+        }
+    }
+}
+
+/// Where things lie on the screen.
+struct Place<'a> {
+    field: &'a FieldModel,
+    map: &'a FieldMap,
+    placement: &'a Placement,
+    spots: &'a [Pos2],
+}
+
+/// The view after this frame's gestures: the wheel zooms, dragging moves.
+fn moved(ui: &egui::Ui, response: &egui::Response, placement: Placement, mut view: PictureView) -> PictureView {
+    let mut placement = placement;
+    if let Some(at) = response.hover_pos() {
+        for gesture in ui.input(|input| input.events.iter().filter_map(Gesture::from_event).collect::<Vec<_>>()) {
+            view = match gesture {
+                Gesture::Zoom(factor) => placement.zoomed(factor, at),
+                Gesture::Pan(along) => placement.panned(along),
+            };
+            placement = placement.showing(view);
+        }
+    }
+    if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+        view = placement.panned(response.drag_delta());
+    }
+    view
+}
+
+fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement: &Placement, spots: &[Pos2]) {
+    let rect = placement.rect;
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 0.0, super::viewport::colour(SURROUND));
+    let clicks = app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    let solution = app.frame().and_then(|frame| frame.solution.as_ref());
+    let scene = OverlayScene {
+        field,
+        camera: app.current().preview.as_ref().or(app.current().camera.as_ref()),
+        standing: Standing::Solved,
+        image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
+        clicks,
+        selected: app.session.selected,
+        disputed: solution.map(|solution| solution.disputed.as_slice()).unwrap_or_default(),
+        style: &app.settings.overlay,
+        zoom: placement.scale,
+    };
+    let drawn = field_map(&scene, map);
+    let dots = dots(field, placement, spots, clicks.iter().filter_map(|click| click.target.as_ref()));
+    let layers = [drawn.ground, dots, drawn.over].map(|drawing| Layer::Drawing(Arc::new(drawing)));
+    canvas::paint(&painter, canvas::FIELD_MAP, rect, placement.render_view(), layers.into());
+    for (index, click) in clicks.iter().enumerate() {
+        let Some(Target::Landmark(id)) = &click.target else { continue };
+        let spot = field.landmarks.iter().zip(spots).find(|(landmark, _)| landmark.id == *id).map(|(_, spot)| *spot);
+        if let Some(spot) = spot.filter(|spot| rect.contains(*spot)) {
+            let behind = Color32::from_black_alpha(150);
+            let font = FontId::proportional(10.0);
+            let letters = super::viewport::colour(SELECTED);
+            plate(
+                &painter,
+                spot + vec2(8.0, -8.0),
+                Align2::LEFT_CENTER,
+                &(index + 1).to_string(),
+                font,
+                letters,
+                behind,
+            );
+        }
+    }
+}
+
+/// The landmarks that can be picked: those on the ground as dots, what stands above them as small rings.
+fn dots<'a>(
+    field: &FieldModel,
+    placement: &Placement,
+    spots: &[Pos2],
+    clicked: impl Iterator<Item = &'a Target>,
+) -> Drawing {
+    let clicked: Vec<&str> = clicked.map(Target::as_str).collect();
+    let unclicked = field.landmarks.iter().zip(spots).filter(|(landmark, _)| !clicked.contains(&landmark.id.as_str()));
+    let markers = unclicked.map(|(landmark, spot)| {
+        let on_ground = landmark.nominal_m.z <= 0.0;
+        let ImagePoint { x, y } = placement.image_from_screen(*spot);
+        Marker {
+            at: [x as f32, y as f32],
+            shape: if on_ground { MarkerShape::Dot } else { MarkerShape::Ring },
+            colour: UNCLICKED,
+            radius_pt: 2.25,
+            line_pt: 1.0,
+            outline: Some(Outline { colour: Colour { r: 10, g: 14, b: 12, a: 120 }, width_pt: 0.5 }),
+        }
+    });
+    Drawing { markers: markers.collect(), ..Drawing::default() }
+}
+
+/// The name that is about to be given or placed.
+fn in_hand(app: &App) -> Option<Target> {
+    match &app.session.mode {
+        Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
+        Mode::Placing(target) => Some(target.clone()),
+        _ => None,
+    }
+}
+
+/// Rings a landmark, or retraces a line.
+fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
+    let rim = Color32::from_black_alpha(160);
+    match target {
+        Target::Landmark(id) => {
+            let found = place.field.landmarks.iter().zip(place.spots).find(|(landmark, _)| landmark.id == *id);
+            if let Some((_, spot)) = found {
+                painter.circle_stroke(*spot, 6.0, Stroke::new(3.5, rim));
+                painter.circle_stroke(*spot, 6.0, Stroke::new(1.75, POINTED));
+            }
+        }
+        Target::Line(id) => {
+            if let Some(line) = place.field.line(id.as_str()) {
+                let points = pick::on_screen(&line.curve, place.map, place.placement);
+                painter.add(Shape::line(points.clone(), Stroke::new(4.5, rim)));
+                painter.add(Shape::line(points, Stroke::new(2.25, POINTED)));
+            }
+        }
+    }
+}
+
+/// Says what is under the pointer; the text may leave the map, but not the window.
+fn name(ui: &egui::Ui, at: Pos2, text: &str) {
+    let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, Id::NULL.with("field map's name")));
+    let font = FontId::proportional(12.5);
+    let window = ui.ctx().content_rect();
+    let width = painter.layout_no_wrap(text.to_owned(), font.clone(), Color32::WHITE).size().x;
+    let middle = at.x.clamp(window.left() + width / 2.0 + 8.0, (window.right() - width / 2.0 - 8.0).max(window.left()));
+    plate(
+        &painter,
+        pos2(middle, at.y + 26.0),
+        Align2::CENTER_CENTER,
+        text,
+        font,
+        Color32::WHITE,
+        Color32::from_black_alpha(225),
+    );
+}
+
+/// Where the camera stands; beyond the map, at its border in that direction.
+fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
+    let Some(base) = app.current().base else { return };
+    let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
+    let stands = place.placement.screen_from_image(place.map.map_from_world(position));
+    let bounds = place.placement.rect.shrink(9.0);
+    let at = stands.clamp(bounds.min, bounds.max);
+    let field_centre = place.placement.screen_from_image(place.map.map_from_world(Vec3::zeros()));
+    let ahead = (field_centre - stands).normalized();
+    let aside = ahead.rot90();
+    let lens = vec![at + ahead * 1.0, at + ahead * 7.0 + aside * 5.0, at + ahead * 7.0 - aside * 5.0];
+    let rim = Stroke::new(1.0, Color32::from_black_alpha(200));
+    painter.add(Shape::convex_polygon(lens, Color32::WHITE, rim));
+    painter.rect(
+        Rect::from_center_size(at - ahead * 1.5, vec2(9.0, 9.0)),
+        2.0,
+        Color32::WHITE,
+        rim,
+        egui::StrokeKind::Outside,
+    );
+}
+
+fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {
+    match target {
+        Target::Landmark(id) => field.landmark(id.as_str()).map(|landmark| landmark.code.as_str()),
+        Target::Line(id) => field.line(id.as_str()).map(|line| line.code.as_str()),
+    }
+    .unwrap_or_default()
+}

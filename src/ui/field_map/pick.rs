@@ -1,0 +1,133 @@
+//! What of the field lies under the pointer on its map.
+
+use crate::app::field_map::FieldMap;
+use crate::field::{Curve, FieldModel, Landmark};
+use crate::project::Target;
+use crate::ui::viewport::Placement;
+use egui::{Pos2, Vec2, vec2};
+
+/// A landmark this near to the pointer is meant, points.
+const LANDMARK_REACH_PT: f32 = 12.0;
+/// A line this near to the pointer is meant, points.
+const LINE_REACH_PT: f32 = 8.0;
+/// What stands above another landmark is drawn this far outside of it, points.
+const RAISED_PT: f32 = 9.0;
+/// Landmarks nearer to each other than this stand one above the other, m.
+const SAME_PLACE_M: f64 = 0.3;
+/// Pieces of a curve when the distance to it is measured.
+const PIECES: u32 = 48;
+
+/// Where each landmark of the field is drawn on the screen, in the field's order.
+pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
+    let on_screen = |landmark: &Landmark| placement.screen_from_image(map.map_from_world(landmark.nominal_m));
+    field
+        .landmarks
+        .iter()
+        .map(|landmark| {
+            let stands_above = field.landmarks.iter().any(|other| {
+                let apart = other.nominal_m.xy() - landmark.nominal_m.xy();
+                apart.norm() < SAME_PLACE_M && other.nominal_m.z < landmark.nominal_m.z
+            });
+            let away = if stands_above { outwards(field, map, landmark) * RAISED_PT } else { Vec2::ZERO };
+            on_screen(landmark) + away
+        })
+        .collect()
+}
+
+/// Away from the field on the map, over whichever border the landmark stands on.
+fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
+    /// A landmark beyond this share of the half field stands on its border.
+    const BORDER: f64 = 0.98;
+    let over = |at: f64, extent: f64| if at.abs() > BORDER * extent / 2.0 { at.signum() as f32 } else { 0.0 };
+    let sign = if map.turned { -1.0 } else { 1.0 };
+    let away = sign * vec2(over(landmark.nominal_m.x, field.length_m), -over(landmark.nominal_m.y, field.width_m));
+    if away == Vec2::ZERO { Vec2::UP } else { away.normalized() }
+}
+
+/// The landmark under the pointer, else the line; with `lines` only a line.
+pub fn under(
+    field: &FieldModel,
+    map: &FieldMap,
+    placement: &Placement,
+    spots: &[Pos2],
+    at: Pos2,
+    lines: bool,
+) -> Option<Target> {
+    let landmark = || {
+        let near = field.landmarks.iter().zip(spots).map(|(landmark, spot)| (landmark, spot.distance(at)));
+        let nearest = near.filter(|(_, distance)| *distance <= LANDMARK_REACH_PT).min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map(|(landmark, _)| Target::Landmark(landmark.id.clone()))
+    };
+    let line = || {
+        let near = field.lines.iter().map(|line| (line, distance_to_curve(&line.curve, map, placement, at)));
+        let nearest = near.filter(|(_, distance)| *distance <= LINE_REACH_PT).min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map(|(line, _)| Target::Line(line.id.clone()))
+    };
+    if lines { line() } else { landmark().or_else(line) }
+}
+
+/// A curve of the field on the screen.
+pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Pos2> {
+    let pieces = if matches!(curve, Curve::Segment { .. }) { 1 } else { PIECES };
+    (0..=pieces)
+        .map(|piece| curve.point_at(f64::from(piece) / f64::from(pieces)))
+        .map(|point| placement.screen_from_image(map.map_from_world(point)))
+        .collect()
+}
+
+fn distance_to_curve(curve: &Curve, map: &FieldMap, placement: &Placement, at: Pos2) -> f32 {
+    let points = on_screen(curve, map, placement);
+    let distances = points.windows(2).map(|ends| distance_to_piece(at, ends[0], ends[1]));
+    distances.min_by(f32::total_cmp).unwrap_or(f32::INFINITY)
+}
+
+fn distance_to_piece(at: Pos2, from: Pos2, to: Pos2) -> f32 {
+    let along = to - from;
+    let length_squared = along.length_sq();
+    let share = if length_squared > 0.0 { ((at - from).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
+    at.distance(from + along * share)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::session::PictureView;
+    use crate::project::FieldSpec;
+    use egui::{Rect, pos2};
+    use std::path::Path;
+
+    fn soccer() -> FieldModel {
+        FieldSpec::new("soccer").model(Path::new("")).unwrap()
+    }
+
+    fn scene(turned: bool) -> (FieldModel, FieldMap, Placement) {
+        let field = soccer();
+        let map = FieldMap { turned, ..FieldMap::new(&field, 6.0, 10.0) };
+        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(300.0, 195.0));
+        let placement = Placement::new(rect, 1.0, map.size_px(), PictureView::Fit);
+        (field, map, placement)
+    }
+
+    #[test]
+    fn every_landmark_can_be_picked_on_the_whole_map_turned_or_not() {
+        for turned in [false, true] {
+            let (field, map, placement) = scene(turned);
+            let spots = spots(&field, &map, &placement);
+            for (landmark, spot) in field.landmarks.iter().zip(&spots) {
+                let picked = under(&field, &map, &placement, &spots, *spot, false);
+                assert_eq!(picked, Some(Target::Landmark(landmark.id.clone())), "{}", landmark.label);
+            }
+        }
+    }
+
+    #[test]
+    fn away_from_landmarks_or_on_demand_a_line_is_picked() {
+        let (field, map, placement) = scene(false);
+        let spots = spots(&field, &map, &placement);
+        let at = pos2(placement.rect.center().x, placement.rect.top() + 60.0);
+        let pick = |at, lines| under(&field, &map, &placement, &spots, at, lines);
+        assert_eq!(pick(at, false), Some(Target::Line("halfway_line".into())));
+        assert_eq!(pick(placement.rect.center(), true), Some(Target::Line("halfway_line".into())));
+        assert_eq!(pick(placement.rect.center() + vec2(45.0, 60.0), false), None);
+    }
+}

@@ -1,0 +1,84 @@
+//! What a wheel or two fingers on a pad mean.
+
+use egui::{Event, MouseWheelSource, MouseWheelUnit, Vec2};
+
+/// One notch of the wheel.
+const ZOOM_PER_LINE: f64 = 1.25;
+/// Zooming by fingers with Ctrl: a factor of e per so many points.
+const ZOOM_POINTS: f64 = 200.0;
+/// A line of a wheel as points.
+const POINTS_PER_LINE: f32 = 40.0;
+
+/// What the user wants of the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gesture {
+    /// Enlarge by a factor.
+    Zoom(f64),
+    /// Move what is shown, points.
+    Pan(Vec2),
+}
+
+impl Gesture {
+    /// A wheel zooms, fingers on a pad move; Ctrl and pinching always zoom; Shift with a wheel moves sideways.
+    pub fn from_event(event: &Event) -> Option<Self> {
+        match event {
+            Event::Zoom(factor) => Some(Self::Zoom(f64::from(*factor))),
+            Event::MouseWheel { unit, delta, source, modifiers, .. } => {
+                let is_wheel = match source {
+                    MouseWheelSource::Wheel => true,
+                    MouseWheelSource::Trackpad | MouseWheelSource::Momentum => false,
+                    MouseWheelSource::Unknown => *unit != MouseWheelUnit::Point,
+                };
+                let points = match unit {
+                    MouseWheelUnit::Point => *delta,
+                    MouseWheelUnit::Line => *delta * POINTS_PER_LINE,
+                    MouseWheelUnit::Page => Vec2::new(delta.x.signum(), delta.y.signum()) * POINTS_PER_LINE,
+                };
+                let lines = f64::from(points.y / POINTS_PER_LINE);
+                if modifiers.command || modifiers.ctrl {
+                    let by_fingers = (f64::from(points.y) / ZOOM_POINTS).exp();
+                    Some(Self::Zoom(if is_wheel { ZOOM_PER_LINE.powf(lines) } else { by_fingers }))
+                } else if is_wheel && modifiers.shift {
+                    Some(Self::Pan(Vec2::new(points.x + points.y, 0.0)))
+                } else if is_wheel && points.y != 0.0 {
+                    Some(Self::Zoom(ZOOM_PER_LINE.powf(lines)))
+                } else {
+                    Some(Self::Pan(points))
+                }
+            }
+            _ => None,
+        }
+        .filter(|gesture| gesture.is_finite())
+    }
+
+    fn is_finite(self) -> bool {
+        match self {
+            Self::Zoom(factor) => factor.is_finite() && factor > 0.0,
+            Self::Pan(along) => along.is_finite(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Modifiers, TouchPhase, vec2};
+
+    fn wheel(unit: MouseWheelUnit, delta: Vec2, modifiers: Modifiers) -> Option<Gesture> {
+        let (phase, source) = (TouchPhase::Move, MouseWheelSource::Unknown);
+        Gesture::from_event(&Event::MouseWheel { unit, delta, phase, source, modifiers })
+    }
+
+    #[test]
+    fn a_wheel_zooms_and_fingers_move() {
+        let (line, point) = (MouseWheelUnit::Line, MouseWheelUnit::Point);
+        let none = Modifiers::NONE;
+        assert_eq!(wheel(line, vec2(0.0, 1.0), none), Some(Gesture::Zoom(1.25)));
+        assert_eq!(wheel(line, vec2(0.0, -2.0), none), Some(Gesture::Zoom(1.0 / 1.25 / 1.25)));
+        assert_eq!(wheel(point, vec2(3.0, -7.0), none), Some(Gesture::Pan(vec2(3.0, -7.0))));
+        assert_eq!(wheel(line, vec2(0.0, 1.0), Modifiers::SHIFT), Some(Gesture::Pan(vec2(40.0, 0.0))));
+        assert!(matches!(wheel(point, vec2(0.0, 20.0), Modifiers::CTRL), Some(Gesture::Zoom(factor)) if factor > 1.0));
+        assert_eq!(Gesture::from_event(&Event::Zoom(1.5)), Some(Gesture::Zoom(1.5)));
+        assert_eq!(Gesture::from_event(&Event::Zoom(f32::NAN)), None);
+    }
+}
