@@ -9,6 +9,7 @@ mod command;
 mod current;
 pub mod drawing;
 pub mod field_map;
+pub mod guidance;
 mod keymap;
 pub mod naming;
 mod open_project;

@@ -3,7 +3,7 @@
 use super::Command;
 use super::naming::NameCandidate;
 use crate::geometry::ImagePoint;
-use crate::project::{FrameStatus, Target};
+use crate::project::{FrameStatus, RejectReason, Target};
 
 /// How many candidates are offered at the cursor.
 pub const OFFERED: usize = 5;
@@ -165,6 +165,19 @@ pub const fn status_label(status: FrameStatus) -> &'static str {
         FrameStatus::Suggested => "Suggested",
         FrameStatus::Reference => "Reference",
         FrameStatus::Rejected => "Rejected",
+    }
+}
+
+/// A reason as a person reads it.
+#[must_use]
+pub const fn reason_label(reason: RejectReason) -> &'static str {
+    match reason {
+        RejectReason::CloseUp => "Close-up",
+        RejectReason::Replay => "Replay",
+        RejectReason::OtherCamera => "Other camera",
+        RejectReason::Graphic => "Graphic",
+        RejectReason::Blur => "Blur",
+        RejectReason::TooLittleField => "Too little field",
     }
 }
 

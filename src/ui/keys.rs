@@ -1,6 +1,371 @@
-//! From the keyboard to commands.
+//! Keys: from what was pressed to actions, through the user's keymap.
+//!
+//! Plain keys sleep while a text field has the focus, and while a name or a reason is asked for (those lists read
+//! letters and digits themselves).
 
-use super::Panel;
+use super::{Panel, dialogs};
+use crate::app::session::{Dialog, Held, Mode};
+use crate::app::{Action, App, Chord, Command};
+use egui::{Event, FocusDirection, Key, Modifiers};
 
-/// Reads the keys of this frame.
-pub fn read(_panel: &mut Panel<'_>, _ctx: &egui::Context) {}
+/// How far an arrow key moves the selected point, px of the picture: alone, with Shift, with Alt.
+const NUDGE_PX: [f64; 3] = [0.1, 1.0, 10.0];
+
+/// Commands that go on while their key is held down.
+const REPEATED: [Command; 8] = [
+    Command::NextFrame,
+    Command::PreviousFrame,
+    Command::NextTenFrames,
+    Command::PreviousTenFrames,
+    Command::NextClick,
+    Command::PreviousClick,
+    Command::ZoomIn,
+    Command::ZoomOut,
+];
+
+/// A key that went down or up.
+#[derive(Clone, Copy, Debug)]
+pub struct KeyStroke {
+    /// What the layout makes of it.
+    pub key: Key,
+    /// Where it is.
+    pub physical: Option<Key>,
+    /// Down.
+    pub pressed: bool,
+    /// Still held.
+    pub repeat: bool,
+    /// With which modifiers.
+    pub modifiers: Modifiers,
+}
+
+/// Who else listens to the keyboard.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Focus {
+    /// Nobody.
+    #[default]
+    Free,
+    /// A button or the like, reached by Tab: Enter, Space, Tab and arrows are its own.
+    Widget,
+    /// A text field.
+    Text,
+}
+
+/// Reads what was typed since the last time.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    if dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx) {
+        return;
+    }
+    let focus = if ctx.text_edit_focused() {
+        Focus::Text
+    } else if ctx.egui_wants_keyboard_input() {
+        Focus::Widget
+    } else {
+        Focus::Free
+    };
+    let (events, window_focused) = ctx.input(|input| (input.events.clone(), input.focused));
+    let mut asked: Vec<Action> = Vec::new();
+    for event in &events {
+        let Event::Key { key, physical_key, pressed, repeat, modifiers } = event else { continue };
+        let stroke =
+            KeyStroke { key: *key, physical: *physical_key, pressed: *pressed, repeat: *repeat, modifiers: *modifiers };
+        // A held key does not run ahead of the window.
+        let wanted = meaning(panel.app, stroke, focus).filter(|action| !(stroke.repeat && asked.contains(action)));
+        asked.extend(wanted);
+    }
+    let steps_clicks = |action: &Action| matches!(action, Action::Command(Command::NextClick | Command::PreviousClick));
+    if asked.iter().any(steps_clicks) {
+        // Tab was ours: the focus stays where it is.
+        ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    }
+    if !window_focused && panel.app.session.held != Held::default() {
+        asked.push(Action::Hold(Command::HideOverlay, false));
+        asked.push(Action::Hold(Command::Compare, false));
+    }
+    panel.actions.extend(asked);
+}
+
+/// What a key means right now.
+pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
+    let stroke = question_mark(stroke);
+    let command = command_of(app, &stroke);
+    if !stroke.pressed {
+        return Command::all()
+            .filter(|command| command.is_held() && is_held_down(app, *command))
+            .find(|command| app.settings.keys.chords(*command).iter().any(|chord| key_of(chord) == Some(stroke.key)))
+            .map(|command| Action::Hold(command, false));
+    }
+    if let Some(dialog) = &app.session.dialog {
+        let opens_it = command.is_some_and(|command| opens(command, dialog));
+        if stroke.key == Key::Escape || opens_it && focus != Focus::Text {
+            return Some(Action::CloseDialog);
+        }
+        if opens_it && stroke.modifiers.command {
+            return Some(Action::CloseDialog);
+        }
+        if *dialog != Dialog::OverlayStyle {
+            return None;
+        }
+    }
+    if !is_free(&stroke, focus) {
+        return None;
+    }
+    let plain = !stroke.modifiers.command && !stroke.modifiers.alt;
+    match &app.session.mode {
+        // The lists of names and reasons have read what is theirs; the rest sleeps.
+        Mode::Naming(_) | Mode::Rejecting { .. } if plain => {
+            return (command == Some(Command::Cancel)).then_some(Action::Command(Command::Cancel));
+        }
+        Mode::Dragging { .. } | Mode::Editing if command != Some(Command::Cancel) => {
+            return command.filter(|command| command.is_held() && !stroke.repeat).map(|held| Action::Hold(held, true));
+        }
+        _ => {}
+    }
+    match command {
+        Some(command) if command.is_held() => (!stroke.repeat).then_some(Action::Hold(command, true)),
+        Some(command) if stroke.repeat && !REPEATED.contains(&command) => None,
+        // Without points Tab goes from control to control.
+        Some(Command::NextClick | Command::PreviousClick)
+            if app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
+        {
+            None
+        }
+        Some(command) => Some(Action::Command(command)),
+        None => nudge(app, &stroke),
+    }
+}
+
+/// An arrow key moves the selected point.
+fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
+    let (dx, dy) = match stroke.key {
+        Key::ArrowLeft => (-1.0, 0.0),
+        Key::ArrowRight => (1.0, 0.0),
+        Key::ArrowUp => (0.0, -1.0),
+        Key::ArrowDown => (0.0, 1.0),
+        _ => return None,
+    };
+    app.session.selected?;
+    let step = match (stroke.modifiers.shift, stroke.modifiers.alt, stroke.modifiers.command) {
+        (false, false, false) => NUDGE_PX[0],
+        (true, false, false) => NUDGE_PX[1],
+        (false, true, false) => NUDGE_PX[2],
+        _ => return None,
+    };
+    Some(Action::Nudge { dx_px: dx * step, dy_px: dy * step })
+}
+
+/// Whether a key is not somebody else's.
+fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
+    let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
+    match focus {
+        Focus::Free => true,
+        Focus::Widget => !matches!(
+            stroke.key,
+            Key::Enter
+                | Key::Space
+                | Key::Tab
+                | Key::Escape
+                | Key::ArrowLeft
+                | Key::ArrowRight
+                | Key::ArrowUp
+                | Key::ArrowDown
+        ),
+        // Its own undo, cursor and clipboard keys stay with it.
+        Focus::Text => {
+            function_key
+                || stroke.modifiers.command && matches!(stroke.key, Key::S | Key::O | Key::E | Key::K | Key::Q | Key::M)
+        }
+    }
+}
+
+/// Shift and the key of the slash is a question mark on the layouts whose logical key says nothing.
+fn question_mark(stroke: KeyStroke) -> KeyStroke {
+    let is_slash = stroke.key == Key::Slash && stroke.physical.is_none_or(|physical| physical == Key::Slash);
+    if is_slash && stroke.modifiers.shift { KeyStroke { key: Key::Questionmark, ..stroke } } else { stroke }
+}
+
+/// The command of a key: by what the layout makes of it, else by where it is.
+fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
+    let by = |matches: &dyn Fn(&Chord) -> bool| {
+        Command::all().find(|command| app.settings.keys.chords(*command).iter().any(matches))
+    };
+    by(&|chord| is_logically(chord, stroke)).or_else(|| by(&|chord| is_physically(chord, stroke)))
+}
+
+fn is_logically(chord: &Chord, stroke: &KeyStroke) -> bool {
+    let modifiers = stroke.modifiers;
+    key_of(chord) == Some(stroke.key)
+        && chord.ctrl == modifiers.command
+        && chord.alt == modifiers.alt
+        && (chord.shift == modifiers.shift || is_sign(stroke.key) && !chord.shift)
+}
+
+/// Shift and a dot is a colon on some layouts: there the place of the key counts.
+fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
+    let modifiers = stroke.modifiers;
+    is_sign(stroke.key)
+        && stroke.physical.is_some()
+        && key_of(chord) == stroke.physical
+        && (chord.ctrl, chord.alt, chord.shift) == (modifiers.command, modifiers.alt, modifiers.shift)
+}
+
+/// A key whose Shift depends on the layout.
+fn is_sign(key: Key) -> bool {
+    !matches!(key, Key::Comma | Key::Period) && key.symbol_or_name().chars().count() == 1 && digit(key).is_none() && {
+        let sign = key.symbol_or_name();
+        sign.chars().all(|c| c.is_ascii_punctuation() || c == '−')
+    }
+}
+
+/// The key that a chord names.
+pub fn key_of(chord: &Chord) -> Option<Key> {
+    Key::from_name(&chord.key)
+}
+
+fn digit(key: Key) -> Option<usize> {
+    key.name().parse().ok()
+}
+
+fn opens(command: Command, dialog: &Dialog) -> bool {
+    matches!(
+        (command, dialog),
+        (Command::Palette, Dialog::Palette)
+            | (Command::Keys, Dialog::Keys)
+            | (Command::OverlayStyle, Dialog::OverlayStyle)
+    )
+}
+
+fn is_held_down(app: &App, command: Command) -> bool {
+    match command {
+        Command::HideOverlay => app.session.held.hide_overlay,
+        Command::Compare => app.session.held.compare,
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Opened, Settings};
+    use crate::geometry::{ImagePoint, ImageSize};
+    use crate::project::{Camera, Click, Document, FieldSpec, Frame};
+
+    const NONE: Modifiers = Modifiers::NONE;
+
+    fn app() -> App {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let size = ImageSize::new(1280, 720);
+        document.cameras.push(Camera::new("main".into(), size).into());
+        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        frame.clicks.push(Click::unnamed(ImagePoint::new(10.0, 20.0)));
+        document.frames.push(frame.into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened {
+            document,
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        })));
+        app
+    }
+
+    fn stroke(key: Key, modifiers: Modifiers) -> KeyStroke {
+        KeyStroke { key, physical: None, pressed: true, repeat: false, modifiers }
+    }
+
+    fn press(app: &App, key: Key, modifiers: Modifiers) -> Option<Action> {
+        meaning(app, stroke(key, modifiers), Focus::Free)
+    }
+
+    #[test]
+    fn modifiers_are_read_exactly() {
+        let app = app();
+        let ctrl_shift = Modifiers::COMMAND | Modifiers::SHIFT;
+        assert_eq!(press(&app, Key::Z, Modifiers::COMMAND), Some(Action::Command(Command::Undo)));
+        assert_eq!(press(&app, Key::Z, ctrl_shift), Some(Action::Command(Command::Redo)));
+        assert_eq!(press(&app, Key::Z, NONE), Some(Action::Command(Command::ZoomToClick)));
+        assert_eq!(press(&app, Key::Period, Modifiers::SHIFT), Some(Action::Command(Command::NextTenFrames)));
+        assert_eq!(press(&app, Key::Period, NONE), Some(Action::Command(Command::NextFrame)));
+        assert_eq!(press(&app, Key::J, NONE), None);
+    }
+
+    #[test]
+    fn signs_are_found_on_any_layout() {
+        let app = app();
+        let question = Some(Action::Command(Command::Keys));
+        assert_eq!(press(&app, Key::Questionmark, Modifiers::SHIFT), question);
+        assert_eq!(press(&app, Key::Questionmark, NONE), question);
+        assert_eq!(press(&app, Key::Slash, Modifiers::SHIFT), question);
+        assert_eq!(press(&app, Key::Plus, Modifiers::SHIFT), Some(Action::Command(Command::ZoomIn)));
+        // On a German keyboard Shift and 7 is a slash, Shift and the dot is a colon.
+        let german_slash = KeyStroke { physical: Some(Key::Num7), ..stroke(Key::Slash, Modifiers::SHIFT) };
+        assert_eq!(meaning(&app, german_slash, Focus::Free), None);
+        let german_colon = KeyStroke { physical: Some(Key::Period), ..stroke(Key::Colon, Modifiers::SHIFT) };
+        assert_eq!(meaning(&app, german_colon, Focus::Free), Some(Action::Command(Command::NextTenFrames)));
+    }
+
+    #[test]
+    fn arrows_nudge_the_selected_point_and_nothing_else() {
+        let mut app = app();
+        assert_eq!(press(&app, Key::ArrowLeft, NONE), None);
+        app.update(Action::Select(Some(0)));
+        assert_eq!(press(&app, Key::ArrowLeft, NONE), Some(Action::Nudge { dx_px: -0.1, dy_px: 0.0 }));
+        assert_eq!(press(&app, Key::ArrowDown, Modifiers::SHIFT), Some(Action::Nudge { dx_px: 0.0, dy_px: 1.0 }));
+        assert_eq!(press(&app, Key::ArrowUp, Modifiers::ALT), Some(Action::Nudge { dx_px: 0.0, dy_px: -10.0 }));
+        assert_eq!(press(&app, Key::ArrowUp, Modifiers::COMMAND), None);
+    }
+
+    #[test]
+    fn letters_sleep_while_a_point_is_named_or_text_is_typed() {
+        let mut app = app();
+        assert_eq!(meaning(&app, stroke(Key::N, NONE), Focus::Text), None);
+        assert_eq!(
+            meaning(&app, stroke(Key::S, Modifiers::COMMAND), Focus::Text),
+            Some(Action::Command(Command::Save))
+        );
+        assert_eq!(meaning(&app, stroke(Key::Z, Modifiers::COMMAND), Focus::Text), None);
+        assert_eq!(meaning(&app, stroke(Key::Enter, NONE), Focus::Widget), None);
+        app.update(Action::Select(Some(0)));
+        app.update(Action::Command(Command::RenameClick));
+        for key in [Key::N, Key::Num3, Key::Enter, Key::X] {
+            assert_eq!(press(&app, key, NONE), None);
+        }
+        assert_eq!(press(&app, Key::Escape, NONE), Some(Action::Command(Command::Cancel)));
+        assert_eq!(press(&app, Key::Z, Modifiers::COMMAND), Some(Action::Command(Command::Undo)));
+    }
+
+    #[test]
+    fn keys_sleep_while_a_reason_is_asked_for() {
+        let mut app = app();
+        app.update(Action::Command(Command::Reject));
+        assert_eq!(press(&app, Key::N, NONE), None);
+        assert_eq!(press(&app, Key::Escape, NONE), Some(Action::Command(Command::Cancel)));
+    }
+
+    #[test]
+    fn held_commands_end_with_their_key_and_only_stepping_repeats() {
+        let mut app = app();
+        assert_eq!(press(&app, Key::H, NONE), Some(Action::Hold(Command::HideOverlay, true)));
+        app.update(Action::Hold(Command::HideOverlay, true));
+        let up = KeyStroke { pressed: false, ..stroke(Key::H, Modifiers::SHIFT) };
+        assert_eq!(meaning(&app, up, Focus::Text), Some(Action::Hold(Command::HideOverlay, false)));
+        let again = |key| meaning(&app, KeyStroke { repeat: true, ..stroke(key, NONE) }, Focus::Free);
+        assert_eq!(again(Key::H), None);
+        assert_eq!(again(Key::Period), Some(Action::Command(Command::NextFrame)));
+        assert_eq!(again(Key::Enter), None);
+        assert_eq!(again(Key::Delete), None);
+    }
+
+    #[test]
+    fn a_dialog_keeps_the_keys_and_closes_with_escape_or_its_own_key() {
+        let mut app = app();
+        app.update(Action::Command(Command::Palette));
+        assert_eq!(press(&app, Key::N, NONE), None);
+        assert_eq!(meaning(&app, stroke(Key::Escape, NONE), Focus::Text), Some(Action::CloseDialog));
+        assert_eq!(meaning(&app, stroke(Key::K, Modifiers::COMMAND), Focus::Text), Some(Action::CloseDialog));
+        app.update(Action::CloseDialog);
+        app.update(Action::Command(Command::OverlayStyle));
+        assert_eq!(press(&app, Key::Period, NONE), Some(Action::Command(Command::NextFrame)));
+        assert_eq!(press(&app, Key::O, NONE), Some(Action::CloseDialog));
+    }
+}

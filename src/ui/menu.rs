@@ -1,6 +1,179 @@
-//! menu
+//! The top row: menus, what is open, and whether it is safe on disk.
 
-use super::Panel;
+use super::{Panel, theme};
+use crate::app::session::{Panel as RightPanel, Saving};
+use crate::app::{Action, App, Command, Group};
+use crate::project::PROJECT_FILE;
+use egui::{Align, Button, Layout, RichText, Ui};
+use std::path::Path;
 
-/// Shows it.
-pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}
+/// A line is drawn above these.
+const SECTIONS: [Command; 17] = [
+    Command::Save,
+    Command::LoadCamera,
+    Command::Quit,
+    Command::DeleteClick,
+    Command::NextClick,
+    Command::Cancel,
+    Command::NextNeedsMe,
+    Command::NextReference,
+    Command::Accept,
+    Command::Reject,
+    Command::Comment,
+    Command::SwitchRoot,
+    Command::HideOverlay,
+    Command::ShowMasks,
+    Command::Compare,
+    Command::CameraPanel,
+    Command::About,
+];
+
+/// Shows the row.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    egui::MenuBar::new().ui(ui, |ui| {
+        for group in Group::ALL {
+            ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group));
+        }
+        ui.add_space(2.0 * theme::SPACE);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            saving(panel, ui);
+            jobs(panel, ui);
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| place(panel.app, ui));
+        });
+    });
+}
+
+const fn tip(group: Group) -> &'static str {
+    match group {
+        Group::File => "Open, save, export.",
+        Group::Edit => "Undo, and what is done to a point.",
+        Group::Frame => "Go from frame to frame, accept and reject.",
+        Group::View => "What is shown and how large.",
+        Group::Help => "Commands, keys, about this program.",
+    }
+}
+
+fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: Group) {
+    ui.set_min_width(232.0);
+    for command in Command::all().filter(|command| command.group() == group) {
+        if SECTIONS.contains(&command) {
+            ui.separator();
+        }
+        entry(panel, ui, command);
+        if command == Command::OpenDemo {
+            recent(panel, ui);
+        }
+    }
+}
+
+/// One entry; what it cannot do now it says in its tooltip.
+fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
+    let why_not = panel.app.why_not(command);
+    let button = Button::new(command.name())
+        .shortcut_text(panel.app.settings.keys.shown(command))
+        .selected(is_on(panel.app, command));
+    let response = ui.add_enabled(why_not.is_none(), button).on_hover_text(command.about());
+    let response = match why_not {
+        Some(reason) => response.on_disabled_hover_text(format!("{} {reason}", command.about())),
+        None => response,
+    };
+    if response.clicked() {
+        panel.actions.push(Action::Command(command));
+        ui.close();
+    }
+}
+
+fn is_on(app: &App, command: Command) -> bool {
+    match command {
+        Command::ShowMasks => app.session.masks,
+        Command::ShowFieldMap => app.settings.field_map,
+        Command::HideOverlay => app.session.held.hide_overlay,
+        Command::CameraPanel => app.session.panel == RightPanel::Camera,
+        Command::PlaceOnLine => app.session.next_on_line,
+        _ => false,
+    }
+}
+
+fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let none = panel.app.settings.recent.is_empty();
+    ui.add_enabled_ui(!none, |ui| {
+        let opened = ui.menu_button("Open recent", |ui| {
+            for path in panel.app.settings.recent.clone() {
+                if ui.button(document_name(&path)).on_hover_text(path.display().to_string()).clicked() {
+                    panel.actions.push(Action::Open(path));
+                    ui.close();
+                }
+            }
+        });
+        opened
+            .response
+            .on_hover_text("Documents that were open before.")
+            .on_disabled_hover_text("No document has been open before.");
+    });
+}
+
+/// What a person calls a document: its folder if it is a project, else its file.
+pub fn document_name(file: &Path) -> String {
+    let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
+    let named = if is_project { file.parent().unwrap_or(file) } else { file };
+    named.file_name().map_or_else(|| named.display().to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// Document, frame and shot.
+fn place(app: &App, ui: &mut Ui) {
+    let Some(open) = app.open() else { return };
+    let name = document_name(&open.file);
+    ui.add(egui::Label::new(RichText::new(name).color(theme::STRONG)).truncate())
+        .on_hover_text(open.file.display().to_string());
+    let count = open.document.frames.len();
+    if let Some(frame) = app.frame() {
+        ui.label(RichText::new(format!("{} / {count}", app.session.frame + 1)).color(theme::TEXT))
+            .on_hover_text(format!("Frame {} of {count}: {}", app.session.frame + 1, frame.name()));
+        if let Some(clip) = &frame.clip {
+            ui.label(RichText::new(format!("shot {clip}")).color(theme::WEAK)).on_hover_text("The frame's shot");
+        }
+        ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(theme::WEAK)).truncate())
+            .on_hover_text(frame.name());
+    }
+    if let Some(reason) = &open.read_only {
+        ui.label(RichText::new("READ ONLY").small().strong().color(theme::CAUTION)).on_hover_text(reason.clone());
+    }
+}
+
+/// The last part of a frame's path.
+pub fn file_name(path: &str) -> String {
+    path.rsplit(['/', '\\']).next().unwrap_or(path).to_owned()
+}
+
+/// Whether every edit is on disk.
+fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
+    match &panel.app.session.saving {
+        Saving::Untouched => {}
+        Saving::Pending => {
+            ui.label(RichText::new("saving…").color(theme::WEAK)).on_hover_text("The last edit is on its way to disk.");
+        }
+        Saving::Saved { at } => {
+            ui.label(RichText::new(format!("saved {at}")).color(theme::WEAK))
+                .on_hover_text("Every edit is on disk. There is nothing you have to save.");
+        }
+        Saving::Failed { message, since } => {
+            let since = since.as_ref().map(|at| format!("Edits since {at} are only in memory."));
+            let told = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
+            let elsewhere =
+                Button::new(RichText::new("Save elsewhere").color(theme::BACKDROP)).fill(theme::BAD).small();
+            if ui.add(elsewhere).on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
+                panel.actions.push(Action::Command(Command::SaveAs));
+            }
+            let text = RichText::new(format!("NOT SAVED: {message}. {told}")).color(theme::BAD).strong();
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{message}. {told}"));
+        }
+    }
+}
+
+/// What goes on in the background.
+fn jobs(panel: &Panel<'_>, ui: &mut Ui) {
+    if let Some(opening) = &panel.app.session.opening {
+        ui.label(RichText::new(opening).color(theme::ACCENT)).on_hover_text("The window stays usable meanwhile.");
+        ui.add(egui::Spinner::new().size(12.0));
+    }
+}

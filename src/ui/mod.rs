@@ -6,11 +6,13 @@
 mod camera_panel;
 mod canvas;
 mod dialogs;
+mod empty;
 mod field_map;
 mod files;
 mod filmstrip;
 mod inspector;
 mod keys;
+mod layout;
 mod loupe;
 mod masks;
 mod menu;
@@ -20,11 +22,14 @@ mod pictures;
 mod rejecting;
 mod shell;
 mod status;
+mod symbol;
 mod theme;
 mod viewport;
 
+pub use layout::{read, show};
 pub use pictures::{PictureState, Pictures};
 pub use shell::{Shell, run};
+pub use theme::apply as apply_theme;
 
 use crate::app::{Action, App};
 

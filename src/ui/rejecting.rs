@@ -2,21 +2,9 @@
 
 use super::Panel;
 use crate::app::Action;
-use crate::app::session::Mode;
+use crate::app::session::{Mode, reason_label};
 use crate::project::RejectReason;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
-
-/// A reason as a person reads it.
-pub const fn label(reason: RejectReason) -> &'static str {
-    match reason {
-        RejectReason::CloseUp => "Close-up",
-        RejectReason::Replay => "Replay",
-        RejectReason::OtherCamera => "Other camera",
-        RejectReason::Graphic => "Graphic",
-        RejectReason::Blur => "Blur",
-        RejectReason::TooLittleField => "Too little field",
-    }
-}
 
 /// Reads the keys 1 to 6 while a reason is asked for; they reach nobody else then.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
@@ -48,7 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
                 ui.horizontal(|ui| {
                     ui.label(what);
                     for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
-                        if ui.button(format!("{}  {}", index + 1, label(reason))).clicked() {
+                        if ui.button(format!("{}  {}", index + 1, reason_label(reason))).clicked() {
                             panel.actions.push(Action::RejectAs(reason));
                         }
                     }

@@ -1,21 +1,13 @@
-//! The window as a whole: lays the panels out, hands actions to the app and effects to the outside.
+//! The window as a whole: hands actions to the app and effects to the outside.
 
 use super::files::Files;
-use super::{
-    Panel, Pictures, camera_panel, canvas, dialogs, filmstrip, inspector, keys, menu, naming, notices, rejecting,
-    status, theme, viewport,
-};
-use crate::app::session::{Level, Panel as RightPanel};
+use super::{Panel, Pictures, canvas, layout, theme};
+use crate::app::session::Level;
 use crate::app::{Action, App, Effect, Settings};
 use crate::jobs::{Request, Runner, Wake};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// The height of the menu row and of the status row, points.
-const ROW: f32 = 24.0;
-/// From this width on, points, there is room for larger side panels.
-const WIDE: f32 = 1800.0;
 
 /// The window's program.
 pub struct Shell {
@@ -69,10 +61,7 @@ impl Shell {
         let mut actions = Vec::new();
         let mut panel =
             Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
-        naming::read(&mut panel, ctx);
-        rejecting::read(&mut panel, ctx);
-        keys::read(&mut panel, ctx);
-        viewport::read(&mut panel, ctx);
+        layout::read(&mut panel, ctx);
         self.apply(actions);
     }
 
@@ -161,20 +150,9 @@ impl eframe::App for Shell {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.read_input(&ui.ctx().clone());
         let mut actions = Vec::new();
-        let wide = ui.available_width() >= WIDE;
-        let (filmstrip_height, side_width) = if wide { (110.0, 380.0) } else { (92.0, 300.0) };
         let mut panel =
             Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
-        egui::Panel::top("menu").exact_size(ROW).show(ui, |ui| menu::show(&mut panel, ui));
-        egui::Panel::bottom("status").exact_size(ROW).show(ui, |ui| status::show(&mut panel, ui));
-        egui::Panel::right("side").exact_size(side_width).show(ui, |ui| match panel.app.session.panel {
-            RightPanel::Frame => inspector::show(&mut panel, ui),
-            RightPanel::Camera => camera_panel::show(&mut panel, ui),
-        });
-        egui::Panel::bottom("filmstrip").exact_size(filmstrip_height).show(ui, |ui| filmstrip::show(&mut panel, ui));
-        egui::CentralPanel::no_frame().show(ui, |ui| viewport::show(&mut panel, ui));
-        notices::show(&mut panel, ui);
-        dialogs::show(&mut panel, ui);
+        layout::show(&mut panel, ui);
         self.pictures.finish();
         if !actions.is_empty() {
             // What a button asked for is shown by the next frame of the window.

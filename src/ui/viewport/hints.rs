@@ -4,7 +4,7 @@ use super::labels::{colour, plate};
 use super::placement::Placement;
 use super::scene::waits_for_name;
 use crate::app::overlay::{CLICK, UNNAMED};
-use crate::app::session::Mode;
+use crate::app::session::{Mode, reason_label};
 use crate::app::{Action, Command};
 use crate::project::FrameStatus;
 use crate::ui::{Panel, rejecting};
@@ -46,7 +46,7 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         return Some("The other solution".to_owned());
     }
     if frame.status == FrameStatus::Rejected {
-        let reason = frame.reason.map_or("", rejecting::label);
+        let reason = frame.reason.map_or("", reason_label);
         let key = keys.shown(Command::Reject);
         return Some(format!("Not calibratable: {reason}. {key} takes the mark away.").replace(": .", "."));
     }

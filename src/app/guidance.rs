@@ -1,0 +1,279 @@
+//! The next step in words: what the status row says.
+
+use super::session::{Mode, needs_me, reason_label};
+use super::{App, Command};
+use crate::project::{CalibrationError, CameraId, Frame, FrameStatus, SolutionSource, Target};
+use crate::solve::{SolveError, Verdict};
+
+/// So many wide frames, left, centre and right, tell where a camera stands.
+const WIDE_FRAMES: usize = 3;
+/// A wide frame has at least so many landmarks.
+const WIDE_LANDMARKS: usize = 4;
+
+/// The next step, and what brings one there.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Guidance {
+    /// One or two sentences.
+    pub text: String,
+    /// Buttons: what they say, and what they do.
+    pub offers: Vec<(&'static str, Command)>,
+}
+
+impl Guidance {
+    fn say(text: impl Into<String>) -> Self {
+        Self { text: text.into(), offers: Vec::new() }
+    }
+
+    fn offer(mut self, says: &'static str, command: Command) -> Self {
+        self.offers.push((says, command));
+        self
+    }
+}
+
+/// What the user does next.
+#[must_use]
+pub fn next_step(app: &App) -> Guidance {
+    if let Some(opening) = &app.session.opening {
+        return Guidance::say(opening.clone());
+    }
+    let Some(open) = app.open() else {
+        return Guidance::say("Open a video, a folder of frames or a project, or drop one here.");
+    };
+    let Some(frame) = app.frame() else {
+        return Guidance::say("This document has no frames. Open a folder of frames or a video.");
+    };
+    begun(app)
+        .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))
+        .or_else(|| settled(app, frame))
+        .or_else(|| unnamed(frame))
+        .or_else(|| no_base(&open.document.frames, &frame.camera, app))
+        .unwrap_or_else(|| clicks(app, frame))
+}
+
+/// What has been begun and waits for its end.
+fn begun(app: &App) -> Option<Guidance> {
+    Some(Guidance::say(match &app.session.mode {
+        Mode::Idle => return None,
+        Mode::Dragging { .. } => "Let go where it belongs. Esc puts it back.".to_owned(),
+        Mode::Naming(naming) if naming.offered().is_empty() => {
+            format!("Nothing is called “{}”. Backspace, or Esc.", naming.typed)
+        }
+        Mode::Naming(_) => "What is it? 1–5 takes one, letters filter, Enter takes the first.".to_owned(),
+        Mode::Placing(target) => format!("Click {} in the picture. Esc cancels.", app.label(target)),
+        Mode::Rejecting { whole_shot } => {
+            let what = if *whole_shot { "this shot" } else { "this frame" };
+            format!("Why is {what} not calibratable? 1–6 says why, Esc cancels.")
+        }
+        Mode::Editing => "Enter keeps the number, Esc takes it back.".to_owned(),
+    }))
+}
+
+/// A frame that somebody has decided on.
+fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
+    match frame.status {
+        FrameStatus::Rejected => {
+            let why =
+                frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase())).unwrap_or_default();
+            Some(Guidance::say(format!("Not calibratable{why}. X takes the mark away, N goes on.")))
+        }
+        FrameStatus::Reference => Some(Guidance::say(after_accepting(app))),
+        FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => None,
+    }
+}
+
+fn after_accepting(app: &App) -> String {
+    let Some(open) = app.open() else { return String::new() };
+    let references = open.count(FrameStatus::Reference);
+    let left = open.document.frames.iter().filter(|frame| needs_me(frame.status)).count();
+    let missing = WIDE_FRAMES.saturating_sub(references);
+    match (left, missing) {
+        (0, _) => "Nothing needs you.".to_owned(),
+        (_, 0) => format!("Reference. N goes to the next of {left} that need you; a click here changes it."),
+        (_, missing) => {
+            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
+        }
+    }
+}
+
+fn unnamed(frame: &Frame) -> Option<Guidance> {
+    let index = frame.clicks.iter().position(|click| click.target.is_none())?;
+    let text = format!("Point {} has no name: name it, or delete it with Del.", index + 1);
+    Some(Guidance::say(text).offer("Name point", Command::RenameClick))
+}
+
+fn no_base<F: std::ops::Deref<Target = Frame>>(frames: &[F], camera: &CameraId, app: &App) -> Option<Guidance> {
+    if app.current().base.is_some() {
+        return None;
+    }
+    let is_wide = |frame: &Frame| {
+        let landmarks = frame.clicks.iter().filter(|click| matches!(click.target, Some(Target::Landmark(_))));
+        frame.camera == *camera && landmarks.count() >= WIDE_LANDMARKS
+    };
+    let done = frames.iter().filter(|frame| is_wide(frame)).take(WIDE_FRAMES).count();
+    let text = format!(
+        "Two clicks need a known camera. On {WIDE_FRAMES} wide frames (left, centre, right) click {WIDE_LANDMARKS} or \
+         more landmarks. Done: {done} of {WIDE_FRAMES}."
+    );
+    Some(Guidance::say(text).offer("Load a camera", Command::LoadCamera).offer("Enter it", Command::CameraPanel))
+}
+
+/// How far the clicks have come.
+fn clicks(app: &App, frame: &Frame) -> Guidance {
+    let current = app.current();
+    if current.by_hand {
+        return Guidance::say("Numbers set by hand. Enter accepts them; a click lets the clicks decide again.");
+    }
+    match &current.solution {
+        Some(Ok(_)) => Guidance::say(match current.judgement.as_ref().map(|judgement| judgement.verdict) {
+            Some(Verdict::Wrong) => "Something contradicts: see the verdict before you accept.",
+            Some(Verdict::Check) => "Look at the lines, then Enter accepts. One more point far away helps.",
+            Some(Verdict::Good) | None => "Enter accepts and goes on. Drag a point to refine it.",
+        }),
+        Some(Err(CalibrationError::Solve(SolveError::TooFewObservations { equations })))
+            if proposed(frame).is_none() =>
+        {
+            Guidance::say(match equations {
+                0 => first_point().to_owned(),
+                1 => "One point on a line. Now a spot you see exactly, far from it.".to_owned(),
+                _ => format!("Now one far away: {} px or more.", far_px(frame)),
+            })
+        }
+        Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
+        _ => match proposed(frame) {
+            Some(_) => Guidance::say("Dashed = proposed. Enter takes it, a click corrects it, X rejects it."),
+            None => Guidance::say(first_point()),
+        },
+    }
+}
+
+const fn first_point() -> &'static str {
+    "Click a spot you see exactly. Best: where circle and halfway line meet."
+}
+
+/// What stands for "far away": 800 px, or as far as a small picture goes.
+fn far_px(frame: &Frame) -> u32 {
+    800.min(frame.image_size.width / 10 * 6)
+}
+
+/// Where the frame's camera came from, if nobody clicked or typed it.
+fn proposed(frame: &Frame) -> Option<SolutionSource> {
+    frame.ptz.as_ref()?;
+    frame
+        .solution
+        .as_ref()?
+        .source
+        .filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking | SolutionSource::Markings))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Opened, Settings};
+    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+    use crate::project::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution};
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn camera(ptz: Ptz) -> PtzCamera {
+        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
+        PtzCamera::new(CameraBase::new(Vec3::new(0.0, -60.0, 18.0), down.base_from_world(), SIZE.centre()), ptz)
+    }
+
+    fn opened(with_base: bool, frames: usize) -> App {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut main = Camera::new("main".into(), SIZE);
+        if with_base {
+            main.set_base(camera(Ptz::from_degrees(0.0, 0.0, 1.0)).base());
+        }
+        document.cameras.push(main.into());
+        for index in 0..frames {
+            document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
+        }
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened {
+            document,
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        })));
+        app
+    }
+
+    /// Clicks a landmark where a camera shows it.
+    fn click(app: &mut App, landmark: &str, pointed: &PtzCamera) {
+        let field = app.current().field().unwrap().clone();
+        let at = pointed.image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap();
+        app.update(Action::Pick(Target::Landmark(landmark.into())));
+        app.update(Action::Press { at, on: None });
+        app.update(Action::Release);
+    }
+
+    fn said(app: &App) -> String {
+        next_step(app).text
+    }
+
+    #[test]
+    fn a_frame_is_led_from_the_first_click_to_the_reference() {
+        let pointed = camera(Ptz::from_degrees(0.0, -10.0, 1000.0));
+        assert!(said(&App::default()).starts_with("Open a video"));
+        let mut app = opened(true, 5);
+        assert!(said(&app).starts_with("Click a spot you see exactly."));
+        click(&mut app, "centre_circle_halfway_near", &pointed);
+        assert_eq!(said(&app), "Now one far away: 768 px or more.");
+        click(&mut app, "penalty_area_far_left_front", &pointed);
+        assert!(app.current().solved().is_some(), "{:?}", app.current().solution);
+        assert!(said(&app).contains("Enter accepts"), "{}", said(&app));
+        app.update(Action::Command(Command::AcceptAndStay));
+        assert_eq!(said(&app), "Reference saved. 2 more, spread left to right, and proposals become useful.");
+        app.update(Action::Command(Command::Reject));
+        assert!(said(&app).starts_with("Why is this frame not calibratable?"));
+        app.update(Action::RejectAs(RejectReason::Blur));
+        app.update(Action::GoTo(0));
+        assert_eq!(said(&app), "Not calibratable: blur. X takes the mark away, N goes on.");
+    }
+
+    #[test]
+    fn a_camera_without_a_base_asks_for_one_and_counts() {
+        let pointed = camera(Ptz::from_degrees(0.0, -12.0, 1000.0));
+        let mut app = opened(false, 4);
+        let step = next_step(&app);
+        assert!(step.text.ends_with("Done: 0 of 3."), "{}", step.text);
+        assert_eq!(step.offers[0], ("Load a camera", Command::LoadCamera));
+        for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
+            click(&mut app, landmark, &pointed);
+        }
+        assert!(said(&app).ends_with("Done: 1 of 3."), "{}", said(&app));
+    }
+
+    #[test]
+    fn an_unnamed_point_comes_before_anything_else() {
+        let mut app = opened(true, 1);
+        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
+        assert!(said(&app).starts_with("Let go"));
+        app.update(Action::Release);
+        assert!(said(&app).starts_with("What is it?"), "{}", said(&app));
+        app.update(Action::TypeName("zzz".to_owned()));
+        assert!(said(&app).starts_with("Nothing is called “zzz”."));
+        app.session.mode = Mode::Idle;
+        assert!(said(&app).starts_with("Point 1 has no name"));
+    }
+
+    #[test]
+    fn a_proposal_says_what_the_dashes_mean() {
+        let mut app = opened(true, 1);
+        let mut document = app.open().unwrap().document.clone();
+        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -9.0, 1800.0), None));
+        document.frames[0].status = FrameStatus::Suggested;
+        document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        app.update(Action::Opened(Box::new(Opened {
+            document,
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        })));
+        assert!(said(&app).starts_with("Dashed = proposed."));
+    }
+}

@@ -1,0 +1,94 @@
+//! What stands where the picture will be while nothing is open.
+
+use super::{Panel, menu::document_name, theme};
+use crate::app::{Action, Command};
+use egui::{Align, Button, Id, Key, Layout, RichText, TextEdit, Ui, vec2};
+use std::path::PathBuf;
+
+/// How many recent documents are listed.
+const RECENT: usize = 5;
+/// The width of the column.
+const WIDTH: f32 = 460.0;
+
+/// Shows the invitation.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let area = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(area, 0.0, theme::BACKDROP);
+    let column = area.shrink2(vec2((area.width() - WIDTH).max(0.0) / 2.0, (area.height() / 5.0).max(24.0)));
+    ui.scope_builder(egui::UiBuilder::new().max_rect(column).layout(Layout::top_down(Align::Center)), |ui| {
+        ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
+        ui.label(RichText::new("touchline").size(26.0).color(theme::STRONG));
+        ui.label(
+            RichText::new("Drop a video, a folder of frames or a project. Or try the demo match (2 minutes).")
+                .color(theme::TEXT),
+        );
+        ui.add_space(theme::SPACE);
+        if let Some(opening) = &panel.app.session.opening {
+            ui.spinner();
+            ui.label(RichText::new(opening).color(theme::ACCENT));
+            return;
+        }
+        ui.allocate_ui_with_layout(vec2(WIDTH, 36.0), Layout::left_to_right(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 2.0 * theme::SPACE;
+            let width = (WIDTH - 6.0 * theme::SPACE) / 4.0;
+            for (says, command) in [
+                ("Video…", Command::OpenVideo),
+                ("Folder…", Command::OpenFolder),
+                ("Project…", Command::OpenProject),
+                ("Demo match", Command::OpenDemo),
+            ] {
+                let mut button = Button::new(says).min_size(vec2(width, 36.0));
+                if command == Command::OpenDemo {
+                    button = button.fill(theme::ACCENT_GROUND);
+                }
+                if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                    panel.actions.push(Action::Command(command));
+                }
+            }
+        });
+        path_field(panel, ui);
+        recent(panel, ui);
+    });
+}
+
+/// A path typed or pasted, where there are no file dialogs.
+fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let memory = Id::unique("typed path");
+    let mut typed: String = ui.data_mut(|data| data.get_temp(memory).unwrap_or_default());
+    ui.allocate_ui_with_layout(vec2(WIDTH, 28.0), Layout::left_to_right(Align::Center), |ui| {
+        let field = TextEdit::singleline(&mut typed)
+            .hint_text("or type a path: a project, a folder, a video")
+            .desired_width(WIDTH - 80.0);
+        let response = ui
+            .add(field)
+            .accessible_name("Path to open")
+            .on_hover_text("The path of a project, a folder of frames or a video; Enter opens it.");
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        let open = ui.add_enabled(!typed.trim().is_empty(), Button::new("Open").min_size(vec2(64.0, 24.0)));
+        let open = open.on_hover_text("Open this path. (Enter)").on_disabled_hover_text("Type a path first.");
+        if (entered || open.clicked()) && !typed.trim().is_empty() {
+            panel.actions.push(Action::Open(PathBuf::from(typed.trim())));
+        }
+    });
+    ui.data_mut(|data| data.insert_temp(memory, typed));
+}
+
+fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
+    if panel.app.settings.recent.is_empty() {
+        return;
+    }
+    ui.allocate_ui_with_layout(vec2(WIDTH, 0.0), Layout::top_down(Align::Min), |ui| {
+        ui.spacing_mut().item_spacing.y = theme::SPACE;
+        theme::title(ui, "RECENT");
+        for path in panel.app.settings.recent.iter().take(RECENT) {
+            let shown = path.parent().map(|folder| folder.display().to_string()).unwrap_or_default();
+            let row = Button::new(RichText::new(document_name(path)).color(theme::STRONG))
+                .right_text(RichText::new(shown).small().color(theme::WEAK))
+                .truncate()
+                .min_size(vec2(WIDTH, 26.0));
+            if ui.add(row).on_hover_text(path.display().to_string()).clicked() {
+                panel.actions.push(Action::Open(path.clone()));
+            }
+        }
+    });
+}

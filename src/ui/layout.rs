@@ -1,0 +1,52 @@
+//! Where every panel lies.
+
+use super::{
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, rejecting, status, theme,
+    viewport,
+};
+use crate::app::session::Panel as RightPanel;
+use egui::{Frame, Margin, Ui};
+
+/// The height of the menu row and of the status row, points.
+const ROW: f32 = 24.0;
+/// From this width on there is room for wider panels, points.
+const WIDE: f32 = 1800.0;
+
+/// Reads keys and pointer; what they ask for is carried out before anything is drawn.
+pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    naming::read(panel, ctx);
+    rejecting::read(panel, ctx);
+    keys::read(panel, ctx);
+    viewport::read(panel, ctx);
+}
+
+/// Shows every panel; what the user asks for is in the panel's actions afterwards.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let (filmstrip_height, side_width) = if ui.available_width() >= WIDE { (110.0, 380.0) } else { (92.0, 300.0) };
+    let row = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 0));
+    let side = Frame::new().fill(theme::PANEL);
+    egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
+    egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
+    egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
+        match panel.app.session.panel {
+            RightPanel::Frame => inspector::show(panel, ui),
+            RightPanel::Camera => camera_panel::show(panel, ui),
+        }
+    });
+    egui::Panel::bottom("filmstrip")
+        .exact_size(filmstrip_height)
+        .resizable(false)
+        .frame(side)
+        .show(ui, |ui| filmstrip::show(panel, ui));
+    let canvas = egui::CentralPanel::no_frame().show(ui, |ui| {
+        let rect = ui.max_rect();
+        if panel.app.open().is_some() {
+            viewport::show(panel, ui)
+        } else {
+            empty::show(panel, ui)
+        }
+        rect
+    });
+    notices::show(panel, ui, canvas.inner);
+    dialogs::show(panel, ui);
+}

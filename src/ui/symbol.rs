@@ -1,0 +1,107 @@
+//! Symbols drawn as plain shapes, so that no font has to have them; each button that shows one has a name.
+
+use super::theme;
+use egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+
+/// A symbol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symbol {
+    /// Away with it.
+    Cross,
+    /// A check click, held out.
+    Diamond,
+    /// A point on a line.
+    OnLine,
+    /// A point on a landmark.
+    Landmark,
+    /// The Enter key.
+    Return,
+    /// Something to look at.
+    Warning,
+    /// Good to know.
+    Info,
+    /// To unfold.
+    Folded,
+    /// To fold.
+    Unfolded,
+}
+
+/// Draws a symbol into the middle of a box.
+pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
+    let centre = within.center();
+    let at = |x: f32, y: f32| pos2(centre.x + x, centre.y + y);
+    let stroke = Stroke::new(1.5, colour);
+    match symbol {
+        Symbol::Cross => {
+            painter.line_segment([at(-3.5, -3.5), at(3.5, 3.5)], stroke);
+            painter.line_segment([at(-3.5, 3.5), at(3.5, -3.5)], stroke);
+        }
+        Symbol::Diamond => {
+            painter.add(Shape::closed_line(vec![at(0.0, -5.0), at(5.0, 0.0), at(0.0, 5.0), at(-5.0, 0.0)], stroke));
+        }
+        Symbol::OnLine => {
+            painter.line_segment([at(-6.0, 4.0), at(6.0, -4.0)], stroke);
+            painter.circle_filled(centre, 2.5, colour);
+        }
+        Symbol::Landmark => {
+            for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+                painter.line_segment([at(2.0 * x, 2.0 * y), at(6.0 * x, 6.0 * y)], stroke);
+            }
+        }
+        Symbol::Return => {
+            painter.line(vec![at(6.0, -5.0), at(6.0, 2.0), at(-5.0, 2.0)], stroke);
+            painter.line(vec![at(-1.5, -1.5), at(-5.0, 2.0), at(-1.5, 5.5)], stroke);
+        }
+        Symbol::Warning => {
+            painter.add(Shape::convex_polygon(vec![at(0.0, -6.0), at(6.5, 5.5), at(-6.5, 5.5)], colour, Stroke::NONE));
+            let dark = Stroke::new(1.5, theme::BACKDROP);
+            painter.line_segment([at(0.0, -2.0), at(0.0, 1.8)], dark);
+            painter.circle_filled(at(0.0, 3.8), 0.9, theme::BACKDROP);
+        }
+        Symbol::Info => {
+            painter.circle_stroke(centre, 6.0, stroke);
+            painter.line_segment([at(0.0, -0.5), at(0.0, 3.2)], stroke);
+            painter.circle_filled(at(0.0, -3.0), 1.0, colour);
+        }
+        Symbol::Folded => triangle(painter, [at(-2.5, -4.5), at(3.5, 0.0), at(-2.5, 4.5)], colour),
+        Symbol::Unfolded => triangle(painter, [at(-4.5, -2.5), at(4.5, -2.5), at(0.0, 3.5)], colour),
+    }
+}
+
+fn triangle(painter: &Painter, corners: [Pos2; 3], colour: Color32) {
+    painter.add(Shape::convex_polygon(corners.to_vec(), colour, Stroke::NONE));
+}
+
+/// Shows a symbol that does nothing.
+pub fn show(ui: &mut Ui, symbol: Symbol, colour: Color32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(16.0, 16.0), Sense::hover());
+    paint(ui.painter(), symbol, rect, colour);
+    response
+}
+
+/// A button that shows nothing but a symbol; `name` is what a screen reader says.
+pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
+    paint_button(ui, &response, rect, symbol, colour);
+    response
+}
+
+/// A button that shows nothing but a symbol and stays pressed.
+pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));
+    paint_button(ui, &response, rect, symbol, if on { colour } else { theme::LINE.gamma_multiply(1.4) });
+    response
+}
+
+fn paint_button(ui: &Ui, response: &Response, rect: Rect, symbol: Symbol, colour: Color32) {
+    if ui.is_rect_visible(rect) {
+        let painter = ui.painter();
+        let lit = response.hovered() || response.has_focus();
+        if lit {
+            painter.rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
+        }
+        paint(painter, symbol, rect, if lit { theme::STRONG } else { colour });
+    }
+}
