@@ -72,7 +72,7 @@ pub fn run() -> Next {
         Command::Check(args) => check::check(&args, messages),
         Command::Export(args) => export::export(&args, messages),
         Command::New(args) => new::new(&args, messages),
-        Command::Render(args) => render::render(&args),
+        Command::Render(args) => render::render(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
     };
     Next::Exit(exit_code(result, messages))

@@ -1,6 +1,8 @@
 //! `touchline render`: a frame's overlay as the app shows it, off-screen.
 
 use super::Outcome;
+use super::document::{DocumentArg, Loaded};
+use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use crate::app::OverlayStyle;
 use crate::app::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
@@ -9,7 +11,7 @@ use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
 use crate::media::{self, FrameReader, FrameRef};
-use crate::project::{self, Document, Frame, FrameStatus};
+use crate::project::{Document, Frame, FrameStatus};
 use crate::render::{Layer, Offscreen, Picture, PictureKey, View};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
@@ -27,14 +29,13 @@ const MAP_BRIGHTNESS: f32 = 0.8;
 /// Renders a frame with its overlay into a PNG, without a window.
 #[derive(clap::Args, Debug)]
 pub struct RenderArgs {
-    /// The project folder, its project.json, or a dataset file.
-    #[arg(value_name = "DOC")]
-    document: PathBuf,
+    #[command(flatten)]
+    document: DocumentArg,
     /// The frame: its image as the document writes it, its file name, or its place in the document, counted from 0.
     #[arg(long, value_name = "IMAGE_OR_INDEX")]
     frame: String,
     /// The PNG to write.
-    #[arg(short, value_name = "PNG")]
+    #[arg(short, long, value_name = "PNG")]
     output: PathBuf,
     /// Render the field from above, with the part that the frame shows.
     #[arg(long)]
@@ -48,15 +49,12 @@ pub struct RenderArgs {
 ///
 /// # Errors
 /// The document, the frame or its picture cannot be read, nothing can render, or the PNG cannot be written.
-pub fn render(args: &RenderArgs) -> anyhow::Result<Outcome> {
+pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> {
     if !args.output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
         bail!("-o {}: a PNG is written, so its name must end with .png", args.output.display());
     }
     refuse_existing(&args.output, args.force)?;
-    let (location, document, recovery) = project::read(&args.document)?;
-    if let Some(message) = recovery.message() {
-        eprintln!("touchline: {message}");
-    }
+    let Loaded { location, document } = args.document.load(messages)?;
     let frame = find_frame(&document, &args.frame)
         .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;
     let field = document.field_of(frame).model(location.folder())?;
@@ -84,9 +82,9 @@ pub fn render(args: &RenderArgs) -> anyhow::Result<Outcome> {
     let mut png = Cursor::new(Vec::new());
     drawn.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
     write_file(&args.output, png.get_ref(), args.force)?;
-    eprintln!("{}: {} with {}", args.output.display(), frame.name(), offscreen.adapter());
+    messages.note(&format!("{}: rendered with {}", args.output.display(), offscreen.adapter()));
     if camera.is_none() {
-        eprintln!("touchline: {} has no camera yet, so it has no overlay; run `touchline solve` first", frame.name());
+        messages.frame_failed(&frame.name(), "it has no camera yet, so no overlay; run `touchline solve` first");
         return Ok(Outcome::SomeFailed);
     }
     Ok(Outcome::Done)

@@ -17,6 +17,7 @@ mod media;
 mod overlay_pixels;
 mod overlay_projection;
 mod published_figures;
+mod render_command;
 mod seeded;
 mod shaders;
 mod two_point_truth;
