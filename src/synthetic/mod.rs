@@ -13,6 +13,7 @@
 mod boards;
 mod body;
 mod bowl;
+mod clicks;
 mod colour;
 mod coverage;
 mod crowd;
@@ -33,6 +34,7 @@ mod stadium;
 mod text;
 mod texture;
 
+pub use clicks::{ClickOptions, ClickTarget, DrawnClick, drawn_clicks};
 pub use options::{CameraMotion, Daylight, FrameOptions, Preset, ShootOptions, StadiumOptions, UnknownPreset};
 pub use path::{PathStep, camera_path};
 pub use play::Side;

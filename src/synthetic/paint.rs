@@ -24,7 +24,7 @@ pub(super) struct Paint {
 /// A stroke of the brush, seen from above.
 #[derive(Clone, Copy, Debug)]
 enum Stroke {
-    Straight { from: Vec3, along: Vec3, length_m: f64, half_width_m: f64 },
+    Straight { from: Vec3, along: Vec3, length_m: f64, half_width_m: f64, over_m: f64 },
     Round { centre: Vec3, radius_m: f64, middle: f64, half_sweep: f64, half_width_m: f64 },
     Spot { centre: Vec3 },
 }
@@ -76,16 +76,17 @@ impl Paint {
 impl Stroke {
     fn of(line: &FieldLine) -> Self {
         let half_width_m = 0.5 * line.width_m;
-        match line.curve {
+        match line.paint_centre {
             Curve::Segment { from, to } => {
                 let length_m = (to - from).norm();
-                let along = (to - from) / length_m;
-                let from = from + inner_side(along, from) * shift(line);
-                Self::Straight { from, along, length_m, half_width_m }
+                // Paint centred on its line is drawn half a width over the end, so that corners are full; where the
+                // nominal line is the paint's edge, the end is the corner already.
+                let over_m = if line.edge == PaintEdge::Centre { half_width_m } else { 0.0 };
+                Self::Straight { from, along: (to - from) / length_m, length_m, half_width_m, over_m }
             }
             Curve::Arc { centre, radius_m, start, sweep } => Self::Round {
                 centre,
-                radius_m: radius_m - shift(line),
+                radius_m,
                 middle: (start + sweep * 0.5).radians(),
                 half_sweep: 0.5 * sweep.radians().abs(),
                 half_width_m,
@@ -96,7 +97,7 @@ impl Stroke {
     /// From a place to the stroke's rim, m; negative on the paint.
     fn distance_m(&self, place: Vec3) -> f64 {
         match *self {
-            Self::Straight { from, along, length_m, half_width_m } => {
+            Self::Straight { from, along, length_m, half_width_m, .. } => {
                 let offset = place - from;
                 let nearest = along * offset.dot(&along).clamp(0.0, length_m);
                 (offset - nearest).xy().norm() - half_width_m
@@ -111,16 +112,15 @@ impl Stroke {
 
     fn share(&self, hit: &PlaneHit) -> f64 {
         match *self {
-            Self::Straight { from, along, length_m, half_width_m } => {
+            Self::Straight { from, along, length_m, half_width_m, over_m } => {
                 let offset = hit.point - from;
                 let across = Vec3::new(-along.y, along.x, 0.0);
                 let share = strip(offset.dot(&across), half_width_m, hit.reach(across));
                 if share == 0.0 {
                     return 0.0;
                 }
-                // The brush ends half a width beyond the nominal end, so that corners are full.
                 let half_length = 0.5 * length_m;
-                share * strip(offset.dot(&along) - half_length, half_length + half_width_m, hit.reach(along))
+                share * strip(offset.dot(&along) - half_length, half_length + over_m, hit.reach(along))
             }
             Self::Round { centre, radius_m, middle, half_sweep, half_width_m } => {
                 let offset = Vec3::new(hit.point.x - centre.x, hit.point.y - centre.y, 0.0);
@@ -149,20 +149,5 @@ impl Stroke {
                 strip(offset.y, SPOT_RADIUS_M, y) * strip(offset.x, half_chord.max(0.3 * SPOT_RADIUS_M), x)
             }
         }
-    }
-}
-
-/// The side of a straight line on which the area lies that it bounds: the field's middle.
-fn inner_side(along: Vec3, from: Vec3) -> Vec3 {
-    let across = Vec3::new(-along.y, along.x, 0.0);
-    if across.dot(&from) > 0.0 { -across } else { across }
-}
-
-/// How far inwards of its nominal line the middle of the paint lies, m.
-fn shift(line: &FieldLine) -> f64 {
-    match line.edge {
-        PaintEdge::Centre => 0.0,
-        PaintEdge::Outer => 0.5 * line.width_m,
-        PaintEdge::Inner => -0.5 * line.width_m,
     }
 }
