@@ -11,6 +11,7 @@ mod new;
 mod output;
 mod render;
 mod solve;
+mod synth;
 
 use clap::{Parser, Subcommand};
 use messages::Messages;
@@ -38,6 +39,7 @@ enum Command {
     New(new::NewArgs),
     Render(render::RenderArgs),
     Solve(solve::SolveArgs),
+    Synth(synth::SynthArgs),
 }
 
 /// How a command ended, when it did not fail.
@@ -74,6 +76,7 @@ pub fn run() -> Next {
         Command::New(args) => new::new(&args, messages),
         Command::Render(args) => render::render(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
+        Command::Synth(args) => synth::synth(&args, messages),
     };
     Next::Exit(exit_code(result, messages))
 }

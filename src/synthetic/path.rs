@@ -58,7 +58,7 @@ impl Operator {
         let sum: Vec3 = (0..taps).map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap))).sum();
         let mean = sum / f64::from(taps);
         // The operator keeps some field on the near side and does not follow the ball to the last metre.
-        Vec3::new(mean.x * 0.88, mean.y * 0.72 + 3.0, 0.0)
+        Vec3::new(mean.x * 0.86, mean.y * 0.7 + 1.0, 0.0)
     }
 
     fn ptz(&self, time_s: f64) -> Ptz {
@@ -71,7 +71,7 @@ impl Operator {
         // The play sits below the middle, so that the far side is in the picture.
         let distance = (target - self.base.position_m).norm();
         focal_px *= (distance / 75.0).clamp(0.85, 1.25).sqrt();
-        let drop = Angle::from_radians((0.16 * self.half_height_px / focal_px).atan());
+        let drop = Angle::from_radians((0.05 * self.half_height_px / focal_px).atan());
         let hand = |seed: u32| Angle::from_degrees(0.05 * smooth_walk(self.seed ^ seed, time_s / 0.9));
         Ptz { pan: aim.pan + hand(7), tilt: aim.tilt + drop + hand(8), focal_px: focal_px.clamp(short, long) }
     }

@@ -65,8 +65,9 @@ impl Play {
 
     /// Where the ball is, `world`, m: it rolls, and now and then it flies.
     pub fn ball(&self, time_s: f64) -> Vec3 {
-        let x = 0.75 * smooth_walk(self.seed, time_s / 7.3) + 0.3 * smooth_walk(self.seed ^ 1, time_s / 2.9);
-        let y = 0.7 * smooth_walk(self.seed ^ 2, time_s / 6.1) + 0.25 * smooth_walk(self.seed ^ 3, time_s / 2.3);
+        // Play swings from end to end: the wide walk is stretched until it spends as long near the goals as between.
+        let x = (1.7 * smooth_walk(self.seed, time_s / 11.0)).tanh() + 0.15 * smooth_walk(self.seed ^ 1, time_s / 3.1);
+        let y = 0.7 * smooth_walk(self.seed ^ 2, time_s / 6.1) + 0.25 * smooth_walk(self.seed ^ 3, time_s / 2.9);
         let height = (smooth_walk(self.seed ^ 4, time_s / 1.7) - 0.55).max(0.0) * 5.0;
         Vec3::new(x.clamp(-0.97, 0.97) * self.half_length, y.clamp(-0.95, 0.95) * self.half_width, 0.11 + height)
     }

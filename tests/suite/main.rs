@@ -20,4 +20,5 @@ mod published_figures;
 mod render_command;
 mod seeded;
 mod shaders;
+mod synthetic;
 mod two_point_truth;
