@@ -1,24 +1,24 @@
 //! `touchline synth`: a drawn match with exact truth, as a project.
 
 use super::Outcome;
-use super::output::write_file;
+use super::messages::Messages;
+use super::output::{refuse_existing, write_file};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::field::{FieldModel, builtin};
 use crate::geometry::{ImageSize, PixelBox};
+use crate::media::sha256_of_file;
 use crate::project::{
-    Camera, CameraId, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, PROJECT_FILE, Target, calibrate,
-    document_to_string,
+    Camera, CameraId, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Location, Target, calibrate,
+    document_to_string, write_document,
 };
 use crate::synthetic::{
     ClickOptions, ClickTarget, Mover, PathStep, Preset, RenderedFrame, ShootOptions, Side, Stadium, StadiumOptions,
     camera_path, drawn_clicks, score_bug_box, stadium,
 };
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, ensure};
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, ImageFormat};
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use sha2::{Digest as _, Sha256};
 use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
@@ -126,9 +126,14 @@ impl Order {
 ///
 /// # Errors
 /// The folder holds something already and `--force` was not given, or a file cannot be written.
-pub fn synth(args: &SynthArgs) -> anyhow::Result<Outcome> {
+pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Scene::Stadium = args.scene;
-    refuse_full_folder(&args.output, args.force)?;
+    refuse_existing(&args.output, args.force)?;
+    ensure!(
+        args.output.is_dir() || !args.output.exists(),
+        "{} is a file; give a folder for the match",
+        args.output.display()
+    );
     let order = Order::of(args);
     let spec = FieldSpec::new("soccer");
     let field = builtin(&spec.template)?.default_model()?;
@@ -142,19 +147,19 @@ pub fn synth(args: &SynthArgs) -> anyhow::Result<Outcome> {
     let path = camera_path(&scene, &base, order.image_size, &order.shoot, order.frames);
     // How many references are due; the first frame is one.
     let mut owed = 1.0 - order.references;
-    let progress = progress_bar(path.len() as u64);
+    let progress = messages.progress(path.len(), "Drawing frames");
     for (index, step) in path.iter().enumerate() {
         let options = order.shoot.frame(index, step, order.image_size, order.seed);
         let camera = PtzCamera::new(base, step.ptz);
         let drawn = scene.render(&camera, order.image_size, &options);
         let image = format!("images/{:04}.jpg", index + 1);
-        let jpeg = jpeg(&drawn, order.shoot.jpeg_quality)?;
-        write_file(&args.output.join(&image), &jpeg, args.force)?;
+        let file = args.output.join(&image);
+        write_file(&file, &jpeg(&drawn, order.shoot.jpeg_quality)?, args.force)?;
         if order.masks {
             write_mask(&args.output, index, &drawn, args.force)?;
         }
         let mut frame = Frame::from_image(&image, CameraId::from("main"), order.image_size);
-        frame.sha256 = Some(hexadecimal(&Sha256::digest(&jpeg)));
+        frame.sha256 = Some(sha256_of_file(&file)?);
         truth.frames.push(true_frame(&frame, &camera, step, &drawn).into());
         owed += order.references;
         if owed >= 1.0 && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
@@ -164,23 +169,11 @@ pub fn synth(args: &SynthArgs) -> anyhow::Result<Outcome> {
         progress.inc(1);
     }
     progress.finish_and_clear();
-    for (file, document) in [(PROJECT_FILE, &project), (TRUTH_FILE, &truth)] {
-        write_file(&args.output.join(file), document_to_string(document)?.as_bytes(), args.force)?;
-    }
-    eprintln!("{} frames in {}, the truth in {TRUTH_FILE}", order.frames, args.output.display());
+    write_file(&args.output.join(TRUTH_FILE), document_to_string(&truth)?.as_bytes(), args.force)?;
+    let location = Location::for_new_document(&args.output.join(""))?;
+    write_document(&location, &project, args.force)?;
+    messages.note(&format!("{}: {} frames, the truth in {TRUTH_FILE}", location.file().display(), order.frames));
     Ok(Outcome::Done)
-}
-
-/// Refuses a folder with anything in it, and a file where the folder should be.
-fn refuse_full_folder(folder: &Path, force: bool) -> anyhow::Result<()> {
-    if folder.exists() && !folder.is_dir() {
-        bail!("-o {}: a file is there; give a folder", folder.display());
-    }
-    let full = folder.is_dir() && fs::read_dir(folder)?.next().is_some();
-    if full && !force {
-        bail!("-o {}: the folder is not empty; give --force to replace its files, or another -o", folder.display());
-    }
-    Ok(())
 }
 
 fn main_camera(base: &CameraBase, image_size: ImageSize) -> Camera {
@@ -262,19 +255,6 @@ fn write_mask(folder: &Path, index: usize, drawn: &RenderedFrame, force: bool) -
     let masks = folder.join("masks");
     fs::create_dir_all(&masks).with_context(|| format!("cannot make {}", masks.display()))?;
     write_file(&masks.join(format!("{:04}.png", index + 1)), bytes.get_ref(), force)
-}
-
-/// A bar on standard error, if that is a terminal.
-fn progress_bar(frames: u64) -> ProgressBar {
-    let bar = ProgressBar::new(frames);
-    if let Ok(style) = ProgressStyle::with_template("drawing {bar:40} {pos}/{len} {eta}") {
-        bar.set_style(style);
-    }
-    bar
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 fn image_size(text: &str) -> Result<ImageSize, String> {
