@@ -1,0 +1,110 @@
+//! One frame of the filmstrip.
+
+use super::strip::SHOT_GAP;
+use crate::app::session::{reason_label, status_label};
+use crate::app::{Action, OpenProject};
+use crate::project::{Clip, Frame};
+use crate::ui::menu::file_name;
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
+    vec2,
+};
+
+/// The height of the line below a thumbnail, points.
+const CAPTION: f32 = 14.0;
+/// The height of the status bar, points.
+const BAR: f32 = 4.0;
+
+/// A thin line before a shot, with its name.
+pub fn separator(ui: &Ui, first: Rect, clip: Option<&Clip>) {
+    let x = first.left() - SHOT_GAP + 4.0;
+    let painter = ui.painter();
+    painter.vline(x, first.y_range(), Stroke::new(1.0, theme::LINE));
+    let name = clip.map_or_else(|| "–".to_owned(), ToString::to_string);
+    let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), theme::WEAK);
+    let at = pos2(x + 2.0, first.bottom() - CAPTION - BAR - 4.0);
+    // Upwards along the line, so that a long name takes no room.
+    painter.add(egui::epaint::TextShape::new(at, galley, theme::WEAK).with_angle(-std::f32::consts::FRAC_PI_2));
+}
+
+/// A frame: thumbnail, status, number; a click goes there.
+pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
+    let app = panel.app;
+    let Some((open, frame)) = app.open().and_then(|open| Some((open, open.frame(index)?))) else { return };
+    let response = ui.interact(place, Id::unique(("filmstrip frame", index)), Sense::click());
+    let current = index == app.session.frame;
+    response.widget_info(|| {
+        let label = format!("Frame {}, {}, {}", index + 1, file_name(&frame.name()), status_label(frame.status));
+        WidgetInfo::selected(Role::Button, true, current, label)
+    });
+    paint(panel, ui, open, index, frame, place, response.hovered());
+    if response.clicked() {
+        panel.actions.push(Action::GoTo(index));
+    }
+    tooltip(response, index, frame);
+}
+
+fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame: &Frame, place: Rect, hovered: bool) {
+    let painter = ui.painter();
+    let look = theme::status_look(frame.status);
+    let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));
+    painter.rect_filled(picture, CornerRadius::same(3), theme::RAISED);
+    if let Some(texture) = panel.pictures.thumbnail(open, index) {
+        let shape = fitted(texture.size_vec2(), picture);
+        let rejected = frame.status == crate::project::FrameStatus::Rejected;
+        let tint = if rejected { Color32::from_gray(90) } else { Color32::WHITE };
+        painter.image(texture.id(), shape, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), tint);
+    } else if panel.pictures.has_no_thumbnail(open, index) {
+        painter.text(picture.center(), Align2::CENTER_CENTER, "no picture", FontId::proportional(11.0), theme::WEAK);
+    }
+    let bar = Rect::from_min_size(pos2(place.left(), picture.bottom() + 2.0), vec2(place.width(), BAR));
+    theme::paint_status_bar(painter, bar, frame.status);
+    let line = place.bottom() - CAPTION / 2.0;
+    let small = FontId::proportional(11.0);
+    let current = index == panel.app.session.frame;
+    let number = if current { theme::STRONG } else { theme::WEAK };
+    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), number);
+    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, look.letter, small, look.colour);
+    if frame.solution.as_ref().is_some_and(|solution| !solution.warnings.is_empty()) {
+        let corner = Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
+        symbol::paint(painter, Symbol::Warning, corner, theme::CAUTION);
+    }
+    if frame.comment.is_some() {
+        let note = Rect::from_min_size(picture.left_top() + vec2(4.0, 4.0), vec2(10.0, 8.0));
+        painter.rect_filled(note, CornerRadius::same(1), theme::STRONG);
+        for line in [2.5, 5.5] {
+            painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
+        }
+    }
+    let frame_line = match (current, hovered) {
+        (true, _) => Stroke::new(2.0, theme::ACCENT),
+        (false, true) => Stroke::new(1.0, theme::WEAK),
+        (false, false) => return,
+    };
+    painter.rect_stroke(picture.expand(1.0), CornerRadius::same(4), frame_line, StrokeKind::Outside);
+}
+
+/// A picture's place within a box, in its own shape.
+fn fitted(size: egui::Vec2, within: Rect) -> Rect {
+    let scale = (within.width() / size.x.max(1.0)).min(within.height() / size.y.max(1.0));
+    Rect::from_center_size(within.center(), size * scale)
+}
+
+fn tooltip(response: Response, index: usize, frame: &Frame) {
+    response.on_hover_ui(|ui| {
+        ui.label(egui::RichText::new(file_name(&frame.name())).color(theme::STRONG));
+        let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
+        ui.label(format!("Frame {} · {}{}", index + 1, status_label(frame.status), reason.unwrap_or_default()));
+        if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
+            ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));
+        }
+        for warning in frame.solution.iter().flat_map(|solution| &solution.warnings) {
+            ui.label(egui::RichText::new(&warning.message).color(theme::CAUTION));
+        }
+        if let Some(comment) = &frame.comment {
+            ui.label(egui::RichText::new(format!("“{comment}”")).italics());
+        }
+    });
+}

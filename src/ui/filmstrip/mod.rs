@@ -1,0 +1,112 @@
+//! The frames in a row, by shot: thumbnail, status, what is wrong. Only what is in view is laid out.
+
+mod item;
+mod strip;
+
+use super::{Panel, theme};
+use crate::app::Action;
+use crate::app::session::Filter;
+use crate::project::FrameStatus;
+use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
+use strip::Strip;
+
+/// The width of the column with the filter, points.
+const COLUMN: f32 = 116.0;
+/// A thumbnail's shape.
+const ASPECT: f32 = 16.0 / 9.0;
+
+/// Shows the filmstrip.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let area = ui.max_rect();
+    let column = Rect::from_min_size(area.min, vec2(COLUMN, area.height())).shrink2(vec2(8.0, 6.0));
+    ui.scope_builder(UiBuilder::new().max_rect(column).layout(Layout::top_down(egui::Align::Min)), |ui| {
+        filter(panel, ui);
+    });
+    let frames = Rect::from_min_max(pos2(area.left() + COLUMN, area.top()), area.max);
+    ui.scope_builder(UiBuilder::new().max_rect(frames), |ui| strip_of_frames(panel, ui));
+}
+
+/// Which frames are shown, with how many there are of each.
+fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let mut counts = [0usize; Filter::ALL.len()];
+    let frames = panel.app.open().map_or(&[][..], |open| &open.document.frames);
+    for frame in frames {
+        for (count, filter) in counts.iter_mut().zip(Filter::ALL) {
+            *count += usize::from(filter.shows(frame.status));
+        }
+    }
+    let chosen = panel.app.session.filter;
+    ui.add_enabled_ui(!frames.is_empty(), |ui| {
+        let shown = ComboBox::from_id_salt("filter")
+            .width(ui.available_width())
+            .selected_text(RichText::new(chosen.label()).color(theme::STRONG))
+            .show_ui(ui, |ui| {
+                for (filter, count) in Filter::ALL.into_iter().zip(counts) {
+                    let row = egui::Button::selectable(filter == chosen, filter.label())
+                        .right_text(RichText::new(count.to_string()).color(theme::WEAK));
+                    if ui.add(row).clicked() {
+                        panel.actions.push(Action::SetFilter(filter));
+                        ui.close();
+                    }
+                }
+            });
+        shown
+            .response
+            .accessible_name("Frames shown")
+            .on_hover_text("Which frames the filmstrip shows.")
+            .on_disabled_hover_text("Nothing is open.");
+    });
+    if frames.is_empty() {
+        return;
+    }
+    let count = |filter| Filter::ALL.iter().position(|known| *known == filter).map_or(0, |index| counts[index]);
+    let references = count(Filter::Status(FrameStatus::Reference));
+    let needed = count(Filter::NeedsMe);
+    ui.label(RichText::new(format!("{references} reference{}", if references == 1 { "" } else { "s" })).small())
+        .on_hover_text("Frames that you have accepted.");
+    let told = if needed == 0 { "nothing needs you".to_owned() } else { format!("{needed} need you") };
+    ui.label(RichText::new(told).small().color(theme::WEAK))
+        .on_hover_text("Frames that are neither accepted nor marked as not calibratable.");
+}
+
+fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    let Some(open) = app.open() else { return };
+    let height = ui.available_height();
+    let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
+    let strip = Strip::new(open, app.session.filter, item.x);
+    if strip.frames.is_empty() {
+        ui.centered_and_justified(|ui| {
+            let none = format!("No frame is “{}”.", app.session.filter.label());
+            ui.label(RichText::new(none).color(theme::WEAK));
+        });
+        return;
+    }
+    let moved = has_moved(ui, (app.session.frame, app.session.filter, strip.frames.len()));
+    ScrollArea::horizontal().auto_shrink(false).show_viewport(ui, |ui, viewport| {
+        let origin = ui.max_rect().min;
+        let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());
+        ui.set_clip_rect(ui.clip_rect().intersect(whole));
+        let place = |at: usize| Rect::from_min_size(origin + vec2(strip.left(at), 4.0), item);
+        if moved && let Some(current) = strip.place_of(app.session.frame) {
+            let margin = vec2(1.5 * item.x, 0.0);
+            ui.scroll_to_rect_animation(place(current).expand2(margin), None, egui::style::ScrollAnimation::none());
+        }
+        for at in strip.within(viewport.left(), viewport.right()) {
+            if let Some(shot) = strip.shot_beginning_at(at) {
+                item::separator(ui, place(at), shot);
+            }
+            item::show(panel, ui, strip.frames[at], place(at));
+        }
+    });
+}
+
+/// Whether what has to be in view changed since the last time.
+fn has_moved(ui: &Ui, now: (usize, Filter, usize)) -> bool {
+    let memory = Id::unique("filmstrip shows");
+    ui.data_mut(|data| {
+        let before = data.get_temp::<(usize, Filter, usize)>(memory);
+        data.insert_temp(memory, now);
+        before != Some(now)
+    })
+}
