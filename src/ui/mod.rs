@@ -18,6 +18,7 @@ mod masks;
 mod menu;
 mod naming;
 mod notices;
+mod number;
 mod pictures;
 mod rejecting;
 mod shell;

@@ -46,20 +46,29 @@ impl App {
         }
     }
 
-    pub(super) fn accept(&mut self, stay: bool) {
-        let Some(frame) = self.frame() else { return };
-        if let Some(unnamed) = frame.clicks.iter().position(|click| click.target.is_none()) {
-            let text = format!("Point {} has no name yet: name it (C) or delete it (Del), then accept.", unnamed + 1);
-            self.session.notify(Level::Warning, text);
-            self.session.selected = Some(unnamed);
-            return;
+    /// Why the shown frame cannot be accepted, and what to do about it; none if it can.
+    #[must_use]
+    pub fn unacceptable(&self) -> Option<String> {
+        let frame = self.frame()?;
+        if let Some(unnamed) = unnamed(frame) {
+            return Some(format!(
+                "Point {} has no name yet: name it (C) or delete it (Del), then accept.",
+                unnamed + 1
+            ));
         }
-        if frame.ptz.is_none() {
-            let text = match &self.current.solution {
-                Some(Err(error)) => format!("Nothing to accept: {error}."),
-                _ => "Nothing to accept yet: click two points first, or mark the frame with X.".to_owned(),
-            };
-            self.session.notify(Level::Warning, text);
+        if frame.ptz.is_some() {
+            return None;
+        }
+        Some(match &self.current.solution {
+            Some(Err(error)) => format!("Nothing to accept: {error}."),
+            _ => "Nothing to accept yet: click two points first, or mark the frame with X.".to_owned(),
+        })
+    }
+
+    pub(super) fn accept(&mut self, stay: bool) {
+        if let Some(reason) = self.unacceptable() {
+            self.session.notify(Level::Warning, reason);
+            self.session.selected = self.frame().and_then(unnamed).or(self.session.selected);
             return;
         }
         if self.begin("Accept") {
@@ -171,4 +180,9 @@ impl App {
         }
         self.commit();
     }
+}
+
+/// The first click of a frame that has no name.
+fn unnamed(frame: &Frame) -> Option<usize> {
+    frame.clicks.iter().position(|click| click.target.is_none())
 }

@@ -1,6 +1,0 @@
-//! inspector
-
-use super::Panel;
-
-/// Shows it.
-pub fn show(_panel: &mut Panel<'_>, _ui: &mut egui::Ui) {}

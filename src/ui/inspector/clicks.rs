@@ -1,0 +1,189 @@
+//! The points of the frame, a row each.
+
+use crate::app::overlay::{CHECK, CLICK, DISPUTED, UNNAMED};
+use crate::app::{Action, App, Command, drawing};
+use crate::project::{Click, Target};
+use crate::solve::FrameSolution;
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{
+    Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
+    WidgetInfo, pos2, vec2,
+};
+
+/// The column of the residuals, points.
+const RESIDUAL: f32 = 70.0;
+
+/// Shows the points; more than fit into `room` scroll.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
+    ui.horizontal(|ui| {
+        let count = panel.app.frame().map_or(0, |frame| frame.clicks.len());
+        let heading = if count == 0 { "POINTS".to_owned() } else { format!("POINTS  {count}") };
+        theme::title(ui, &heading);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| on_line_switch(panel, ui));
+    });
+    let height = room.max(4.0 * theme::LIST_ROW);
+    ScrollArea::vertical().id_salt("points").max_height(height).min_scrolled_height(height).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        ui.set_min_height(4.0 * theme::LIST_ROW);
+        let clicks = panel.app.frame().map(|frame| frame.clicks.clone()).unwrap_or_default();
+        if clicks.is_empty() {
+            ui.add_space(theme::SPACE);
+            ui.label(RichText::new("Two points that you can name are enough.").color(theme::WEAK));
+        }
+        for (index, click) in clicks.iter().enumerate() {
+            row(panel, ui, index, click);
+        }
+    });
+}
+
+fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let command = Command::PlaceOnLine;
+    let on = panel.app.session.next_on_line;
+    let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, theme::ACCENT);
+    if response.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+        panel.actions.push(Action::Command(command));
+    }
+}
+
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
+    let app = panel.app;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    let selected = app.session.selected == Some(index);
+    let name = name(app, click);
+    let residual = residual(app, index, click);
+    response.widget_info(|| {
+        let label = format!("Point {}: {name}, {}", index + 1, residual.text);
+        WidgetInfo::selected(Role::Button, true, selected, label)
+    });
+    let ground = match (selected, response.hovered()) {
+        (true, _) => Some(theme::ACCENT_GROUND),
+        (false, true) => Some(theme::RAISED),
+        (false, false) => None,
+    };
+    if let Some(ground) = ground {
+        ui.painter().rect_filled(rect, CornerRadius::same(4), ground);
+    }
+    let colour = colour(app, index, click);
+    let painter = ui.painter().clone();
+    let middle = rect.center().y;
+    let small = FontId::proportional(12.0);
+    painter.text(pos2(rect.left() + 14.0, middle), Align2::RIGHT_CENTER, index + 1, small.clone(), theme::WEAK);
+    let kind = if matches!(click.target, Some(Target::Line(_))) { Symbol::OnLine } else { Symbol::Landmark };
+    symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
+
+    let buttons = 2.0 * theme::SYMBOL.x;
+    let text_right = rect.right() - buttons - RESIDUAL - 4.0;
+    let text = Rect::from_x_y_ranges(rect.left() + 38.0..=text_right, rect.y_range());
+    let strength = if click.target.is_none() { colour } else { theme::TEXT };
+    let galley = painter.layout(name.clone(), FontId::proportional(13.0), strength, f32::INFINITY);
+    let place = pos2(text.left(), middle - galley.size().y / 2.0);
+    painter.with_clip_rect(text.intersect(ui.clip_rect())).galley(place, galley, strength);
+    let right = pos2(rect.right() - buttons - 4.0, middle);
+    painter.text(right, Align2::RIGHT_CENTER, &residual.text, small, residual.colour);
+
+    let response = response.on_hover_ui(|ui| tooltip(ui, app, index, click, &name));
+    if response.double_clicked() {
+        panel.actions.extend([Action::Select(Some(index)), Action::Command(Command::RenameClick)]);
+    } else if response.clicked() {
+        panel.actions.push(Action::Select(Some(index)));
+    }
+    let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
+    let layout = Layout::right_to_left(Align::Center);
+    ui.scope_builder(UiBuilder::new().max_rect(tail).layout(layout), |ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        tail_buttons(panel, ui, index, click);
+    });
+}
+
+fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
+    let keys = &panel.app.settings.keys;
+    let delete = symbol::button(ui, Symbol::Cross, &format!("Delete point {}", index + 1), theme::WEAK);
+    let key = keys.shown(Command::DeleteClick);
+    if delete.on_hover_text(format!("Delete this point. ({key} deletes the selected one)")).clicked() {
+        panel.actions.push(Action::DeleteClick(index));
+    }
+    let name = format!("Check point {}", index + 1);
+    let check = symbol::toggle(ui, Symbol::Diamond, &name, click.check, shown(CHECK));
+    if check.on_hover_text(keys.tooltip(Command::ToggleCheck)).clicked() {
+        panel.actions.push(Action::SetCheck { click: index, check: !click.check });
+    }
+}
+
+fn name(app: &App, click: &Click) -> String {
+    click.target.as_ref().map_or_else(|| "no name yet".to_owned(), |target| app.label(target))
+}
+
+/// The colour that the point has on the picture.
+fn colour(app: &App, index: usize, click: &Click) -> Color32 {
+    let disputed = app.current().solved().is_some_and(|solved| is_disputed(solved, index));
+    shown(if disputed {
+        DISPUTED
+    } else if click.target.is_none() {
+        UNNAMED
+    } else if click.check {
+        CHECK
+    } else {
+        CLICK
+    })
+}
+
+fn is_disputed(solved: &FrameSolution, index: usize) -> bool {
+    use crate::solve::WarningCode as W;
+    solved.warnings.iter().any(|warning| {
+        matches!(warning.code, W::Contradiction | W::CheckFailed | W::WrongLine | W::Swapped)
+            && warning.clicks.len() < solved.residuals.len().max(2)
+            && warning.clicks.contains(&index)
+    })
+}
+
+const fn shown(colour: drawing::Colour) -> Color32 {
+    Color32::from_rgb(colour.r, colour.g, colour.b)
+}
+
+/// How far a point is from where the solution has it, in words.
+struct Residual {
+    text: String,
+    colour: Color32,
+}
+
+fn residual(app: &App, index: usize, click: &Click) -> Residual {
+    let quiet = |text: &str| Residual { text: text.to_owned(), colour: theme::WEAK };
+    if click.target.is_none() {
+        return quiet("");
+    }
+    let Some(solved) = app.current().solved() else { return quiet("–") };
+    let loud = |px: f64, limit_px: f64| Residual {
+        text: format!("{px:.1} px"),
+        colour: if px > limit_px { theme::CAUTION } else { theme::TEXT },
+    };
+    if click.check {
+        let Some(check) = solved.checks.iter().find(|check| check.click == index) else { return quiet("–") };
+        return match (check.error_px, check.z_score) {
+            (Some(px), Some(z)) => Residual { text: format!("{px:.1} px"), ..loud(px, if z > 3.0 { 0.0 } else { px }) },
+            (Some(px), None) => loud(px, px),
+            (None, _) => quiet("out of sight"),
+        };
+    }
+    let Some(residual) = solved.residuals.iter().find(|residual| residual.click == index) else { return quiet("–") };
+    match residual.distance_px() {
+        None => quiet("out of sight"),
+        Some(_) if !solved.residuals_are_evidence() => quiet("no evidence"),
+        Some(px) => loud(px, 3.0 * residual.sigma_px),
+    }
+}
+
+fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
+    ui.label(RichText::new(format!("{}  {name}", index + 1)).color(theme::STRONG));
+    ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
+    if click.check {
+        ui.label("Check point: held out of the solve, its error is shown.");
+    } else if app.current().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {
+        ui.label("Two points leave nothing to compare: a small residual would prove nothing.");
+    }
+    let keys = &app.settings.keys;
+    ui.label(
+        RichText::new(format!("Double-click or {} gives it another name.", keys.shown(Command::RenameClick)))
+            .color(theme::WEAK),
+    );
+}

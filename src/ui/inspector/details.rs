@@ -1,0 +1,171 @@
+//! What is folded by default: uncertainties, residuals, the second root, the camera, every warning.
+
+use crate::app::{Action, App, Command};
+use crate::project::Solution;
+use crate::solve::FrameSolution;
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+
+/// Shows the details, or the line that unfolds them.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let open = panel.app.settings.details;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, open, "Details"));
+    let colour = if response.hovered() { theme::STRONG } else { theme::WEAK };
+    let sign = egui::Rect::from_center_size(pos2(rect.left() + 6.0, rect.center().y), vec2(12.0, 12.0));
+    symbol::paint(ui.painter(), if open { Symbol::Unfolded } else { Symbol::Folded }, sign, colour);
+    ui.painter().text(
+        pos2(rect.left() + 18.0, rect.center().y),
+        egui::Align2::LEFT_CENTER,
+        "Details",
+        egui::FontId::proportional(13.0),
+        colour,
+    );
+    if response.on_hover_text("Uncertainties, residuals, the camera, every warning.").clicked() {
+        panel.actions.push(Action::SetDetails(!open));
+    }
+    if !open {
+        return;
+    }
+    let app = panel.app;
+    if let Some(solved) = app.current().solved() {
+        uncertainty(ui, solved);
+        evidence(ui, solved);
+        residuals(ui, solved);
+        other_root(panel, ui, solved);
+        warnings(ui, solved.warnings.iter().map(|warning| warning.message.as_str()));
+    } else if let Some(solution) = app.frame().and_then(|frame| frame.solution.as_ref()) {
+        recorded(ui, solution);
+    }
+    camera(app, ui);
+}
+
+fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
+    ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
+    ui.label(RichText::new(value.into()).color(theme::TEXT)).on_hover_text(tip);
+    ui.end_row();
+}
+
+fn grid(ui: &mut Ui, name: &str, rows: impl FnOnce(&mut Ui)) {
+    Grid::new(name).num_columns(2).min_col_width(92.0).spacing([8.0, 2.0]).show(ui, rows);
+}
+
+fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
+    theme::title(ui, "1-σ");
+    grid(ui, "uncertainty", |ui| {
+        pair(ui, "Pan", format!("±{:.3}°", solved.sigma_pan().degrees()), "1-σ of the pan.");
+        pair(ui, "Tilt", format!("±{:.3}°", solved.sigma_tilt().degrees()), "1-σ of the tilt.");
+        let share = 100.0 * solved.sigma_focal_px() / solved.ptz.focal_px;
+        let focal = format!("±{:.1} px  ({share:.2} %)", solved.sigma_focal_px());
+        pair(ui, "Focal length", focal, "1-σ of the focal length.");
+        let corner = format!("±{:.1} px", solved.worst_corner_sigma_px);
+        pair(ui, "Worst corner", corner, "1-σ of the lines at the picture's worst corner.");
+    });
+    ui.add_space(theme::SPACE);
+}
+
+/// What the points say about themselves.
+fn evidence(ui: &mut Ui, solved: &FrameSolution) {
+    grid(ui, "evidence", |ui| {
+        if let Some(separation) = solved.separation_px {
+            let tip = "The largest distance between two landmarks. The farther apart, the better the focal length.";
+            pair(ui, "Separation", format!("{separation:.0} px"), tip);
+        }
+        let fit = match solved.misfit() {
+            Some(misfit) if solved.residuals_are_evidence() => {
+                format!("{:.1} px rms, {misfit:.1} × usual", solved.rms_px)
+            }
+            _ => "no evidence: two points always fit".to_owned(),
+        };
+        pair(ui, "Fit", fit, "How far the points are from where the solution has them.");
+        if solved.k1 != 0.0 {
+            pair(ui, "k1", format!("{:.4}", solved.k1), "Radial distortion at this focal length.");
+        }
+    });
+    ui.add_space(theme::SPACE);
+}
+
+fn residuals(ui: &mut Ui, solved: &FrameSolution) {
+    if !solved.residuals_are_evidence() && solved.checks.is_empty() {
+        return;
+    }
+    theme::title(ui, "RESIDUALS, px");
+    Grid::new("residuals").num_columns(4).min_col_width(48.0).spacing([8.0, 2.0]).show(ui, |ui| {
+        for head in ["point", "right", "down", "1-σ"] {
+            ui.label(RichText::new(head).small().color(theme::WEAK));
+        }
+        ui.end_row();
+        for residual in &solved.residuals {
+            ui.label((residual.click + 1).to_string());
+            match residual.offset_px.filter(|_| solved.residuals_are_evidence()) {
+                Some(offset) => {
+                    ui.label(format!("{:+.2}", offset.x));
+                    ui.label(format!("{:+.2}", offset.y));
+                }
+                None => {
+                    ui.label(RichText::new("–").color(theme::WEAK));
+                    ui.label(RichText::new("–").color(theme::WEAK));
+                }
+            }
+            ui.label(format!("{:.1}", residual.sigma_px));
+            ui.end_row();
+        }
+    });
+    for check in &solved.checks {
+        let told = match (check.error_px, check.z_score) {
+            (Some(px), Some(z)) => format!("Check point {}: {px:.1} px off, {z:.1} σ", check.click + 1),
+            (Some(px), None) => format!("Check point {}: {px:.1} px off", check.click + 1),
+            (None, _) => format!("Check point {}: out of sight", check.click + 1),
+        };
+        ui.label(told);
+    }
+    ui.add_space(theme::SPACE);
+}
+
+fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
+    let Some(other) = panel.app.current().other_root() else { return };
+    ui.horizontal_wrapped(|ui| {
+        ui.label(format!("{:.0} and {:.0} px both fit.", solved.ptz.focal_px, other.focal_px));
+        let command = Command::SwitchRoot;
+        if ui.add(Button::new("Switch").small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+    });
+    ui.add_space(theme::SPACE);
+}
+
+fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
+    for message in messages {
+        ui.horizontal_top(|ui| {
+            symbol::show(ui, Symbol::Warning, theme::CAUTION);
+            ui.add(Label::new(message).wrap());
+        });
+    }
+    ui.add_space(theme::SPACE);
+}
+
+/// What the document says of a solution that was not solved here.
+fn recorded(ui: &mut Ui, solution: &Solution) {
+    grid(ui, "recorded", |ui| {
+        if let Some(rms_px) = solution.rms_px {
+            pair(ui, "Fit", format!("{rms_px:.1} px rms"), "As the document has it.");
+        }
+        if let Some(confidence) = solution.confidence {
+            let tip = "The probability that the lines are right within 10 px at 1920 px width.";
+            pair(ui, "Confidence", format!("{:.0} %", 100.0 * confidence), tip);
+        }
+    });
+    warnings(ui, solution.warnings.iter().map(|warning| warning.message.as_str()));
+}
+
+fn camera(app: &App, ui: &mut Ui) {
+    let Some(base) = app.current().base else { return };
+    theme::title(ui, "CAMERA STANDS AT");
+    grid(ui, "camera stands", |ui| {
+        let position = base.position_m;
+        pair(ui, "Height", format!("{:.2} m", position.z), "Above the field's centre.");
+        let place = format!("x {:.2}, y {:.2} m", position.x, position.y);
+        pair(ui, "Position", place, "From the field's centre: x along its length, y away from the main camera.");
+    });
+}

@@ -1,0 +1,47 @@
+//! The shown frame: field map, points, solution, verdict, details, and the button that accepts it.
+
+mod accept;
+mod clicks;
+mod details;
+mod solution;
+mod verdict;
+
+use super::{Panel, field_map, theme};
+use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
+
+/// Below the points there have to be so many points for solution and verdict.
+const BELOW_CLICKS: f32 = 276.0;
+
+/// Shows the panel.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    if panel.app.frame().is_none() {
+        return;
+    }
+    egui::Panel::bottom("accept")
+        .resizable(false)
+        .exact_size(44.0 + 4.0 * theme::SPACE)
+        .frame(Frame::new().inner_margin(Margin::same(8)))
+        .show(ui, |ui| accept::show(panel, ui));
+    if panel.app.settings.field_map {
+        field_map::show(panel, ui);
+    }
+    let room = (ui.available_height() - BELOW_CLICKS).max(4.0 * theme::LIST_ROW);
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            clicks::show(panel, ui, room);
+            line(ui);
+            solution::show(panel, ui);
+            line(ui);
+            verdict::show(panel, ui);
+            line(ui);
+            details::show(panel, ui);
+        });
+    });
+}
+
+/// A thin line between two groups.
+fn line(ui: &mut Ui) {
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0), Sense::hover());
+    ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, theme::LINE));
+}

@@ -1,0 +1,187 @@
+//! Pan, tilt, focal length and field of view: shown, dragged or typed.
+
+use crate::app::{Action, App};
+use crate::camera::Ptz;
+use crate::geometry::Angle;
+use crate::project::{Frame, SolutionSource};
+use crate::ui::number::Number;
+use crate::ui::{Panel, theme};
+use egui::{Align, Button, Layout, RichText, Ui};
+
+/// The width of a number field, points.
+const FIELD: f32 = 86.0;
+/// Where a camera looks before anything is known, when numbers are set by hand.
+const START_TILT_DEG: f64 = -10.0;
+/// The focal length then, in widths of the picture.
+const START_FOCAL_WIDTHS: f64 = 1.2;
+
+/// Shows the solution.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    let Some(frame) = app.frame() else { return };
+    ui.horizontal(|ui| {
+        theme::title(ui, "CAMERA");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.label(RichText::new(source(app, frame)).small().color(theme::WEAK));
+        });
+    });
+    match frame.ptz.as_ref().map(crate::project::FramePtz::ptz) {
+        Some(ptz) => {
+            numbers(panel, ui, ptz, f64::from(frame.image_size.width));
+            below(panel, ui, frame);
+        }
+        None => unsolved(panel, ui, frame),
+    }
+}
+
+/// Where the numbers come from.
+fn source(app: &App, frame: &Frame) -> String {
+    if frame.ptz.is_none() {
+        return String::new();
+    }
+    match frame.solution.as_ref().and_then(|solution| solution.source) {
+        Some(SolutionSource::Clicks) => {
+            let used = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+            let plural = if used == 1 { "" } else { "s" };
+            format!("from {used} point{plural}")
+        }
+        Some(SolutionSource::Manual) => "set by hand".to_owned(),
+        Some(SolutionSource::Forest) => "proposed".to_owned(),
+        Some(SolutionSource::Tracking) => "tracked".to_owned(),
+        Some(SolutionSource::Markings) => "snapped to the lines".to_owned(),
+        Some(SolutionSource::Import) => "imported".to_owned(),
+        None if app.current().by_hand => "set by hand".to_owned(),
+        None => "from the document".to_owned(),
+    }
+}
+
+fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
+    let editable = panel.app.current().base.is_some();
+    let app = panel.app;
+    let actions = &mut *panel.actions;
+    ui.add_enabled_ui(editable, |ui| {
+        egui::Grid::new("solution").num_columns(4).min_col_width(34.0).spacing([6.0, 4.0]).show(ui, |ui| {
+            let number = Number {
+                name: "Pan",
+                step: "Set pan",
+                tip: "Pan, degrees; positive to the right.",
+                value: ptz.pan.degrees(),
+                speed: 0.02,
+                decimals: 3,
+                range: -180.0..=180.0,
+                suffix: "°",
+                width: FIELD,
+            };
+            ui.label("Pan");
+            number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { pan: Angle::from_degrees(degrees), ..ptz }));
+            ui.label("Focal");
+            let number = Number {
+                name: "Focal length",
+                step: "Set focal length",
+                tip: "Focal length, px of the picture.",
+                value: ptz.focal_px,
+                speed: ptz.focal_px / 500.0,
+                decimals: 1,
+                range: 10.0..=1e6,
+                suffix: " px",
+                width: FIELD,
+            };
+            number.show(ui, app, actions, |focal_px| Action::EditPtz(Ptz { focal_px, ..ptz }));
+            ui.end_row();
+            ui.label("Tilt");
+            let number = Number {
+                name: "Tilt",
+                step: "Set tilt",
+                tip: "Tilt, degrees; positive upwards.",
+                value: ptz.tilt.degrees(),
+                speed: 0.02,
+                decimals: 3,
+                range: -90.0..=90.0,
+                suffix: "°",
+                width: FIELD,
+            };
+            number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { tilt: Angle::from_degrees(degrees), ..ptz }));
+            ui.label("View");
+            let number = Number {
+                name: "Field of view",
+                step: "Set field of view",
+                tip: "The horizontal field of view, degrees; another way to say the focal length.",
+                value: view_deg(ptz.focal_px, width_px),
+                speed: 0.05,
+                decimals: 2,
+                range: 0.2..=150.0,
+                suffix: "°",
+                width: FIELD,
+            };
+            number.show(ui, app, actions, |degrees| {
+                Action::EditPtz(Ptz { focal_px: focal_px(degrees, width_px), ..ptz })
+            });
+            ui.end_row();
+        });
+    });
+}
+
+/// The worst corner, and the way back from numbers set by hand.
+fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    let stored = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
+    let sigma = panel.app.current().solved().map(|solved| solved.worst_corner_sigma_px).or(stored);
+    ui.horizontal(|ui| {
+        match sigma.filter(|sigma| sigma.is_finite()) {
+            Some(sigma) => {
+                ui.label("Worst corner");
+                ui.label(RichText::new(format!("±{sigma:.1} px")).color(theme::STRONG));
+            }
+            None => {
+                ui.label(RichText::new("Uncertainty not known").color(theme::WEAK));
+            }
+        }
+        if panel.app.current().by_hand && !frame.clicks.is_empty() {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let again = ui.add(Button::new("Solve again").small());
+                if again.on_hover_text("Let the points decide again, instead of numbers set by hand.").clicked() {
+                    panel.actions.push(Action::SolveAgain);
+                }
+            });
+        }
+    })
+    .response
+    .on_hover_text("1-σ of the drawn lines at the picture's worst corner, the camera's own uncertainty included.");
+}
+
+/// No numbers yet: why, and how to set them by hand.
+fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    if panel.app.current().base.is_none() {
+        ui.label(RichText::new("The camera's position is not known yet.").color(theme::WEAK));
+        return;
+    }
+    ui.label(RichText::new("Not solved yet.").color(theme::WEAK));
+    let by_hand =
+        ui.button("Set by hand").on_hover_text("Start from a usual view and drag pan, tilt and focal length.");
+    if by_hand.clicked() {
+        let focal_px = START_FOCAL_WIDTHS * f64::from(frame.image_size.width);
+        panel.actions.push(Action::EditPtz(Ptz::from_degrees(0.0, START_TILT_DEG, focal_px)));
+    }
+}
+
+/// The horizontal field of view, degrees.
+pub fn view_deg(focal_px: f64, width_px: f64) -> f64 {
+    2.0 * (width_px / 2.0 / focal_px).atan().to_degrees()
+}
+
+/// The focal length of a horizontal field of view.
+fn focal_px(view_deg: f64, width_px: f64) -> f64 {
+    width_px / 2.0 / (view_deg.to_radians() / 2.0).tan()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_field_of_view_is_a_focal_length() {
+        assert!((view_deg(640.0, 1280.0) - 90.0).abs() < 1e-12);
+        for view in [2.0, 43.4, 120.0] {
+            assert!((view_deg(focal_px(view, 1920.0), 1920.0) - view).abs() < 1e-9);
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! One word on the solution, its reason, and at most one way out.
+
+use crate::app::{Action, App, Command};
+use crate::project::CalibrationError;
+use crate::solve::{SolveError, Verdict, WarningCode};
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{Button, Label, RichText, Ui};
+
+/// The least height of the group, points, so that nothing below it jumps.
+const HEIGHT: f32 = 78.0;
+
+/// Shows the verdict.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    ui.vertical(|ui| {
+        ui.set_min_height(HEIGHT);
+        ui.set_width(ui.available_width());
+        match (&app.current().judgement, &app.current().solution) {
+            (Some(judgement), _) => {
+                let colour = theme::verdict_colour(judgement.verdict);
+                ui.horizontal(|ui| {
+                    let sign = if judgement.verdict == Verdict::Good { Symbol::Landmark } else { Symbol::Warning };
+                    if judgement.verdict != Verdict::Good {
+                        symbol::show(ui, sign, colour);
+                    }
+                    let word = judgement.verdict.to_string();
+                    ui.label(RichText::new(word).size(theme::VERDICT).color(colour).strong())
+                        .on_hover_text("Good: nothing speaks against it. Check: look first. Wrong: a contradiction.");
+                });
+                ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(theme::TEXT)).wrap());
+                ways_out(panel, ui, &judgement.reason);
+            }
+            (None, Some(Err(error))) => said(ui, &in_words(error)),
+            (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
+                said(ui, "Taken from the document; no point of this frame says anything about it.");
+            }
+            (None, _) => said(ui, "No verdict before there is a solution."),
+        }
+    });
+}
+
+fn said(ui: &mut Ui, text: &str) {
+    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+}
+
+/// An error as one calm line.
+fn in_words(error: &CalibrationError) -> String {
+    match error {
+        CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
+            "One more point decides.".to_owned()
+        }
+        CalibrationError::Solve(SolveError::TooFewObservations { .. }) => "Two points decide.".to_owned(),
+        error => sentence(&error.to_string()),
+    }
+}
+
+/// With a capital letter and a full stop.
+fn sentence(text: &str) -> String {
+    let mut letters = text.chars();
+    let first = letters.next().map(|first| first.to_uppercase().collect::<String>()).unwrap_or_default();
+    let stop = if text.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{first}{}{stop}", letters.as_str())
+}
+
+/// The button of the warning that is shown, and how many more there are.
+fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
+    let more = hidden(panel.app, reason);
+    let two_roots = panel
+        .app
+        .current()
+        .solved()
+        .is_some_and(|solved| solved.warnings.iter().any(|warning| warning.code == WarningCode::TwoRoots));
+    if more == 0 && !two_roots {
+        return;
+    }
+    ui.horizontal(|ui| {
+        let keys = &panel.app.settings.keys;
+        if two_roots {
+            let command = Command::SwitchRoot;
+            if ui.add(Button::new("Switch")).on_hover_text(keys.tooltip(command)).clicked() {
+                panel.actions.push(Action::Command(command));
+            }
+            let compare = keys.shown(Command::Compare);
+            ui.label(RichText::new(format!("hold {compare} to compare")).small().color(theme::WEAK));
+        }
+        if more > 0 {
+            let told = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
+            if ui.add(told).on_hover_text("Show every warning in the details below.").clicked() {
+                panel.actions.push(Action::SetDetails(true));
+            }
+        }
+    });
+}
+
+/// How many warnings are not the reason of the verdict.
+fn hidden(app: &App, reason: &str) -> usize {
+    let warnings = app.current().solved().map_or(&[][..], |solved| &solved.warnings);
+    warnings.iter().filter(|warning| warning.message != reason).count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sentence;
+
+    #[test]
+    fn a_sentence_begins_with_a_capital_and_ends_with_a_stop() {
+        assert_eq!(sentence("worst corner ±2.0 px"), "Worst corner ±2.0 px.");
+        assert_eq!(sentence("Cut or wrong name?"), "Cut or wrong name?");
+        assert_eq!(sentence(""), ".");
+    }
+}

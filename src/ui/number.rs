@@ -1,0 +1,69 @@
+//! Number fields: dragged or typed, one step of undo each.
+
+use crate::app::session::Mode;
+use crate::app::{Action, App};
+use egui::{DragValue, Key, Response, Ui, vec2};
+use std::ops::RangeInclusive;
+
+/// A number that can be dragged and typed.
+pub struct Number<'a> {
+    /// What a screen reader calls it.
+    pub name: &'a str,
+    /// What its step of undo is called.
+    pub step: &'static str,
+    /// What it is and in which unit.
+    pub tip: &'a str,
+    /// As it is now.
+    pub value: f64,
+    /// A point of dragging changes it by so much.
+    pub speed: f64,
+    /// Digits after the point.
+    pub decimals: usize,
+    /// What it may be.
+    pub range: RangeInclusive<f64>,
+    /// Its unit, as it is written after the number.
+    pub suffix: &'a str,
+    /// The field's width, points.
+    pub width: f32,
+}
+
+impl Number<'_> {
+    /// Shows the field; `change` says what a new value does.
+    pub fn show(
+        self,
+        ui: &mut Ui,
+        app: &App,
+        actions: &mut Vec<Action>,
+        change: impl FnOnce(f64) -> Action,
+    ) -> Response {
+        let mut value = self.value;
+        let field = DragValue::new(&mut value)
+            .speed(self.speed)
+            .fixed_decimals(self.decimals)
+            .range(self.range)
+            .clamp_existing_to_range(false)
+            .suffix(self.suffix)
+            .update_while_editing(false)
+            .min_size(vec2(self.width, ui.spacing().interact_size.y));
+        let tip = format!("{} Drag to change it (Shift: finer), click to type.", self.tip);
+        let response = ui.add(field).accessible_name(self.name).on_hover_text(tip).on_disabled_hover_text(self.tip);
+        let given_up = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+        let begins = response.drag_started() || response.gained_focus();
+        if begins {
+            actions.push(Action::BeginEdit(self.step));
+        }
+        // A drag that Escape took back does not begin again by itself.
+        let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
+        // A field that was entered and left says its rounded number; that is no change.
+        let same = !response.dragged() && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
+        if response.changed() && !abandoned && !same && !given_up && value.is_finite() {
+            actions.push(change(value));
+        }
+        if given_up {
+            actions.push(Action::AbortEdit);
+        } else if response.drag_stopped() || response.lost_focus() {
+            actions.push(Action::EndEdit);
+        }
+        response
+    }
+}
