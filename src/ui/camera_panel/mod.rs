@@ -1,0 +1,105 @@
+//! What stands still: the camera's position, base rotation, lens, masks, and the field it looks at. The overlay follows
+//! while a number is dragged, so that a base can be fitted by hand.
+
+mod field;
+mod masks;
+mod numbers;
+
+use super::{Panel, theme};
+use crate::app::{Action, Command};
+use crate::camera::BaseAngles;
+use crate::geometry::{Angle, Vec3};
+use crate::project::Camera;
+use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
+
+/// Where a main camera usually stands, for a start by hand: behind the near touchline, this far from it, m.
+const START_BEHIND_M: f64 = 30.0;
+/// And this high, m.
+const START_HEIGHT_M: f64 = 15.0;
+
+/// Shows the panel.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    heading(panel, ui);
+    let Some(camera) = camera_of(panel) else {
+        Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+            ui.label(RichText::new("This frame names a camera that the document lacks.").color(theme::WEAK));
+        });
+        return;
+    };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            if camera.base().is_some() {
+                numbers::position(panel, ui, &camera);
+                numbers::rotation(panel, ui, &camera);
+            } else {
+                no_base(panel, ui, &camera);
+            }
+            numbers::lens(panel, ui, &camera);
+            numbers::sigma(panel, ui, &camera);
+            field::show(panel, ui);
+            masks::show(panel, ui, &camera);
+        });
+    });
+}
+
+/// The camera of the shown frame, to be changed and handed back; the first one where there is no frame.
+fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
+    let open = panel.app.open()?;
+    match panel.app.frame() {
+        Some(frame) => open.document.camera_of(frame).cloned(),
+        None => open.document.cameras.first().map(|camera| (**camera).clone()),
+    }
+}
+
+fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
+    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            let name = camera_of(panel).map(|camera| camera.id.as_str().to_owned()).unwrap_or_default();
+            ui.label(RichText::new("Camera").heading().color(theme::STRONG));
+            ui.add(Label::new(RichText::new(name).color(theme::WEAK)).truncate());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let keys = &panel.app.settings.keys;
+                let close =
+                    super::symbol::button(ui, super::symbol::Symbol::Cross, "Close the camera panel", theme::WEAK);
+                let tip = format!("Back to the frame. ({})", keys.shown(Command::CameraPanel));
+                if close.on_hover_text(tip).clicked() {
+                    panel.actions.push(Action::Command(Command::CameraPanel));
+                }
+                let load = ui.add(Button::new("Load a camera…").small());
+                if load.on_hover_text(keys.tooltip(Command::LoadCamera)).clicked() {
+                    panel.actions.push(Action::Command(Command::LoadCamera));
+                }
+            });
+        });
+    });
+}
+
+/// Nothing is known of where the camera stands.
+fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    section(ui, "POSITION AND ROTATION");
+    ui.add(
+        Label::new(
+            "Not known yet. Two clicks need a known camera: load one from another project of this stand, or start from \
+             a usual place and drag the numbers until the lines fit.",
+        )
+        .wrap(),
+    );
+    ui.add_space(theme::SPACE);
+    let start = ui.button("Start from a usual place").on_hover_text(format!(
+        "{START_BEHIND_M:.0} m behind the near touchline, at the halfway line, {START_HEIGHT_M:.0} m up, level."
+    ));
+    if start.clicked() {
+        let half_width_m = panel.app.current().field().map_or(34.0, |field| field.width_m / 2.0);
+        let mut started = camera.clone();
+        started.position_m = Some(Vec3::new(0.0, -half_width_m - START_BEHIND_M, START_HEIGHT_M));
+        started.base_from_world = Some(BaseAngles { pitch: Angle::ZERO, ..BaseAngles::default() }.base_from_world());
+        panel.actions.push(Action::EditCamera(Box::new(started)));
+    }
+}
+
+/// A title with room above it.
+fn section(ui: &mut Ui, text: &str) {
+    ui.add_space(2.0 * theme::SPACE);
+    theme::title(ui, text);
+}
