@@ -26,6 +26,15 @@ use crate::geometry::ImageSize;
 use std::path::Path;
 use std::sync::Arc;
 
+/// The version of the OpenCV that reads videos; none in a program that was built without it.
+#[must_use]
+pub fn opencv_version() -> Option<String> {
+    #[cfg(feature = "opencv")]
+    return opencv::core::get_version_string().ok();
+    #[cfg(not(feature = "opencv"))]
+    return None;
+}
+
 /// What is known about a video once it has been opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VideoInfo {

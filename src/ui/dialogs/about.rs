@@ -1,0 +1,80 @@
+//! Version, licence, citation, and a report for those who mend the program.
+
+use super::sheet;
+use crate::app::App;
+use crate::media::opencv_version;
+use crate::ui::{Panel, theme};
+use egui::{Button, Context, Label, RichText, vec2};
+use std::fmt::Write as _;
+
+const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for PTZ Camera Calibration in Sports. IEEE \
+                        Winter Conference on Applications of Computer Vision (WACV), 2018.";
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    sheet(panel, ctx, "About", vec2(480.0, 420.0), |panel, ui| {
+        ui.label(RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION"))).size(20.0).color(theme::STRONG));
+        ui.label("Calibrates a pan-tilt-zoom sports camera from two clicks.");
+        ui.add_space(2.0 * theme::SPACE);
+        theme::title(ui, "LICENCE");
+        ui.label("MIT. Use it, change it, pass it on; the licence text comes with it.");
+        ui.add_space(2.0 * theme::SPACE);
+        theme::title(ui, "IF YOU PUBLISH, CITE THE PAPER");
+        ui.add(Label::new(CITATION).wrap().selectable(true));
+        if ui.add(Button::new("Copy citation").small()).on_hover_text("Copy the citation as text.").clicked() {
+            ui.ctx().copy_text(CITATION.to_owned());
+        }
+        ui.add_space(2.0 * theme::SPACE);
+        theme::title(ui, "FOR A BUG REPORT");
+        let report = report(panel.app, panel.adapter, ui.ctx());
+        ui.add(Label::new(RichText::new(&report).monospace().color(theme::WEAK)).wrap().selectable(true));
+        let copy = ui.button("Copy diagnostic report");
+        if copy.on_hover_text("Copy versions, graphics and counts; no path and no picture is in it.").clicked() {
+            ui.ctx().copy_text(report);
+        }
+    });
+}
+
+/// Versions, graphics and counts; nothing that says whose match it is.
+fn report(app: &App, adapter: &str, ctx: &Context) -> String {
+    let screen = ctx.content_rect().size();
+    let adapter = if adapter.is_empty() { "none" } else { adapter };
+    let opencv = opencv_version().unwrap_or_else(|| "not built in".to_owned());
+    let mut text = format!(
+        "touchline {}\n{} {}\ngraphics {adapter}\nOpenCV {opencv}\nwindow {:.0} × {:.0} points at {} px each\n",
+        env!("CARGO_PKG_VERSION"),
+        std::env::consts::OS,
+        std::env::consts::ARCH,
+        screen.x,
+        screen.y,
+        ctx.pixels_per_point(),
+    );
+    match app.open() {
+        Some(open) => {
+            let clicks: usize = open.document.frames.iter().map(|frame| frame.clicks.len()).sum();
+            let _ = write!(
+                text,
+                "document: {} frames, {} cameras, {clicks} points, field {}",
+                open.document.frames.len(),
+                open.document.cameras.len(),
+                open.document.field.template
+            );
+        }
+        None => text.push_str("no document"),
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_report_names_versions_and_no_path() {
+        let text = report(&App::default(), "llvmpipe (Vulkan)", &Context::default());
+        for part in [env!("CARGO_PKG_VERSION"), std::env::consts::OS, "llvmpipe", "OpenCV", "no document"] {
+            assert!(text.contains(part), "{part} is not in {text}");
+        }
+        assert!(!text.contains(env!("CARGO_MANIFEST_DIR")));
+    }
+}

@@ -1,0 +1,36 @@
+//! A comment on the frame.
+
+use super::{has_just_opened, sheet};
+use crate::app::Action;
+use crate::ui::{Panel, theme};
+use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
+
+/// Shows the sheet; `before` is the comment as it was when it opened.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
+    let memory = Id::unique("comment");
+    let opened = has_just_opened(ctx, "comment");
+    let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
+    let mut typed = known.filter(|_| !opened).unwrap_or_else(|| before.to_owned());
+    sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
+        let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
+        let name = panel.app.frame().map(crate::project::Frame::name).unwrap_or_default();
+        ui.label(RichText::new(name).color(theme::WEAK));
+        let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
+        let response = ui.add(field).accessible_name("Comment on this frame");
+        let response = response.on_hover_text("What whoever opens this frame should know.");
+        if opened {
+            response.request_focus();
+        }
+        ui.add_space(theme::SPACE);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let keep = ui.add(Button::new("Save comment").fill(theme::ACCENT_GROUND));
+            if keep.on_hover_text("Keep the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
+                panel.actions.push(Action::SetComment(typed.clone()));
+            }
+            if ui.button("Cancel").on_hover_text("Leave the comment as it was. (Esc)").clicked() {
+                panel.actions.push(Action::CloseDialog);
+            }
+        });
+    });
+    ctx.data_mut(|data| data.insert_temp(memory, typed));
+}

@@ -1,0 +1,183 @@
+//! Every command and its key; a click on a key changes it.
+
+use super::sheet;
+use crate::app::{Action, Chord, Command, Group, Keymap};
+use crate::ui::{Panel, theme};
+use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
+
+/// Keys that are not commands and stay as they are.
+const FIXED: [(&str, &str); 8] = [
+    ("Click", "place a point, take hold of one"),
+    ("1–5, letters", "take a name, filter the names"),
+    ("Arrows", "move the selected point 0.1 px; Shift 1 px, Alt 10 px"),
+    ("Tab", "while a point is named: landmarks or lines"),
+    ("Wheel", "zoom to the pointer"),
+    ("Space-drag, middle drag", "move the picture"),
+    ("Shift while dragging", "a tenth of the pointer's speed"),
+    ("1–6", "the reason, after Not calibratable"),
+];
+
+/// The command that waits for its new key.
+fn waiting() -> Id {
+    Id::unique("command that waits for a key")
+}
+
+/// Whether the next key is to become a command's.
+pub fn captures_keys(ctx: &Context) -> bool {
+    ctx.data(|data| data.get_temp::<Option<Command>>(waiting())).flatten().is_some()
+}
+
+fn set_waiting(ctx: &Context, command: Option<Command>) {
+    ctx.data_mut(|data| data.insert_temp(waiting(), command));
+}
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    if super::has_just_opened(ctx, "keys") {
+        set_waiting(ctx, None);
+    }
+    let chosen = ctx.data(|data| data.get_temp::<Option<Command>>(waiting())).flatten();
+    if let Some(command) = chosen {
+        capture(panel, ctx, command);
+    }
+    sheet(panel, ctx, "Keys", vec2(860.0, 560.0), |panel, ui| {
+        ui.horizontal(|ui| {
+            let told = match chosen {
+                Some(command) => format!("Press the new key for “{}”. Esc leaves it as it is.", command.name()),
+                None => "Click a key to change it.".to_owned(),
+            };
+            let colour = if chosen.is_some() { theme::ACCENT } else { theme::WEAK };
+            ui.label(RichText::new(told).color(colour));
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let changed = panel.app.settings.keys.is_changed();
+                let reset = ui.add_enabled(changed, Button::new("Reset all keys"));
+                let reset = reset
+                    .on_hover_text("Give every command the key it was delivered with.")
+                    .on_disabled_hover_text("Every key is as it was delivered.");
+                if reset.clicked() {
+                    panel.actions.push(Action::ResetKeys);
+                }
+            });
+        });
+        ui.add_space(theme::SPACE);
+        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            ui.columns(2, |columns| {
+                for group in [Group::File, Group::Edit, Group::View] {
+                    table(panel, &mut columns[0], group, chosen);
+                }
+                for group in [Group::Frame, Group::Help] {
+                    table(panel, &mut columns[1], group, chosen);
+                }
+                fixed(&mut columns[1]);
+            });
+        });
+    });
+}
+
+fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: Group, chosen: Option<Command>) {
+    theme::title(ui, &group.title().to_uppercase());
+    Grid::new(("keys", group.title())).num_columns(2).min_col_width(128.0).spacing([12.0, 2.0]).show(ui, |ui| {
+        for command in Command::all().filter(|command| command.group() == group) {
+            key(panel, ui, command, chosen == Some(command));
+            ui.add(Label::new(command.name()).truncate()).on_hover_text(command.about());
+            ui.end_row();
+        }
+    });
+    ui.add_space(3.0 * theme::SPACE);
+}
+
+fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
+    let shown = shown(&panel.app.settings.keys, command);
+    let text = match (waits, shown.is_empty()) {
+        (true, _) => RichText::new("press a key").color(theme::ACCENT),
+        (false, true) => RichText::new("none").color(theme::WEAK),
+        (false, false) => RichText::new(&shown).monospace().color(theme::STRONG),
+    };
+    let button = ui.add(Button::new(text).min_size(vec2(128.0, 20.0)).selected(waits));
+    let name = format!("Key of {}: {}", command.name(), if shown.is_empty() { "none" } else { &shown });
+    if button.accessible_name(name).on_hover_text(format!("{} Click to change the key.", command.about())).clicked() {
+        set_waiting(ui.ctx(), (!waits).then_some(command));
+    }
+}
+
+/// Every key of a command.
+fn shown(keys: &Keymap, command: Command) -> String {
+    let chords: Vec<String> = keys.chords(command).iter().map(ToString::to_string).collect();
+    chords.join("   ")
+}
+
+fn fixed(ui: &mut Ui) {
+    theme::title(ui, "POINTER AND FIXED KEYS");
+    Grid::new("fixed keys").num_columns(2).min_col_width(128.0).spacing([12.0, 4.0]).show(ui, |ui| {
+        for (key, about) in FIXED {
+            ui.label(RichText::new(key).color(theme::STRONG));
+            ui.add(Label::new(about).wrap());
+            ui.end_row();
+        }
+    });
+}
+
+/// The next key that goes down becomes the command's.
+fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
+    let pressed = ctx.input_mut(|input| {
+        let found = input.events.iter().find_map(|event| match event {
+            Event::Key { key, pressed: true, repeat: false, modifiers, .. } if !is_modifier(*key) => {
+                Some((*key, *modifiers))
+            }
+            _ => None,
+        });
+        if found.is_some() {
+            input.events.retain(|event| !matches!(event, Event::Key { .. } | Event::Text(_)));
+        }
+        found
+    });
+    let Some((key, modifiers)) = pressed else { return };
+    set_waiting(ctx, None);
+    if key != Key::Escape {
+        panel.actions.push(Action::AssignKey(command, chord(key, modifiers)));
+    }
+}
+
+const fn is_modifier(key: Key) -> bool {
+    matches!(
+        key,
+        Key::ShiftLeft
+            | Key::ShiftRight
+            | Key::ControlLeft
+            | Key::ControlRight
+            | Key::AltLeft
+            | Key::AltRight
+            | Key::SuperLeft
+            | Key::SuperRight
+    )
+}
+
+/// A key as the settings write it. Whether a sign needs Shift is the layout's business, not the chord's.
+fn chord(key: Key, modifiers: Modifiers) -> Chord {
+    let question = key == Key::Questionmark || key == Key::Slash && modifiers.shift;
+    let sign = question || matches!(key, Key::Plus | Key::Colon | Key::Exclamationmark | Key::Pipe);
+    Chord {
+        ctrl: modifiers.command,
+        shift: modifiers.shift && !sign,
+        alt: modifiers.alt,
+        key: if question { "?".to_owned() } else { key.name().to_owned() },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pressed_key_is_written_as_the_settings_read_it() {
+        for (key, modifiers, written) in [
+            (Key::N, Modifiers::NONE, "N"),
+            (Key::Z, Modifiers::COMMAND | Modifiers::SHIFT, "Ctrl+Shift+Z"),
+            (Key::Period, Modifiers::SHIFT, "Shift+Period"),
+            (Key::Plus, Modifiers::SHIFT, "Plus"),
+            (Key::Slash, Modifiers::SHIFT, "?"),
+        ] {
+            assert_eq!(chord(key, modifiers), written.parse().unwrap());
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! What lies over the window when asked for: palette, keys, about, overlay style, comment. Escape closes each of them,
+//! and so does a click beside it.
+
+mod about;
+mod comment;
+mod fuzzy;
+mod keys;
+mod overlay_style;
+mod palette;
+
+pub use keys::captures_keys;
+
+use super::{Panel, symbol, theme};
+use crate::app::Action;
+use crate::app::session::Dialog;
+use egui::{Align, Align2, Area, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2};
+
+/// Shows the dialog that is open, if any.
+pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
+    let ctx = &ui.ctx().clone();
+    match panel.app.session.dialog.clone() {
+        None => {}
+        Some(Dialog::Palette) => palette::show(panel, ctx),
+        Some(Dialog::Keys) => keys::show(panel, ctx),
+        Some(Dialog::About) => about::show(panel, ctx),
+        Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
+        Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+    }
+}
+
+/// Whether this dialog was not there in the frame of the window before: then it takes the focus and forgets what was
+/// typed into it the last time.
+fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
+    let (memory, now) = (Id::unique(("dialog was shown", dialog)), ctx.cumulative_frame_nr());
+    ctx.data_mut(|data| {
+        let before = data.get_temp::<u64>(memory);
+        data.insert_temp(memory, now);
+        before.is_none_or(|before| before + 1 < now)
+    })
+}
+
+/// What lies behind a dialog: darker, and a click on it closes.
+fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
+    let all = ctx.content_rect();
+    Area::new(Id::unique("curtain")).order(Order::Middle).fixed_pos(all.min).show(ctx, |ui| {
+        let (_, response) = ui.allocate_exact_size(all.size(), Sense::click());
+        ui.painter().rect_filled(all, 0.0, Color32::from_black_alpha(96));
+        if response.clicked() {
+            panel.actions.push(Action::CloseDialog);
+        }
+    });
+}
+
+/// A sheet with a title in the middle of the window.
+fn sheet(
+    panel: &mut Panel<'_>,
+    ctx: &Context,
+    title: &str,
+    size: Vec2,
+    contents: impl FnOnce(&mut Panel<'_>, &mut Ui),
+) {
+    curtain(panel, ctx);
+    let all = ctx.content_rect();
+    let size = size.min(all.size() - vec2(48.0, 48.0));
+    Area::new(Id::unique(("dialog", title)))
+        .order(Order::Foreground)
+        .pivot(Align2::CENTER_CENTER)
+        .fixed_pos(all.center())
+        .role(egui::accesskit::Role::Dialog)
+        .accessible_name(title)
+        .show(ctx, |ui| {
+            frame(ui).show(ui, |ui| {
+                ui.set_width(size.x);
+                ui.set_max_height(size.y);
+                header(panel, ui, title);
+                contents(panel, ui);
+            });
+        });
+}
+
+fn frame(ui: &Ui) -> Frame {
+    Frame::window(ui.style()).inner_margin(Margin::same(16))
+}
+
+fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(title).heading().color(theme::STRONG));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let close = symbol::button(ui, symbol::Symbol::Cross, &format!("Close: {title}"), theme::WEAK);
+            if close.on_hover_text("Close. (Esc)").clicked() {
+                panel.actions.push(Action::CloseDialog);
+            }
+        });
+    });
+    ui.add_space(theme::SPACE);
+}

@@ -1,0 +1,160 @@
+//! Every command by typing.
+
+use super::{curtain, fuzzy, has_just_opened};
+use crate::app::{Action, App, Command};
+use crate::ui::{Panel, theme};
+use egui::{
+    Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role, ScrollArea, Sense,
+    TextEdit, Ui, WidgetInfo, pos2, vec2,
+};
+
+/// The palette's width, points.
+const WIDTH: f32 = 520.0;
+/// The height of a row, points.
+const ROW: f32 = 28.0;
+/// As many rows are in view.
+const ROWS: f32 = 11.0;
+
+/// What has been typed and chosen.
+#[derive(Clone, Default)]
+struct State {
+    typed: String,
+    highlighted: usize,
+}
+
+/// Shows the palette.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    curtain(panel, ctx);
+    let memory = Id::unique("palette");
+    let opened = has_just_opened(ctx, "palette");
+    let mut state: State =
+        if opened { State::default() } else { ctx.data_mut(|data| data.get_temp(memory).unwrap_or_default()) };
+    let all = ctx.content_rect();
+    Area::new(Id::unique("command palette"))
+        .order(Order::Foreground)
+        .pivot(Align2::CENTER_TOP)
+        .fixed_pos(pos2(all.center().x, all.top() + (all.height() * 0.14).round()))
+        .role(egui::accesskit::Role::Dialog)
+        .accessible_name("Command palette")
+        .show(ctx, |ui| {
+            Frame::window(ui.style()).inner_margin(Margin::same(8)).show(ui, |ui| {
+                ui.set_width(WIDTH.min(all.width() - 48.0));
+                contents(panel, ui, &mut state, opened);
+            });
+        });
+    ctx.data_mut(|data| data.insert_temp(memory, state));
+}
+
+fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool) {
+    // Before the field sees them: arrows choose, Enter takes.
+    let (step, take) = ui.input_mut(|input| {
+        let down = input.count_and_consume_key(Modifiers::NONE, Key::ArrowDown) as isize;
+        let up = input.count_and_consume_key(Modifiers::NONE, Key::ArrowUp) as isize;
+        (down - up, input.consume_key(Modifiers::NONE, Key::Enter))
+    });
+    let field = TextEdit::singleline(&mut state.typed)
+        .hint_text("Type what you want to do")
+        .desired_width(f32::INFINITY)
+        .font(FontId::proportional(15.0))
+        .margin(Margin::symmetric(8, 6));
+    let response = ui.add(field).accessible_name("Command").on_hover_text("Arrows choose, Enter does it, Esc closes.");
+    if opened {
+        response.request_focus();
+    }
+    if response.changed() {
+        state.highlighted = 0;
+    }
+    let found = found(&state.typed);
+    let last = found.len().saturating_sub(1);
+    state.highlighted = state.highlighted.saturating_add_signed(step).min(last);
+    ui.add_space(theme::SPACE);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    if found.is_empty() {
+        ui.add_space(theme::SPACE);
+        ui.weak(format!("No command is called “{}”.", state.typed.trim()));
+    }
+    ScrollArea::vertical().max_height(ROWS * ROW).auto_shrink([false, true]).show(ui, |ui| {
+        for (index, command) in found.iter().enumerate() {
+            let chosen = index == state.highlighted;
+            let clicked = row(panel.app, ui, *command, chosen, chosen && (step != 0 || response.changed()));
+            if (clicked || chosen && take) && panel.app.why_not(*command).is_none() {
+                panel.actions.extend([Action::CloseDialog, Action::Command(*command)]);
+            }
+        }
+    });
+}
+
+/// The commands that match, best first; all of them in the order of the menus where nothing is typed.
+fn found(typed: &str) -> Vec<Command> {
+    let candidates = Command::all().filter(|command| *command != Command::Palette);
+    if typed.trim().is_empty() {
+        return candidates.collect();
+    }
+    let mut scored: Vec<(u32, Command)> = candidates
+        .filter_map(|command| {
+            let by_name = fuzzy::score(typed, command.name());
+            let by_group = fuzzy::score(typed, &format!("{} {}", command.group().title(), command.name()));
+            Some((by_name.max(by_group)?, command))
+        })
+        .collect();
+    scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    scored.into_iter().map(|(_, command)| command).collect()
+}
+
+fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+    let why_not = app.why_not(command);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, why_not.is_none(), chosen, command.name()));
+    if into_view {
+        response.scroll_to_me(None);
+    }
+    if !ui.is_rect_visible(rect) {
+        return false;
+    }
+    let painter = ui.painter();
+    if chosen || response.hovered() {
+        let ground = if chosen { theme::ACCENT_GROUND } else { theme::RAISED };
+        painter.rect_filled(rect, CornerRadius::same(4), ground);
+    }
+    let middle = rect.center().y;
+    let name = if why_not.is_some() { theme::WEAK } else { theme::STRONG };
+    let end = painter.text(
+        pos2(rect.left() + 8.0, middle),
+        Align2::LEFT_CENTER,
+        command.name(),
+        FontId::proportional(13.5),
+        name,
+    );
+    let beside = why_not.unwrap_or_else(|| command.group().title());
+    painter.text(
+        pos2(end.right() + 10.0, middle),
+        Align2::LEFT_CENTER,
+        beside,
+        FontId::proportional(11.0),
+        theme::WEAK,
+    );
+    let key = app.settings.keys.shown(command);
+    painter.text(pos2(rect.right() - 8.0, middle), Align2::RIGHT_CENTER, key, FontId::monospace(12.0), theme::TEXT);
+    response.on_hover_text(command.about()).clicked()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_typed_finds_the_command_that_is_meant() {
+        for (typed, wanted) in [
+            ("undo", Command::Undo),
+            ("next needs", Command::NextNeedsMe),
+            ("expo", Command::Export),
+            ("overlay style", Command::OverlayStyle),
+            ("accept", Command::Accept),
+            ("key", Command::Keys),
+        ] {
+            assert_eq!(found(typed).first(), Some(&wanted), "{typed}");
+        }
+        assert!(found("zzzz").is_empty());
+        assert_eq!(found(" ").len(), Command::all().count() - 1);
+    }
+}
