@@ -17,7 +17,7 @@ const SIDE: f32 = 160.0;
 /// From the point to the nearest border of the loupe, points.
 const GAP: f32 = 36.0;
 /// What a change of side costs, as points of line that the loupe would hide.
-const STAY: f32 = 120.0;
+const STAY: f32 = 80.0;
 /// The crosshair is open this far around the point, points.
 const OPEN: f32 = 9.0;
 
@@ -42,7 +42,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, click: usiz
     let pixels_per_point = ui.pixels_per_point();
     let overlay = Overlay::around(panel.app, click, MAGNIFICATION * f64::from(pixels_per_point));
     let point = placement.screen_from_image(at);
-    let side_id = Id::NULL.with("loupe's side");
+    let side_id = side_id();
     let before = ui.data(|data| data.get_temp::<usize>(side_id));
     let side = free_side(point, placement.rect, &lines(&overlay, placement), before);
     ui.data_mut(|data| data.insert_temp(side_id, side));
@@ -68,6 +68,15 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, click: usiz
     );
     painter.rect_stroke(rect, 2.0, Stroke::new(3.0, Color32::from_black_alpha(160)), StrokeKind::Outside);
     painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);
+}
+
+/// No point is held: the next one chooses its side freely.
+pub fn rest(ui: &egui::Ui) {
+    ui.data_mut(|data| data.remove_temp::<usize>(side_id()));
+}
+
+fn side_id() -> Id {
+    Id::NULL.with("loupe's side")
 }
 
 /// The picture so that a point of it lies exactly in the middle.

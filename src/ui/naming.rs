@@ -1,14 +1,13 @@
 //! The list of names beside a point that waits for one.
 
-use super::Panel;
 use super::viewport::Placement;
+use super::{Panel, theme};
 use crate::app::Action;
 use crate::app::Command;
 use crate::app::naming::NameCandidate;
 use crate::app::session::{Mode, Naming, OFFERED};
 use egui::{
-    Align2, Area, Color32, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo,
-    pos2, vec2,
+    Align2, Area, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// The list's width, points.
@@ -16,7 +15,7 @@ const WIDTH: f32 = 316.0;
 /// The height of a row, of the title and of the hint, points.
 const ROW: f32 = 24.0;
 /// From the point to the list, points: the marker and its ring stay free.
-const GAP: f32 = 24.0;
+const GAP: f32 = 32.0;
 /// Around the list, points.
 const MARGIN: f32 = 6.0;
 
@@ -117,9 +116,11 @@ fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
 fn title(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
     let what = if naming.lines { "Which line?" } else { "Which landmark?" };
-    let visuals = ui.visuals();
-    let text = if naming.typed.is_empty() { what.to_owned() } else { format!("{}|", naming.typed) };
-    let colour = if naming.typed.is_empty() { visuals.weak_text_color() } else { visuals.strong_text_color() };
+    let (text, colour) = if naming.typed.is_empty() {
+        (what.to_owned(), theme::TEXT)
+    } else {
+        (format!("{}|", naming.typed), theme::STRONG)
+    };
     ui.painter().text(
         rect.left_center() + vec2(6.0, 0.0),
         Align2::LEFT_CENTER,
@@ -134,12 +135,10 @@ fn row(ui: &mut egui::Ui, index: usize, candidate: &NameCandidate, highlighted: 
     let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::click());
     let name = format!("{} {}", index + 1, candidate.label);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
-    let visuals = ui.visuals();
-    let (weak, strong) = (visuals.weak_text_color(), visuals.strong_text_color());
     if highlighted {
-        ui.painter().rect_filled(rect, 4.0, visuals.selection.bg_fill);
+        ui.painter().rect_filled(rect, 4.0, theme::ACCENT_GROUND);
     }
-    let weak = if highlighted { visuals.selection.stroke.color.gamma_multiply(0.75) } else { weak };
+    let (weak, strong) = if highlighted { (theme::TEXT, theme::STRONG) } else { (theme::WEAK, theme::TEXT) };
     let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
     let small = FontId::proportional(12.0);
     let middle = rect.center().y;
@@ -166,14 +165,8 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
     let kind = if naming.lines { "line" } else { "landmark" };
     let text = format!("No {kind} matches “{}”.", naming.typed);
-    let colour = ui.visuals().warn_fg_color;
-    ui.painter().text(
-        rect.left_center() + vec2(6.0, 0.0),
-        Align2::LEFT_CENTER,
-        text,
-        FontId::proportional(13.0),
-        colour,
-    );
+    let at = rect.left_center() + vec2(6.0, 0.0);
+    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(13.0), theme::CAUTION);
 }
 
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
@@ -181,8 +174,7 @@ fn hint(ui: &mut egui::Ui, naming: &Naming) {
     let other = if naming.lines { "landmarks" } else { "lines" };
     let text = format!("Enter or 1–{OFFERED} takes · type to filter · Tab: {other} · Esc");
     let at = rect.left_center() + vec2(6.0, 2.0);
-    let colour: Color32 = ui.visuals().weak_text_color();
-    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), colour);
+    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), theme::WEAK);
 }
 
 #[cfg(test)]

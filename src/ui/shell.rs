@@ -1,7 +1,7 @@
 //! The window as a whole: hands actions to the app and effects to the outside.
 
 use super::files::Files;
-use super::{Panel, Pictures, canvas, layout, theme};
+use super::{Panel, PictureState, Pictures, canvas, layout, theme};
 use crate::app::session::Level;
 use crate::app::{Action, App, Effect, Settings};
 use crate::jobs::{Request, Runner, Wake};
@@ -63,6 +63,15 @@ impl Shell {
             Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
         layout::read(&mut panel, ctx);
         self.apply(actions);
+        // Only now is it known which frame is shown: its lines never lie over another one's picture.
+        let actions = self.pictures.update(&self.app, ctx);
+        self.apply(actions);
+    }
+
+    /// Whether the shown frame's picture is there.
+    #[must_use]
+    pub fn has_picture(&self) -> bool {
+        matches!(self.pictures.current(), PictureState::Ready(..))
     }
 
     /// Whether everything that was begun in the background has ended.
@@ -130,8 +139,6 @@ impl Shell {
         let dropped: Vec<_> =
             ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
         self.apply(dropped.into_iter().take(1).map(Action::Open));
-        let actions = self.pictures.update(&self.app, ctx);
-        self.apply(actions);
     }
 }
 

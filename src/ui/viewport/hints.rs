@@ -3,11 +3,11 @@
 use super::labels::{colour, plate};
 use super::placement::Placement;
 use super::scene::waits_for_name;
+use crate::app::Command;
 use crate::app::overlay::{CLICK, UNNAMED};
 use crate::app::session::{Mode, reason_label};
-use crate::app::{Action, Command};
 use crate::project::FrameStatus;
-use crate::ui::{Panel, rejecting};
+use crate::ui::{Panel, rejecting, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 
 /// The plate behind what is said.
@@ -105,7 +105,7 @@ fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
     let written = plate(painter, first, align, name, FontId::proportional(13.0), colour(CLICK), PLATE);
     if !hint.is_empty() {
         let second = first + vec2(0.0, down * written.height());
-        plate(painter, second, align, hint, FontId::proportional(11.0), Color32::from_gray(190), PLATE);
+        plate(painter, second, align, hint, FontId::proportional(11.0), theme::TEXT, PLATE);
     }
 }
 
@@ -130,13 +130,9 @@ fn recently(ui: &egui::Ui, click: Option<usize>) -> bool {
 /// The picture cannot be shown: says why where it would be.
 pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
-    let title = painter.layout(
-        "This picture cannot be shown".to_owned(),
-        FontId::proportional(17.0),
-        Color32::from_gray(225),
-        wrap,
-    );
-    let text = painter.layout(reason.to_owned(), FontId::proportional(13.0), Color32::from_gray(170), wrap);
+    let lay_out = |text: &str, size, colour| painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap);
+    let title = lay_out("This picture cannot be shown", 17.0, theme::STRONG);
+    let text = lay_out(reason, 13.0, theme::TEXT);
     let height = title.size().y + 8.0 + text.size().y;
     let top = rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0);
     let below = top + vec2(0.0, title.size().y + 8.0);
@@ -144,45 +140,8 @@ pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     painter.galley(below, text, Color32::WHITE);
 }
 
-/// Nothing is open: what can be done.
-pub fn nothing_open(panel: &mut Panel<'_>, ui: &mut egui::Ui, rect: Rect) {
-    if let Some(opening) = &panel.app.session.opening {
-        let centre = rect.center();
-        egui::Spinner::new().paint_at(ui, Rect::from_center_size(centre - vec2(0.0, 24.0), Vec2::splat(28.0)));
-        let font = FontId::proportional(14.0);
-        ui.painter_at(rect).text(centre + vec2(0.0, 12.0), Align2::CENTER_CENTER, opening, font, Color32::GRAY);
-        return;
-    }
-    if panel.app.open().is_some() {
-        let font = FontId::proportional(14.0);
-        let text = "This project has no frames.";
-        ui.painter_at(rect).text(rect.center(), Align2::CENTER_CENTER, text, font, Color32::GRAY);
-        return;
-    }
-    let middle = Rect::from_center_size(rect.center(), vec2(rect.width().min(520.0), 120.0));
-    ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
-        ui.vertical_centered(|ui| {
-            ui.label(egui::RichText::new("Drop a video, a folder of frames or a project.").size(17.0));
-            ui.add_space(4.0);
-            ui.label(egui::RichText::new("Or try the demo match (2 minutes).").size(14.0).weak());
-            ui.add_space(16.0);
-            let commands = [Command::OpenDemo, Command::OpenFolder, Command::OpenVideo, Command::OpenProject];
-            let spacing = ui.spacing().item_spacing.x;
-            let font = egui::TextStyle::Button.resolve(ui.style());
-            let widths = commands.map(|command| {
-                let galley = ui.painter().layout_no_wrap(command.name().to_owned(), font.clone(), Color32::WHITE);
-                galley.size().x + 2.0 * ui.spacing().button_padding.x + spacing
-            });
-            let left = (ui.available_width() - widths.iter().sum::<f32>() + spacing).max(0.0) / 2.0;
-            ui.horizontal(|ui| {
-                ui.add_space(left);
-                for command in commands {
-                    let tooltip = panel.app.settings.keys.tooltip(command);
-                    if ui.button(command.name()).on_hover_text(tooltip).clicked() {
-                        panel.actions.push(Action::Command(command));
-                    }
-                }
-            });
-        });
-    });
+/// A project without frames.
+pub fn no_frames(painter: &Painter, rect: Rect) {
+    let text = "This project has no frames.";
+    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), theme::WEAK);
 }

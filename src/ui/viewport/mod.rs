@@ -10,7 +10,7 @@ mod pointer;
 mod scene;
 mod wheel;
 
-use super::{Panel, PictureState, canvas, loupe, masks, naming};
+use super::{Panel, PictureState, canvas, loupe, masks, naming, theme};
 use crate::app::Action;
 use crate::app::session::Mode;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -108,9 +108,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     ui.advance_cursor_after_rect(rect);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
+    painter.rect_filled(rect, 0.0, theme::BACKDROP);
     let Some(frame) = panel.app.frame() else {
-        hints::nothing_open(panel, ui, rect);
+        hints::no_frames(&painter, rect);
         return;
     };
     let expected = frame.image_size;
@@ -173,6 +173,8 @@ fn show_frame(
     masks::show(panel, ui, placement);
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
         loupe::show(panel, ui, placement, click, &picture);
+    } else {
+        loupe::rest(ui);
     }
     naming::show(panel, ui, placement);
 }

@@ -3,7 +3,7 @@
 use egui::{Event, MouseWheelSource, MouseWheelUnit, Vec2};
 
 /// One notch of the wheel.
-const ZOOM_PER_LINE: f64 = 1.25;
+const ZOOM_PER_LINE: f64 = 1.2;
 /// Zooming by fingers with Ctrl: a factor of e per so many points.
 const ZOOM_POINTS: f64 = 200.0;
 /// A line of a wheel as points.
@@ -73,8 +73,8 @@ mod tests {
     fn a_wheel_zooms_and_fingers_move() {
         let (line, point) = (MouseWheelUnit::Line, MouseWheelUnit::Point);
         let none = Modifiers::NONE;
-        assert_eq!(wheel(line, vec2(0.0, 1.0), none), Some(Gesture::Zoom(1.25)));
-        assert_eq!(wheel(line, vec2(0.0, -2.0), none), Some(Gesture::Zoom(1.0 / 1.25 / 1.25)));
+        assert_eq!(wheel(line, vec2(0.0, 1.0), none), Some(Gesture::Zoom(1.2)));
+        assert_eq!(wheel(line, vec2(0.0, -2.0), none), Some(Gesture::Zoom(1.2_f64.powf(-2.0))));
         assert_eq!(wheel(point, vec2(3.0, -7.0), none), Some(Gesture::Pan(vec2(3.0, -7.0))));
         assert_eq!(wheel(line, vec2(0.0, 1.0), Modifiers::SHIFT), Some(Gesture::Pan(vec2(40.0, 0.0))));
         assert!(matches!(wheel(point, vec2(0.0, 20.0), Modifiers::CTRL), Some(Gesture::Zoom(factor)) if factor > 1.0));

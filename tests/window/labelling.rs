@@ -1,0 +1,79 @@
+//! One frame labelled from beginning to end, as a person does it.
+
+use crate::window::{Window, truth};
+use egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::session::{Mode, Saving};
+use touchline::project::{FrameStatus, Target};
+
+#[test]
+fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
+    let Some(mut window) = Window::open(2, [1280.0, 720.0], 1.0) else { return };
+
+    // The first point: nothing is known, so the list asks; its code is typed.
+    window.click(window.image_of("penalty_area_far_left_front"));
+    assert!(matches!(window.app().session.mode, Mode::Naming(_)));
+    window.type_text("pflf");
+    window.harness.get_by_label("1 Penalty area, far left, front corner");
+    window.key(Key::Enter);
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    assert!(window.app().current().camera.is_none());
+
+    // The second: the highlighted name is tried out before it is taken.
+    window.click(window.image_of("centre_circle_halfway_near"));
+    window.type_text("chn");
+    assert!(window.app().current().preview.is_some(), "the camera with this name is shown");
+    window.harness.get_by_label("1 Centre circle meets halfway line, near").click();
+    window.harness.run_steps(2);
+    let camera = window.app().current().camera.unwrap();
+    assert!((camera.ptz().pan - truth(0).ptz().pan).degrees().abs() < 1e-3, "{:?}", camera.ptz());
+
+    // The third names itself, and says so.
+    window.click(window.image_of("penalty_mark_left"));
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    assert_eq!(window.app().session.named_unasked, Some(2));
+    let clicks = &window.app().frame().unwrap().clicks;
+    assert_eq!(clicks[2].target, Some(Target::Landmark("penalty_mark_left".into())));
+    window.snapshot("named_unasked", window.image_of("penalty_mark_left"), [420.0, 240.0]);
+
+    // Accepted: the frame is a reference, the next one is shown, everything is on disk.
+    window.key(Key::Enter);
+    assert_eq!(window.app().session.frame, 1);
+    assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Reference);
+    window.wait_for(|shell| matches!(shell.app().session.saving, Saving::Saved { .. }));
+    let (_, document, _) = touchline::project::read(window.folder.path()).unwrap();
+    assert_eq!(document.frames[0].clicks.len(), 3);
+    assert_eq!(document.frames[0].status, FrameStatus::Reference);
+}
+
+#[test]
+fn escape_takes_a_point_without_a_name_away() {
+    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    window.click(window.image_of("penalty_mark_left"));
+    assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    assert!(window.app().frame().unwrap().clicks.is_empty());
+}
+
+#[test]
+fn the_list_of_names_changes_to_lines_and_back() {
+    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    window.click(window.image_of("penalty_mark_left"));
+    window.key(Key::Tab);
+    assert!(matches!(&window.app().session.mode, Mode::Naming(naming) if naming.lines));
+    window.type_text("halfway");
+    window.harness.get_by_label("1 Halfway line");
+    window.snapshot("list_of_names", window.image_of("penalty_mark_left"), [840.0, 240.0]);
+    window.key(Key::Tab);
+    window.type_text("qq");
+    assert!(matches!(&window.app().session.mode, Mode::Naming(naming) if !naming.lines && naming.offered().is_empty()));
+    for _ in 0..9 {
+        window.key(Key::Backspace);
+    }
+    assert!(matches!(&window.app().session.mode, Mode::Naming(naming) if naming.offered().len() == 5));
+    window.key(Key::ArrowDown);
+    window.type_text("3");
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    assert!(window.app().frame().unwrap().clicks[0].target.is_some());
+}

@@ -1,0 +1,192 @@
+//! A window on a small project in a temporary folder.
+
+use egui_kittest::kittest::Queryable as _;
+use egui_kittest::{Harness, SnapshotOptions};
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use tempfile::TempDir;
+use touchline::app::drawing::Colour;
+use touchline::app::overlay::{OverlayScene, Standing, field_overlay};
+use touchline::app::session::PictureView;
+use touchline::app::{App, OverlayStyle};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::{FieldModel, builtin};
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::project::{Camera, Document, FieldSpec, Frame, document_to_string};
+use touchline::render::{Layer, Offscreen, View};
+use touchline::ui::Shell;
+
+/// The size of every frame.
+pub const SIZE: ImageSize = ImageSize::new(640, 360);
+/// How long the background may take for a small picture.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The field of every frame.
+pub fn field() -> FieldModel {
+    builtin("soccer").unwrap().default_model().unwrap()
+}
+
+fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+/// The camera that drew a frame.
+pub fn truth(frame: usize) -> PtzCamera {
+    PtzCamera::new(base(), Ptz::from_degrees(-18.0 + 1.5 * frame as f64, -13.0, 760.0))
+}
+
+/// Writes a project of plain frames: white lines on green.
+fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base());
+    document.cameras.push(camera.into());
+    let style = OverlayStyle { colour: [235, 240, 235], width: 1.5, opacity: 1.0, outline: 0.0, landmarks: false };
+    for index in 0..frames {
+        let scene = OverlayScene {
+            field: &field(),
+            camera: Some(&truth(index)),
+            standing: Standing::Solved,
+            image_size: SIZE,
+            clicks: &[],
+            selected: None,
+            disputed: &[],
+            style: &style,
+            zoom: 1.0,
+        };
+        let lines = Layer::Drawing(Arc::new(field_overlay(&scene)));
+        let view = View::one_to_one([SIZE.width, SIZE.height]);
+        let picture = offscreen.render(&view, Colour::rgb(62, 118, 66), &[lines]).unwrap();
+        let name = format!("{index:04}.png");
+        picture.save(folder.join(&name)).unwrap();
+        document.frames.push(Frame::from_image(&name, "main".into(), SIZE).into());
+    }
+    std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
+}
+
+/// A window on a project.
+pub struct Window {
+    /// The window.
+    pub harness: Harness<'static, Shell>,
+    /// The project's folder; it goes with the window.
+    pub folder: TempDir,
+}
+
+impl Window {
+    /// Opens a project of plain frames; none where there is no adapter to draw with.
+    pub fn open(frames: usize, size: [f32; 2], pixels_per_point: f32) -> Option<Self> {
+        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+        let folder = tempfile::tempdir().unwrap();
+        write_project(folder.path(), frames, &mut offscreen);
+        Some(Self::on(folder, size, pixels_per_point))
+    }
+
+    /// Opens a project that is there.
+    pub fn on(folder: TempDir, size: [f32; 2], pixels_per_point: f32) -> Self {
+        let path = folder.path().to_path_buf();
+        let harness = Harness::builder()
+            .with_size(size)
+            .with_pixels_per_point(pixels_per_point)
+            .wgpu()
+            .build_eframe(move |creation| Shell::new(creation, None, Some(path)).unwrap());
+        let mut window = Self { harness, folder };
+        window.wait_for(|shell| shell.app().open().is_some() && shell.has_picture());
+        window.harness.run_steps(3);
+        window
+    }
+
+    /// The application behind the window.
+    pub fn app(&self) -> &App {
+        self.harness.state().app()
+    }
+
+    /// Lets the window run until something holds.
+    pub fn wait_for(&mut self, wanted: impl Fn(&Shell) -> bool) {
+        let start = Instant::now();
+        while !wanted(self.harness.state()) {
+            assert!(start.elapsed() < PATIENCE, "the window waits for ever");
+            std::thread::sleep(Duration::from_millis(5));
+            self.harness.step();
+        }
+        self.harness.step();
+    }
+
+    /// Where a point of the picture is on the screen.
+    pub fn on_screen(&self, at: ImagePoint) -> egui::Pos2 {
+        let rect = self.harness.get_by_label("Picture").rect();
+        let per_point = f64::from(self.harness.ctx.pixels_per_point());
+        let (scale, centre) = match self.app().session.view {
+            PictureView::Fit => (self.app().session.fit_scale, SIZE.centre()),
+            PictureView::Zoomed { scale, centre } => (scale, centre),
+        };
+        let way = at.offset_from(centre) * (scale / per_point);
+        rect.center() + egui::vec2(way.x as f32, way.y as f32)
+    }
+
+    /// Where a landmark is in the shown frame, by the truth.
+    pub fn image_of(&self, landmark: &str) -> ImagePoint {
+        let field = field();
+        let world = field.landmark_in_world(field.landmark(landmark).unwrap());
+        truth(self.app().session.frame).image_from_world(world).unwrap()
+    }
+
+    /// Presses and releases the button at a point of the picture.
+    pub fn click(&mut self, at: ImagePoint) {
+        let at = self.on_screen(at);
+        self.press(at);
+        self.release(at);
+    }
+
+    /// The button goes down.
+    pub fn press(&mut self, at: egui::Pos2) {
+        self.harness.hover_at(at);
+        self.harness.step();
+        self.harness.drag_at(at);
+        self.harness.step();
+    }
+
+    /// The pointer moves.
+    pub fn drag(&mut self, to: egui::Pos2) {
+        self.harness.hover_at(to);
+        self.harness.step();
+    }
+
+    /// The button goes up.
+    pub fn release(&mut self, at: egui::Pos2) {
+        self.harness.event(egui::Event::PointerButton {
+            pos: at,
+            button: egui::PointerButton::Primary,
+            pressed: false,
+            modifiers: egui::Modifiers::NONE,
+        });
+        self.harness.run_steps(2);
+    }
+
+    /// A text is typed, letter by letter.
+    pub fn type_text(&mut self, text: &str) {
+        for letter in text.chars() {
+            self.harness.event(egui::Event::Text(letter.to_string()));
+            self.harness.step();
+        }
+    }
+
+    /// A key is pressed.
+    pub fn key(&mut self, key: egui::Key) {
+        self.harness.key_press(key);
+        self.harness.run_steps(2);
+    }
+
+    /// The window around a point of the picture as it looks, compared with the kept picture.
+    pub fn snapshot(&mut self, name: &str, around: ImagePoint, size: [f32; 2]) {
+        let viewport = self.harness.get_by_label("Picture").rect();
+        let part = egui::Rect::from_center_size(self.on_screen(around), size.into()).intersect(viewport);
+        let per_point = self.harness.ctx.pixels_per_point();
+        let whole = self.harness.render().unwrap();
+        let px = |points: f32| (points * per_point).round().max(0.0) as u32;
+        let (x, y, width, height) = (px(part.left()), px(part.top()), px(part.width()), px(part.height()));
+        let cut = image::imageops::crop_imm(&whole, x, y, width, height).to_image();
+        let options = SnapshotOptions::new().output_path("tests/window/snapshots").max_failed_pixels(40);
+        egui_kittest::image_snapshot_options(&cut, name, &options);
+    }
+}
