@@ -5,7 +5,20 @@ use std::path::Path;
 use std::sync::LazyLock;
 
 /// Name and text of every built-in template, in the order in which they are listed.
-const FILES: &[(&str, &str)] = &[("soccer", include_str!("../../assets/fields/soccer.json"))];
+const FILES: &[(&str, &str)] = &[
+    ("soccer", include_str!("../../assets/fields/soccer.json")),
+    ("futsal", include_str!("../../assets/fields/futsal.json")),
+    ("basketball_fiba", include_str!("../../assets/fields/basketball_fiba.json")),
+    ("basketball_nba", include_str!("../../assets/fields/basketball_nba.json")),
+    ("basketball_ncaa", include_str!("../../assets/fields/basketball_ncaa.json")),
+    ("ice_hockey_iihf", include_str!("../../assets/fields/ice_hockey_iihf.json")),
+    ("ice_hockey_nhl", include_str!("../../assets/fields/ice_hockey_nhl.json")),
+    ("american_football_nfl", include_str!("../../assets/fields/american_football_nfl.json")),
+    ("american_football_ncaa", include_str!("../../assets/fields/american_football_ncaa.json")),
+    ("tennis", include_str!("../../assets/fields/tennis.json")),
+    ("volleyball", include_str!("../../assets/fields/volleyball.json")),
+    ("handball", include_str!("../../assets/fields/handball.json")),
+];
 
 static TEMPLATES: LazyLock<Vec<Result<Template, FieldError>>> =
     LazyLock::new(|| FILES.iter().map(|(name, text)| Template::from_json(text, &format!("built-in {name}"))).collect());
