@@ -6,6 +6,7 @@
 mod check;
 mod document;
 mod export;
+mod fields;
 mod messages;
 mod new;
 mod output;
@@ -36,6 +37,7 @@ struct Cli {
 enum Command {
     Check(check::CheckArgs),
     Export(export::ExportArgs),
+    Fields(fields::FieldsArgs),
     New(new::NewArgs),
     Render(render::RenderArgs),
     Solve(solve::SolveArgs),
@@ -73,6 +75,7 @@ pub fn run() -> Next {
     let result: anyhow::Result<Outcome> = match command {
         Command::Check(args) => check::check(&args, messages),
         Command::Export(args) => export::export(&args, messages),
+        Command::Fields(args) => fields::fields(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::Render(args) => render::render(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),

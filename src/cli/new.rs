@@ -31,7 +31,8 @@ pub struct NewArgs {
     force: bool,
 }
 
-fn parameter(text: &str) -> Result<(String, f64), String> {
+/// Reads a field parameter: `length_m=105`.
+pub(super) fn parameter(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write NAME=NUMBER, such as length_m=105")?;
     match value.trim().parse::<f64>() {
         Ok(number) if number.is_finite() => Ok((name.trim().to_owned(), number)),

@@ -117,14 +117,7 @@ impl Builder<'_> {
     }
 
     fn value(&self, part: &str, expression: &Expression, names: &[(&str, f64)]) -> Result<f64, FieldError> {
-        let evaluated = if names.is_empty() {
-            expression.evaluate(&self.scope)
-        } else {
-            let mut scope = self.scope.clone();
-            scope.extend(names.iter().map(|(name, value)| ((*name).to_owned(), *value)));
-            expression.evaluate(&scope)
-        };
-        evaluated.map_err(|problem| FieldError::Expression {
+        expression.evaluate(&self.scope, names).map_err(|problem| FieldError::Expression {
             place: self.template.place.clone(),
             part: part.to_owned(),
             text: expression.text().to_owned(),

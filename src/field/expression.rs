@@ -140,14 +140,20 @@ impl Expression {
         &self.text
     }
 
-    /// The value, with the names of `scope`.
+    /// The value, with the names of `scope` and those of `more`.
     ///
     /// # Errors
     /// An unknown name, a division by zero, the root of a negative number, or overflow.
-    pub fn evaluate(&self, scope: &BTreeMap<String, f64>) -> Result<f64, ExpressionError> {
-        let value = evaluate(&self.root, scope)?;
+    pub fn evaluate(&self, scope: &BTreeMap<String, f64>, more: &[(&str, f64)]) -> Result<f64, ExpressionError> {
+        let value = Scope { names: scope, more }.evaluate(&self.root)?;
         if value.is_finite() { Ok(value) } else { Err(ExpressionError::NotFinite) }
     }
+}
+
+/// The names that an expression may use, with their values.
+struct Scope<'a> {
+    names: &'a BTreeMap<String, f64>,
+    more: &'a [(&'a str, f64)],
 }
 
 impl fmt::Debug for Expression {
@@ -156,30 +162,37 @@ impl fmt::Debug for Expression {
     }
 }
 
-fn evaluate(node: &Node, scope: &BTreeMap<String, f64>) -> Result<f64, ExpressionError> {
-    match node {
-        Node::Number(value) => Ok(*value),
-        Node::Name { name, position } => scope.get(name).copied().ok_or_else(|| ExpressionError::UnknownName {
-            name: name.clone(),
-            position: *position,
-            known: scope.keys().map(String::as_str).collect::<Vec<_>>().join(", "),
-        }),
-        Node::Negated(of) => Ok(-evaluate(of, scope)?),
-        Node::Root { of, position } => {
-            let value = evaluate(of, scope)?;
-            if value < 0.0 {
-                return Err(ExpressionError::NegativeRoot { value, position: *position });
+impl Scope<'_> {
+    fn value(&self, name: &str) -> Option<f64> {
+        let more = self.more.iter().find(|(known, _)| *known == name).map(|(_, value)| *value);
+        more.or_else(|| self.names.get(name).copied())
+    }
+
+    fn evaluate(&self, node: &Node) -> Result<f64, ExpressionError> {
+        match node {
+            Node::Number(value) => Ok(*value),
+            Node::Name { name, position } => self.value(name).ok_or_else(|| {
+                let known = self.names.keys().map(String::as_str).chain(self.more.iter().map(|(name, _)| *name));
+                let known = known.collect::<Vec<_>>().join(", ");
+                ExpressionError::UnknownName { name: name.clone(), position: *position, known }
+            }),
+            Node::Negated(of) => Ok(-self.evaluate(of)?),
+            Node::Root { of, position } => {
+                let value = self.evaluate(of)?;
+                if value < 0.0 {
+                    return Err(ExpressionError::NegativeRoot { value, position: *position });
+                }
+                Ok(value.sqrt())
             }
-            Ok(value.sqrt())
-        }
-        Node::Binary { operator, left, right, position } => {
-            let (left, right) = (evaluate(left, scope)?, evaluate(right, scope)?);
-            match operator {
-                Operator::Add => Ok(left + right),
-                Operator::Subtract => Ok(left - right),
-                Operator::Multiply => Ok(left * right),
-                Operator::Divide if right == 0.0 => Err(ExpressionError::DivisionByZero { position: *position }),
-                Operator::Divide => Ok(left / right),
+            Node::Binary { operator, left, right, position } => {
+                let (left, right) = (self.evaluate(left)?, self.evaluate(right)?);
+                match operator {
+                    Operator::Add => Ok(left + right),
+                    Operator::Subtract => Ok(left - right),
+                    Operator::Multiply => Ok(left * right),
+                    Operator::Divide if right == 0.0 => Err(ExpressionError::DivisionByZero { position: *position }),
+                    Operator::Divide => Ok(left / right),
+                }
             }
         }
     }
@@ -303,7 +316,9 @@ mod tests {
 
     fn value(text: &str) -> Result<f64, String> {
         let scope = BTreeMap::from([("length_m".to_owned(), 105.0), ("width_m".to_owned(), 68.0)]);
-        Expression::parse(text).and_then(|expression| expression.evaluate(&scope)).map_err(|error| error.to_string())
+        Expression::parse(text)
+            .and_then(|expression| expression.evaluate(&scope, &[]))
+            .map_err(|error| error.to_string())
     }
 
     #[test]

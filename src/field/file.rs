@@ -12,6 +12,7 @@ pub const VERSION: u64 = 1;
 
 /// Enough of a file to tell whether the rest can be read.
 #[derive(serde::Deserialize)]
+#[serde(expecting = "a field template, which is a JSON object")]
 pub struct Header {
     pub format: Option<String>,
     pub version: Option<u64>,

@@ -123,7 +123,7 @@ impl Reader<'_> {
             let value = |key: &str, formula: &Formula| {
                 let part = format!("{part}, {key}");
                 let expression = self.expression(&part, formula)?;
-                expression.evaluate(&BTreeMap::new()).map_err(|problem| FieldError::Expression {
+                expression.evaluate(&BTreeMap::new(), &[]).map_err(|problem| FieldError::Expression {
                     place: self.place.to_owned(),
                     part,
                     text: formula.text(),

@@ -9,6 +9,7 @@
 
 mod app;
 mod architecture;
+mod bad_fields;
 mod data;
 mod document;
 mod fields;

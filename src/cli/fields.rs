@@ -1,0 +1,236 @@
+//! `touchline fields`: the field templates, listed and rendered.
+
+use super::Outcome;
+use super::messages::Messages;
+use super::new::parameter;
+use super::output::{print, refuse_existing, write_file};
+use crate::app::OverlayStyle;
+use crate::app::field_map::{FieldMap, SURROUND, field_map};
+use crate::app::overlay::{OverlayScene, Standing};
+use crate::field::{Curve, FieldLine, FieldModel, Template, builtin, builtin_names, svg, template_named};
+use crate::geometry::Vec3;
+use crate::render::{Layer, Offscreen, View};
+use anyhow::{Context as _, bail};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Ground around the field on a PNG, m.
+const MAP_MARGIN_M: f64 = 3.0;
+/// The longer side of a PNG is about this long, px.
+const MAP_WIDTH_PX: f64 = 1600.0;
+
+/// Lists the field templates: parameters with their ranges and sources, landmarks with coordinates, lines.
+#[derive(clap::Args, Debug)]
+pub struct FieldsArgs {
+    /// A built-in template, or the path of your own (a file ending in .json); all built-in ones if none is named.
+    #[arg(value_name = "NAME")]
+    name: Option<String>,
+    /// A parameter of the named template, such as length_m=105; may be repeated.
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
+    set: Vec<(String, f64)>,
+    /// Draw the named template from above, into an SVG or a PNG.
+    #[arg(long, value_name = "FILE")]
+    render: Option<PathBuf>,
+    /// Replace an existing file.
+    #[arg(long)]
+    force: bool,
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// There is no such template, it is broken, a parameter is outside its range, or the drawing cannot be written.
+pub fn fields(args: &FieldsArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    let params: BTreeMap<String, f64> = args.set.iter().cloned().collect();
+    let Some(name) = &args.name else {
+        if args.render.is_some() || !params.is_empty() {
+            bail!("--render and --set need the NAME of one template; `touchline fields` lists them");
+        }
+        let filled = builtin_names()
+            .into_iter()
+            .map(|name| {
+                let template = builtin(name)?;
+                Ok((template, template.default_model()?))
+            })
+            .collect::<anyhow::Result<Vec<_>>>()?;
+        list(&filled, messages)?;
+        return Ok(Outcome::Done);
+    };
+    let template = template_named(name, Path::new("."))?;
+    let field = template.model(&params, 0.0)?;
+    if let Some(path) = &args.render {
+        render(&field, path, args.force)?;
+    }
+    if args.render.is_none() {
+        list(&[(&template, field)], messages)?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn list(filled: &[(&Template, FieldModel)], messages: Messages) -> anyhow::Result<()> {
+    print(&match messages {
+        Messages::Text => {
+            filled.iter().map(|(template, field)| listing(template, field)).collect::<Vec<_>>().join("\n")
+        }
+        Messages::Json => {
+            let templates: Vec<Value> = filled.iter().map(|(template, field)| described(template, field)).collect();
+            format!("{:#}\n", json!({ "templates": templates }))
+        }
+    })
+}
+
+/// A template as people read it.
+fn listing(template: &Template, field: &FieldModel) -> String {
+    let mut out = format!("{}  {}\n", template.name, template.title);
+    // Writing to a String cannot fail.
+    for note in &template.notes {
+        let _ = writeln!(out, "  {note}");
+    }
+    out.push_str("  parameters\n");
+    for param in &template.params {
+        let value = field.params.get(&param.name).copied().unwrap_or(param.default);
+        let (name, min, max, source) = (&param.name, metres(param.min), metres(param.max), &param.source);
+        let _ = writeln!(out, "    {name} = {} ({min} to {max} m; {source})", metres(value));
+    }
+    let _ = writeln!(out, "  {} landmarks: name, code, x y z in m", field.landmarks.len());
+    for landmark in &field.landmarks {
+        let _ = writeln!(
+            out,
+            "    {:<44} {:<5} {:>9} {:>9} {:>7}  {}",
+            landmark.id.as_str(),
+            landmark.code,
+            metres(landmark.nominal_m.x),
+            metres(landmark.nominal_m.y),
+            metres(landmark.nominal_m.z),
+            landmark.label
+        );
+    }
+    let _ = writeln!(out, "  {} lines: name, code, shape, width and edge of the paint", field.lines.len());
+    for line in &field.lines {
+        let shape = shape_name(&line.curve);
+        let painted = if line.painted { "" } else { ", not painted" };
+        let _ = writeln!(
+            out,
+            "    {:<44} {:<5} {shape:<8} {:>5} m {:<6}  {}{painted}",
+            line.id.as_str(),
+            line.code,
+            metres(line.width_m),
+            line.edge.name(),
+            line.label
+        );
+    }
+    out
+}
+
+/// A length to the millimetre, without trailing zeros.
+fn metres(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+fn shape_name(curve: &Curve) -> &'static str {
+    match curve {
+        Curve::Segment { .. } => "segment",
+        Curve::Arc { .. } if curve.is_closed() => "circle",
+        Curve::Arc { .. } => "arc",
+    }
+}
+
+/// A template as scripts read it.
+fn described(template: &Template, field: &FieldModel) -> Value {
+    let params = template.params.iter().map(|param| {
+        let value = json!({
+            "label": param.label, "unit": param.unit, "value": field.params.get(&param.name),
+            "default": param.default, "min": param.min, "max": param.max, "source": param.source,
+        });
+        (param.name.clone(), value)
+    });
+    let dimensions = template.dimensions.iter().map(|dimension| {
+        (dimension.name.clone(), json!({ "value": dimension.value.text(), "source": dimension.source }))
+    });
+    let landmarks: Vec<Value> = field
+        .landmarks
+        .iter()
+        .map(|landmark| {
+            json!({
+                "id": landmark.id.as_str(), "label": landmark.label, "code": landmark.code,
+                "position_m": triple(landmark.nominal_m), "click_sigma_px": landmark.click_sigma_px,
+            })
+        })
+        .collect();
+    json!({
+        "name": template.name,
+        "title": template.title,
+        "notes": template.notes,
+        "params": params.collect::<serde_json::Map<_, _>>(),
+        "dimensions": dimensions.collect::<serde_json::Map<_, _>>(),
+        "extent_m": [field.length_m, field.width_m],
+        "symmetry": template.symmetry.iter().map(|symmetry| symmetry.name()).collect::<Vec<_>>(),
+        "landmarks": landmarks,
+        "lines": field.lines.iter().map(described_line).collect::<Vec<_>>(),
+    })
+}
+
+fn described_line(line: &FieldLine) -> Value {
+    let mut value = json!({
+        "id": line.id.as_str(), "label": line.label, "code": line.code, "shape": shape_name(&line.curve),
+        "width_m": line.width_m, "edge": line.edge.name(), "painted": line.painted,
+    });
+    match line.curve {
+        Curve::Segment { from, to } => {
+            value["from_m"] = json!(triple(from));
+            value["to_m"] = json!(triple(to));
+        }
+        Curve::Arc { centre, radius_m, start, sweep } => {
+            value["centre_m"] = json!(triple(centre));
+            value["radius_m"] = json!(radius_m);
+            value["start_deg"] = json!(start.degrees());
+            value["sweep_deg"] = json!(sweep.degrees());
+        }
+    }
+    value
+}
+
+/// Coordinates, with −0 as 0.
+fn triple(point: Vec3) -> [f64; 3] {
+    [point.x + 0.0, point.y + 0.0, point.z + 0.0]
+}
+
+fn render(field: &FieldModel, path: &Path, force: bool) -> anyhow::Result<()> {
+    refuse_existing(path, force)?;
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "svg" => write_file(path, svg(field).as_bytes(), force),
+        "png" => write_file(path, &png(field)?, force),
+        _ => bail!("--render {}: the name must end with .svg or .png", path.display()),
+    }
+}
+
+/// The field map as the app draws it.
+fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
+    let px_per_m = MAP_WIDTH_PX / (field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M);
+    let map = FieldMap::new(field, MAP_MARGIN_M, px_per_m);
+    let size = map.size_px();
+    let scene = OverlayScene {
+        field,
+        camera: None,
+        standing: Standing::Solved,
+        image_size: size,
+        clicks: &[],
+        selected: None,
+        disputed: &[],
+        style: &OverlayStyle::default(),
+        zoom: 1.0,
+    };
+    let drawing = field_map(&scene, &map);
+    let layers = [Layer::Drawing(Arc::new(drawing.ground)), Layer::Drawing(Arc::new(drawing.over))];
+    let drawn = Offscreen::new()?.render(&View::one_to_one([size.width, size.height]), SURROUND, &layers)?;
+    let mut png = Cursor::new(Vec::new());
+    drawn.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    Ok(png.into_inner())
+}

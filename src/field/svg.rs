@@ -1,0 +1,129 @@
+//! A field seen from above as an SVG: lines at their real width, landmarks with their codes.
+
+use super::{Curve, FieldLine, FieldModel};
+use crate::geometry::Vec3;
+
+/// Ground around the field, m, at least; boards and posts outside it are kept in view.
+const MARGIN_M: f64 = 2.0;
+
+/// The drawing's width, px.
+const WIDTH_PX: f64 = 1600.0;
+
+/// Draws a field from above, x to the right and y up; off-ground parts are drawn where they stand.
+#[must_use]
+pub fn svg(field: &FieldModel) -> String {
+    let corner = field
+        .landmarks
+        .iter()
+        .map(|landmark| landmark.nominal_m)
+        .fold(Vec3::new(field.length_m / 2.0, field.width_m / 2.0, 0.0), |corner, at| {
+            Vec3::new(corner.x.max(at.x.abs()), corner.y.max(at.y.abs()), 0.0)
+        });
+    let reach_m = corner + Vec3::new(MARGIN_M, MARGIN_M, 0.0);
+    let plan = Plan { reach_m, px_per_m: WIDTH_PX / (2.0 * reach_m.x) };
+    let height_px = number(2.0 * reach_m.y * plan.px_per_m);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH_PX}\" height=\"{height_px}\">\n\
+         <title>{}</title>\n\
+         <rect width=\"{WIDTH_PX}\" height=\"{height_px}\" fill=\"#215c38\"/>\n\
+         <g fill=\"none\" stroke=\"#f4f7f4\" stroke-linecap=\"square\">\n",
+        escaped(&field.template),
+    );
+    for line in &field.lines {
+        out.push_str(&plan.line(line));
+    }
+    out.push_str("</g>\n<g fill=\"#ffd54a\" stroke=\"none\" font-family=\"sans-serif\" font-size=\"13\">\n");
+    for landmark in &field.landmarks {
+        let [x, y] = plan.at(landmark.nominal_m);
+        let title = escaped(&landmark.label);
+        out.push_str(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"3\"><title>{title}</title></circle>\n"));
+        if landmark.nominal_m.z == 0.0 {
+            out.push_str(&format!("<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>\n", landmark.code));
+        }
+    }
+    out.push_str("</g>\n</svg>\n");
+    out
+}
+
+/// Where the field lies in the drawing.
+struct Plan {
+    /// From the middle to the drawing's border, m.
+    reach_m: Vec3,
+    px_per_m: f64,
+}
+
+impl Plan {
+    /// A place of the field, px.
+    fn at(&self, place_m: Vec3) -> [String; 2] {
+        [(self.reach_m.x + place_m.x), (self.reach_m.y - place_m.y)].map(|metres| self.length(metres))
+    }
+
+    fn length(&self, metres: f64) -> String {
+        number(metres * self.px_per_m)
+    }
+
+    fn line(&self, line: &FieldLine) -> String {
+        let [from, to] = [0.0, 1.0].map(|t| self.at(line.paint_centre.point_at(t)));
+        let ([x1, y1], [x2, y2]) = (from, to);
+        let (tag, place) = match line.paint_centre {
+            Curve::Segment { .. } => ("line", format!("x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"")),
+            Curve::Arc { centre, radius_m, .. } if line.curve.is_closed() => {
+                let [x, y] = self.at(centre);
+                ("circle", format!("cx=\"{x}\" cy=\"{y}\" r=\"{}\"", self.length(radius_m)))
+            }
+            Curve::Arc { radius_m, sweep, .. } => {
+                let large = u8::from(sweep.radians().abs() > std::f64::consts::PI);
+                // The picture's y runs down: what turns from +x towards +y turns the other way there.
+                let clockwise = u8::from(sweep.radians() < 0.0);
+                let radius = self.length(radius_m);
+                ("path", format!("d=\"M {x1} {y1} A {radius} {radius} 0 {large} {clockwise} {x2} {y2}\""))
+            }
+        };
+        let colour = if line.painted { "" } else { " stroke=\"#7fb4ff\"" };
+        let width = self.length(line.width_m);
+        let title = escaped(&line.label);
+        format!("<{tag} {place} stroke-width=\"{width}\"{colour}><title>{title}</title></{tag}>\n")
+    }
+}
+
+/// px with two digits, without trailing zeros.
+fn number(value: f64) -> String {
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::{builtin, builtin_names};
+
+    #[test]
+    fn every_template_draws_all_its_lines_and_landmarks() {
+        for name in builtin_names() {
+            let field = builtin(name).unwrap().default_model().unwrap();
+            let text = svg(&field);
+            assert_eq!(text.matches("stroke-width").count(), field.lines.len(), "{name}");
+            assert_eq!(text.matches("</circle>").count(), text.matches("<circle").count(), "{name}");
+            assert!(!text.contains("NaN") && !text.contains("inf\""), "{name}");
+        }
+    }
+
+    #[test]
+    fn an_arc_bends_the_way_it_does_on_the_field() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let plan = Plan { reach_m: Vec3::new(60.0, 40.0, 0.0), px_per_m: 10.0 };
+        // The left penalty arc runs from near to far with its apex towards the middle: counter-clockwise in the world.
+        let arc = plan.line(field.line("penalty_arc_left").unwrap());
+        assert!(arc.starts_with("<path d=\"M 240"), "{arc}");
+        assert!(arc.contains("A 90.9 90.9 0 0 0 "), "{arc}");
+        assert_eq!(
+            plan.line(field.line("halfway_line").unwrap()),
+            "<line x1=\"600\" y1=\"740\" x2=\"600\" y2=\"60\" stroke-width=\"1.2\"><title>Halfway line</title></line>\n"
+        );
+    }
+}
