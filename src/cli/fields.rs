@@ -29,7 +29,7 @@ pub struct FieldsArgs {
     /// A built-in template, or the path of your own (a file ending in .json); all built-in ones if none is named.
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// A parameter of the named template, such as length_m=105; may be repeated.
+    /// A parameter of the named template: `length_m=105`; may be repeated.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
     /// Draw the named template from above, into an SVG or a PNG.

@@ -171,7 +171,8 @@ impl Builder<'_> {
                 start: Angle::ZERO,
                 sweep: Angle::from_degrees(360.0),
             },
-            CurvePart::Arc { from, through, to } => {
+            CurvePart::Arc(points) => {
+                let [from, through, to] = &**points;
                 arc_through(point("from", from)?, point("through", through)?, point("to", to)?)
                     .map_err(|problem| self.invalid(part, problem))?
             }

@@ -46,7 +46,7 @@ pub enum CurvePart {
     /// Straight.
     Segment { from: PointPart, to: PointPart },
     /// The circle through three points, from the first to the last.
-    Arc { from: PointPart, through: PointPart, to: PointPart },
+    Arc(Box<[PointPart; 3]>),
     /// A whole circle.
     Circle { centre: PointPart, radius_m: Scoped },
 }

@@ -202,11 +202,9 @@ impl Reader<'_> {
                 (Some(from), None, Some(to), None, None) => {
                     CurvePart::Segment { from: point("from", from)?, to: point("to", to)? }
                 }
-                (Some(from), Some(through), Some(to), None, None) => CurvePart::Arc {
-                    from: point("from", from)?,
-                    through: point("through", through)?,
-                    to: point("to", to)?,
-                },
+                (Some(from), Some(through), Some(to), None, None) => {
+                    CurvePart::Arc(Box::new([point("from", from)?, point("through", through)?, point("to", to)?]))
+                }
                 (None, None, None, Some(centre), Some(radius)) => CurvePart::Circle {
                     centre: point("centre", centre)?,
                     radius_m: self.scoped(&format!("{part}, radius_m"), radius, &variant)?,

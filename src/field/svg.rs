@@ -2,6 +2,7 @@
 
 use super::{Curve, FieldLine, FieldModel};
 use crate::geometry::Vec3;
+use std::fmt::Write as _;
 
 /// Ground around the field, m, at least; boards and posts outside it are kept in view.
 const MARGIN_M: f64 = 2.0;
@@ -36,9 +37,10 @@ pub fn svg(field: &FieldModel) -> String {
     for landmark in &field.landmarks {
         let [x, y] = plan.at(landmark.nominal_m);
         let title = escaped(&landmark.label);
-        out.push_str(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"3\"><title>{title}</title></circle>\n"));
+        // Writing to a string cannot fail.
+        let _ = writeln!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"3\"><title>{title}</title></circle>");
         if landmark.nominal_m.z == 0.0 {
-            out.push_str(&format!("<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>\n", landmark.code));
+            let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>", landmark.code);
         }
     }
     out.push_str("</g>\n</svg>\n");

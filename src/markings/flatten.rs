@@ -77,7 +77,7 @@ impl<'a> Flattener<'a> {
             piece(a.in_cam, b.in_cam);
             return;
         }
-        let middle = self.knot(curve, (a.t + b.t) / 2.0);
+        let middle = self.knot(curve, a.t.midpoint(b.t));
         self.halve(curve, a, middle, depth - 1, piece);
         self.halve(curve, middle, b, depth - 1, piece);
     }
