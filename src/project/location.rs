@@ -21,21 +21,17 @@ impl Location {
     /// There is no such file or folder, or the folder holds no project.
     pub fn find(path: &Path) -> Result<Self, StoreError> {
         let io = |source| StoreError::from_io("find", path, source);
-        let metadata = fs::metadata(path).map_err(io)?;
-        if metadata.is_dir() {
-            let file = path.join(PROJECT_FILE);
+        let mut file = path.to_path_buf();
+        if fs::metadata(path).map_err(io)?.is_dir() {
+            file.push(PROJECT_FILE);
             if !file.exists() {
                 return Err(StoreError::NoProject { folder: path.to_path_buf() });
             }
-            return Self::find(&file).map_err(|error| match error {
-                StoreError::NotAFile { .. } => StoreError::NotAFile { path: file },
-                other => other,
-            });
         }
-        if !metadata.is_file() {
-            return Err(StoreError::NotAFile { path: path.to_path_buf() });
+        if !file.is_file() {
+            return Err(StoreError::NotAFile { path: file });
         }
-        Ok(Self { file: fs::canonicalize(path).map_err(io)? })
+        Ok(Self { file: fs::canonicalize(file).map_err(io)? })
     }
 
     /// Where a new document is to lie: in a folder that exists or is named with a final separator as `project.json`,

@@ -35,7 +35,7 @@ pub enum ReadError {
         found: String,
     },
     /// The `version` is no whole number above zero.
-    #[error("`version` is {found}, expected a whole number from 1 to {}", DOCUMENT_VERSION)]
+    #[error("`version` is {found}, expected a whole number from 1 on")]
     NoVersion {
         /// What `version` is.
         found: String,
@@ -136,12 +136,24 @@ fn message_of(error: &serde_json::Error) -> String {
     text.rfind(" at line ").map_or(text.as_str(), |end| &text[..end]).to_owned()
 }
 
+/// What the parser says of a text that is no JSON.
+fn syntax_message(error: &serde_json::Error) -> String {
+    match message_of(error) {
+        message if message == "expected value" => "expected a value (JSON has no NaN and no Infinity)".to_owned(),
+        message => message,
+    }
+}
+
 /// Says of a text that could not be read what is wrong with it, most telling first.
 fn explain(text: &str, error: &serde_json::Error) -> ReadError {
     let value = match serde_json::from_str::<Value>(text) {
         Ok(value) => value,
         Err(syntax) => {
-            return ReadError::NotJson { message: message_of(&syntax), line: syntax.line(), column: syntax.column() };
+            return ReadError::NotJson {
+                message: syntax_message(&syntax),
+                line: syntax.line(),
+                column: syntax.column(),
+            };
         }
     };
     let key = |name: &str| value.get(name).unwrap_or(&Value::Null);

@@ -1,10 +1,12 @@
 //! Documents: what is read is written back, the same document gives the same bytes.
 
 use crate::data::shared_data;
+use proptest::prelude::*;
 use touchline::camera::{FocalCurve, Ptz};
-use touchline::geometry::ImagePoint;
+use touchline::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 use touchline::project::{
-    Click, Clip, FrameStatus, RejectReason, SolutionSource, Target, document_from_bytes, document_to_string,
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
+    Target, document_from_bytes, document_to_string,
 };
 
 const SAMPLE: &str = include_str!("samples/document-v1.json");
@@ -126,5 +128,62 @@ fn real_documents_survive_the_round_trip() {
             let again = document_from_bytes(text.as_bytes()).unwrap();
             assert_eq!((&again.frames, &again.cameras), (&document.frames, &document.cameras));
         }
+    }
+}
+
+/// Any number that JSON holds, the awkward ones among them.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![any::<f64>().prop_filter("finite", |x| x.is_finite()), -1e4..1e4, Just(-0.0), Just(f64::MIN_POSITIVE)]
+}
+
+fn click() -> impl Strategy<Value = Click> {
+    (0..3, "\\PC{0,12}", number(), number(), any::<bool>()).prop_map(|(kind, name, x, y, check)| {
+        let image = ImagePoint::new(x, y);
+        let click = match kind {
+            0 => Click::landmark(name.as_str().into(), image),
+            1 => Click::line(name.as_str().into(), image),
+            _ => Click::unnamed(image),
+        };
+        Click { check, ..click }
+    })
+}
+
+fn frame() -> impl Strategy<Value = Frame> {
+    let numbers = prop::collection::vec(number(), 8);
+    let clicks = prop::collection::vec(click(), 0..5);
+    ("\\PC{1,20}", clicks, numbers, any::<[bool; 4]>(), -180.0..180.0f64).prop_map(|(image, clicks, n, some, angle)| {
+        let mut frame = Frame::from_image(&image, "main".into(), ImageSize::new(1280, 720));
+        frame.clicks = clicks;
+        frame.comment = some[0].then(|| image.clone());
+        frame.masks = vec![PixelBox { x: n[0], y: n[1].round(), width: n[2], height: n[3] }];
+        frame.ptz = some[1].then(|| FramePtz {
+            k1: some[2].then_some(n[4]),
+            extra: touchline::project::Extra::new(),
+            pan_deg: -angle,
+            tilt_deg: -angle / 3.0,
+            focal_px: n[5].abs() + f64::MIN_POSITIVE,
+        });
+        frame.solution = some[3].then(|| Solution { rms_px: Some(n[6]), ..Solution::default() });
+        frame.extra.insert("note".to_owned(), serde_json::json!({ "x": n[7], "list": [1, "two", null] }));
+        frame
+    })
+}
+
+proptest! {
+    #[test]
+    fn every_document_comes_back_to_the_last_digit(
+        frames in prop::collection::vec(frame(), 0..4), position in prop::array::uniform3(number()),
+        crown in number(), name in "\\PC{1,8}",
+    ) {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.field.params.insert("crown_m".to_owned(), crown);
+        let mut camera = Camera::new(name.as_str().into(), ImageSize::new(1280, 720));
+        camera.position_m = Some(Vec3::from(position));
+        document.cameras.push(camera.into());
+        document.frames = frames.into_iter().map(Into::into).collect();
+        let text = document_to_string(&document).unwrap();
+        let again = document_from_bytes(text.as_bytes()).unwrap();
+        prop_assert_eq!(&again, &document);
+        prop_assert_eq!(document_to_string(&again).unwrap(), text);
     }
 }

@@ -10,6 +10,7 @@
 mod app;
 mod architecture;
 mod bad_fields;
+mod bad_documents;
 mod data;
 mod document;
 mod fields;

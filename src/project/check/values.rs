@@ -5,6 +5,7 @@ use super::fault::{Fault, Problem};
 use super::place_of;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -57,16 +58,14 @@ impl Fields<'_> {
     }
 }
 
-/// For each frame the first one with the same picture, if it is not the first itself.
+/// For each frame the first one with the same image or the same frame of a video, if it is not the first itself.
 fn duplicates(document: &Document) -> Vec<Option<usize>> {
-    let mut first = BTreeMap::new();
-    let key = |frame: &Frame| {
-        let video = frame.video.as_ref().map(|video| (video.path.clone(), video.frame_index));
-        (frame.image.is_some() || video.is_some()).then(|| (frame.image.clone(), video))
-    };
+    let (mut images, mut videos) = (BTreeMap::new(), BTreeMap::new());
     let firsts = document.frames.iter().enumerate().map(|(index, frame)| {
-        let first = *first.entry(key(frame)?).or_insert(index);
-        (first < index).then_some(first)
+        let image = frame.image.as_ref().map(|image| *images.entry(image).or_insert(index));
+        let video = frame.video.as_ref().map(|video| (&video.path, video.frame_index));
+        let video = video.map(|video| *videos.entry(video).or_insert(index));
+        image.into_iter().chain(video).filter(|first| *first < index).min()
     });
     firsts.collect()
 }
@@ -83,8 +82,12 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
     if !camera.principal_point.is_finite() {
         problem(Fault::NotFinite { what: "principal_point_px".to_owned() });
     }
-    for key in camera.distortion.iter().flat_map(|distortion| distortion.extra.keys()) {
-        problem(Fault::UnusedDistortion { key: key.clone() });
+    // A word says what somebody noted; a number that is not zero would bend the picture.
+    let bends = |value: &Value| value.is_object() || value.is_array() || value.as_f64().is_some_and(|x| x != 0.0);
+    for (key, value) in camera.distortion.iter().flat_map(|distortion| &distortion.extra) {
+        if bends(value) {
+            problem(Fault::UnusedDistortion { key: key.clone() });
+        }
     }
     check_masks(&camera.masks, camera.image_size, problem);
 }
