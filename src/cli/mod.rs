@@ -22,7 +22,6 @@ use std::process::ExitCode;
 /// Calibrates a pan-tilt-zoom sports camera from two clicks.
 #[derive(Parser)]
 #[command(name = "touchline", version, about)]
-#[command(args_conflicts_with_subcommands = true)]
 struct Cli {
     /// A project, dataset, folder of frames or video to open in the window.
     document: Option<PathBuf>,
@@ -72,6 +71,10 @@ pub fn run() -> Next {
     };
     let messages = if cli.json { Messages::Json } else { Messages::Text };
     let Some(command) = cli.command else { return Next::Window(cli.document) };
+    if let Some(document) = cli.document {
+        messages.error(&format!("{} stands before the command; put it after it", document.display()));
+        return Next::Exit(ExitCode::from(2));
+    }
     let result: anyhow::Result<Outcome> = match command {
         Command::Check(args) => check::check(&args, messages),
         Command::Export(args) => export::export(&args, messages),

@@ -1,0 +1,104 @@
+//! Documents of a long match: opening, writing, journaling and undoing with 10,000 frames.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+
+use divan::Bencher;
+use std::path::PathBuf;
+use tempfile::TempDir;
+use touchline::camera::Ptz;
+use touchline::geometry::{ImagePoint, ImageSize, Mat3};
+use touchline::project::{
+    Access, Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Location, Solution, Step,
+    document_from_bytes, document_to_string, open, write_document,
+};
+
+const FRAMES: usize = 10_000;
+const LANDMARKS: [&str; 6] = [
+    "centre_mark",
+    "halfway_far",
+    "penalty_area_far_right_front",
+    "penalty_arc_near_right",
+    "corner_far_right",
+    "centre_circle_right",
+];
+
+fn main() {
+    divan::main();
+}
+
+/// A match in which every frame has six clicks, a `ptz` and a solution.
+fn document() -> Document {
+    let size = ImageSize::new(1920, 1080);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), size).into());
+    for index in 0..FRAMES {
+        let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), size);
+        let at = |click: usize| ImagePoint::new((index * 7 + click * 311) as f64 % 1919.3, (index * 3) as f64 % 1079.1);
+        frame.clicks =
+            LANDMARKS.iter().enumerate().map(|(click, name)| Click::landmark((*name).into(), at(click))).collect();
+        frame.sha256 = Some(format!("{index:064x}"));
+        frame.status = FrameStatus::Reference;
+        let ptz = Ptz::from_degrees(index as f64 * 0.003_217, -11.233_71, 2400.0 + index as f64 / 7.0);
+        frame.ptz = Some(FramePtz::new(ptz, Some(0.066_123)));
+        frame.solution = Some(Solution {
+            covariance: Some(Mat3::from_fn(|row, column| ((row + column) as f64).sin() / 1e3)),
+            rms_px: Some(1.234_567),
+            ..Solution::default()
+        });
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn project() -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("match");
+    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document(), false).unwrap();
+    (folder, path)
+}
+
+/// Reads the file, checks its hash, takes the lock, looks at the journal.
+#[divan::bench]
+fn open_project(bencher: Bencher) {
+    let (_folder, path) = project();
+    bencher.bench(|| open(&path).unwrap());
+}
+
+#[divan::bench]
+fn parse(bencher: Bencher) {
+    let text = document_to_string(&document()).unwrap();
+    bencher.counter(divan::counter::BytesCount::of_str(&text)).bench(|| document_from_bytes(text.as_bytes()).unwrap());
+}
+
+#[divan::bench]
+fn write(bencher: Bencher) {
+    let document = document();
+    bencher.bench(|| document_to_string(&document).unwrap());
+}
+
+/// A click moves: a step of undo, the edit for the journal.
+#[divan::bench]
+fn edit_and_undo(bencher: Bencher) {
+    let mut document = document();
+    let mut history = History::default();
+    bencher.bench_local(|| {
+        let before = document.clone();
+        history.begin(&document, Step::on_frame("Move", 5000));
+        document.frames[5000].clicks[0].image.x += 1.0;
+        history.commit(&document);
+        let edit = Edit::between(&before, &document, "Move");
+        history.undo(&mut document);
+        edit
+    });
+}
+
+/// An edit, flushed to disk.
+#[divan::bench]
+fn journal_edit(bencher: Bencher) {
+    let (_folder, path) = project();
+    let opened = open(&path).unwrap();
+    let Access::Writable(mut store) = opened.access else { panic!("read-only") };
+    let mut after = opened.document.clone();
+    after.frames[5000].clicks[0].image.x += 1.0;
+    let edit = Edit::between(&opened.document, &after, "Move");
+    bencher.bench_local(|| store.journal(edit.clone()).unwrap());
+}
