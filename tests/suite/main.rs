@@ -9,8 +9,8 @@
 
 mod app;
 mod architecture;
-mod bad_fields;
 mod bad_documents;
+mod bad_fields;
 mod cli_documents;
 mod data;
 mod document;
