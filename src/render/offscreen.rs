@@ -86,8 +86,6 @@ pub struct Offscreen {
     renderer: Renderer,
 }
 
-/// Bytes of a row in a readback buffer are a multiple of this.
-const ROW_ALIGNMENT: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT;
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const CANVAS: CanvasId = CanvasId(0);
 
@@ -140,45 +138,12 @@ impl Offscreen {
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(RenderError::BadSize { width, height, limit });
         }
-        let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-        let texture = self.device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("off-screen"),
-            size,
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: FORMAT,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
-            view_formats: &[],
-        });
-        let bytes_per_row = (4 * width).next_multiple_of(ROW_ALIGNMENT);
-        let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("readback"),
-            size: u64::from(bytes_per_row) * u64::from(height),
-            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
-            mapped_at_creation: false,
-        });
+        let target = Target::new(&self.device, width, height);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.renderer.prepare(&self.device, &self.queue, &mut encoder, CANVAS, view, layers);
-        {
-            let target = texture.create_view(&wgpu::TextureViewDescriptor::default());
-            let mut pass = super::begin_pass(&mut encoder, "off-screen", &target, clear_colour(background));
-            self.renderer.paint(&mut pass, CANVAS);
-        }
-        encoder.copy_texture_to_buffer(
-            texture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &buffer,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(bytes_per_row),
-                    rows_per_image: None,
-                },
-            },
-            size,
-        );
+        target.draw(&mut encoder, &self.renderer, CANVAS, background);
         self.queue.submit([encoder.finish()]);
-        let mut picture = self.read_back(&buffer, width, height, bytes_per_row)?;
+        let mut picture = target.read_back(&self.device)?;
         let labels = layers.iter().flat_map(|layer| match layer {
             Layer::Drawing(drawing) => drawing.labels.as_slice(),
             Layer::Picture(_) => &[],
@@ -186,21 +151,59 @@ impl Offscreen {
         write_labels(&mut picture, view, labels)?;
         Ok(picture)
     }
+}
 
-    fn read_back(
-        &self,
-        buffer: &wgpu::Buffer,
-        width: u32,
-        height: u32,
-        bytes_per_row: u32,
-    ) -> Result<RgbaImage, RenderError> {
+/// A texture to draw on, and a buffer through which it comes back.
+struct Target {
+    texture: wgpu::Texture,
+    buffer: wgpu::Buffer,
+    bytes_per_row: u32,
+}
+
+impl Target {
+    fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("off-screen"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let bytes_per_row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("readback"),
+            size: u64::from(bytes_per_row) * u64::from(height),
+            usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::MAP_READ,
+            mapped_at_creation: false,
+        });
+        Self { texture, buffer, bytes_per_row }
+    }
+
+    /// Records the painting of a prepared canvas, and the copy into the buffer.
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, renderer: &Renderer, canvas: CanvasId, background: Colour) {
+        let view = self.texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut pass = super::begin_pass(encoder, "off-screen", &view, clear_colour(background));
+        renderer.paint(&mut pass, canvas);
+        drop(pass);
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.bytes_per_row), rows_per_image: None };
+        let into = wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout };
+        encoder.copy_texture_to_buffer(self.texture.as_image_copy(), into, self.texture.size());
+    }
+
+    /// Waits for what was submitted and takes the picture out.
+    fn read_back(&self, device: &wgpu::Device) -> Result<RgbaImage, RenderError> {
         let failed = |reason: String| RenderError::Readback { reason };
         // Whether the mapping worked is told by the mapped range, once the wait is over.
-        buffer.map_async(wgpu::MapMode::Read, .., |_| ());
-        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
-        let bytes = buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+        self.buffer.map_async(wgpu::MapMode::Read, .., |_| ());
+        device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
+        let bytes = self.buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
+        let (width, height) = (self.texture.width(), self.texture.height());
         let mut pixels = Vec::with_capacity(4 * width as usize * height as usize);
-        for row in bytes.chunks_exact(bytes_per_row as usize) {
+        for row in bytes.chunks_exact(self.bytes_per_row as usize) {
             pixels.extend_from_slice(&row[..4 * width as usize]);
         }
         RgbaImage::from_raw(width, height, pixels).ok_or_else(|| failed("the picture is incomplete".into()))
@@ -223,4 +226,40 @@ fn clear_colour(colour: Colour) -> wgpu::Color {
     let alpha = f64::from(colour.a) / 255.0;
     let channel = |byte: u8| f64::from(byte) / 255.0 * alpha;
     wgpu::Color { r: channel(colour.r), g: channel(colour.g), b: channel(colour.b), a: alpha }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::drawing::{Drawing, Stroke, StrokeGroup};
+    use std::sync::Arc;
+
+    #[test]
+    fn canvases_prepared_together_keep_their_own_views_and_layers() {
+        let mut offscreen = Offscreen::new().unwrap();
+        let line = |y: f32, colour| {
+            let points = vec![[0.0, y], [40.0, y]];
+            let strokes = vec![Stroke { points, colour, width_pt: 3.0, outline: None, dash: None }];
+            let group = StrokeGroup { strokes, opacity: 1.0, clip_px: None };
+            [Layer::Drawing(Arc::new(Drawing { strokes: vec![group], ..Drawing::default() }))]
+        };
+        let (red, blue) = (Colour::rgb(255, 0, 0), Colour::rgb(0, 0, 255));
+        let views = [View::one_to_one([40, 20]), View { scale: 2.0, ..View::one_to_one([60, 50]) }];
+        let layers = [line(5.5, red), line(20.25, blue)];
+        let Offscreen { device, queue, renderer, .. } = &mut offscreen;
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        for (canvas, (view, layers)) in (1..).map(CanvasId).zip(views.iter().zip(&layers)) {
+            renderer.prepare(device, queue, &mut encoder, canvas, view, layers);
+        }
+        let targets = [1, 2].map(|canvas| {
+            let [width, height] = views[canvas - 1].size_px;
+            let target = Target::new(device, width, height);
+            target.draw(&mut encoder, renderer, CanvasId(canvas as u64), Colour::rgb(0, 0, 0));
+            target
+        });
+        queue.submit([encoder.finish()]);
+        let [first, second] = targets.map(|target| target.read_back(device).unwrap());
+        assert_eq!((first.get_pixel(20, 5).0, first.get_pixel(20, 15).0), ([255, 0, 0, 255], [0, 0, 0, 255]));
+        assert_eq!((second.get_pixel(20, 40).0, second.get_pixel(20, 11).0), ([0, 0, 255, 255], [0, 0, 0, 255]));
+    }
 }

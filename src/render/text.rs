@@ -41,7 +41,7 @@ fn write_label(picture: &mut RgbaImage, view: &View, font: &FontRef<'_>, label: 
     let left = (x + label.offset_pt[0] * view.pixels_per_point).min(width - padding - text_width).max(padding);
     let half_height = scale.y / 2.0;
     let middle = (y + label.offset_pt[1] * view.pixels_per_point).min(height - half_height).max(half_height);
-    let baseline = middle + (font.ascent() + font.descent()) / 2.0;
+    let baseline = middle + f32::midpoint(font.ascent(), font.descent());
     let mut pen = left;
     let mut outlines = Vec::new();
     let mut previous = None;

@@ -102,6 +102,15 @@ fn a_reduced_picture_is_the_mean_of_what_it_shows() {
 }
 
 #[test]
+fn a_picture_beyond_the_limit_of_the_adapter_is_shown_all_the_same() {
+    let wide =
+        RgbaImage::from_fn(40_000, 4, |x, _| if x < 20_000 { Rgba([200, 0, 0, 255]) } else { Rgba([0, 0, 200, 255]) });
+    let view = View { scale: 2.0, offset_px: [-39_970.0, 0.0], ..View::one_to_one([60, 8]) };
+    let drawn = offscreen().render(&view, BLACK, &[picture(4, wide)]).unwrap();
+    assert_eq!((drawn.get_pixel(5, 4).0, drawn.get_pixel(54, 4).0), ([200, 0, 0, 255], [0, 0, 200, 255]));
+}
+
+#[test]
 fn pictures_with_one_key_are_uploaded_once_and_leave_in_turn() {
     let mut offscreen = offscreen();
     let view = View::one_to_one([4, 4]);
