@@ -2,12 +2,15 @@
 
 use crate::app::Opened;
 use crate::media::FrameSource;
-use crate::project::{self, Access, Camera, FieldSpec, Location, PROJECT_FILE, Store, new_document};
+use crate::project::{self, Access, Camera, FieldSpec, Location, PROJECT_FILE, Store, document_from_frames};
 use std::ffi::OsString;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// What a folder of frames or a video gets its project's name from: `match.mp4` lies beside `match.mp4.touchline/`.
 const PROJECT_SUFFIX: &str = ".touchline";
+/// More frames than this are thinned out: a match of 90 minutes has 135,000.
+const MOST_FRAMES: usize = 20_000;
 /// The field of a project that is made by opening frames.
 const DEFAULT_FIELD: &str = "soccer";
 
@@ -41,18 +44,26 @@ pub fn open_anything(path: &Path) -> Result<Ready, String> {
         }
     }
     let source = FrameSource::open(&path).map_err(|error| error.to_string())?;
+    let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
     let mut refused = None;
     for folder in project_folders(&path) {
-        let created =
-            new_document(&source, &path, &folder, FieldSpec::new(DEFAULT_FIELD)).map_err(|error| error.to_string())?;
+        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &|| {});
+        let mut notices: Vec<String> = source.notices().iter().map(ToString::to_string).collect();
+        notices.extend(made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}")));
+        if made.document.frames.is_empty() {
+            let left_out = notices.into_iter().next_back().map(|notice| format!(" ({notice})")).unwrap_or_default();
+            return Err(format!("{}: there is no frame that can be read{left_out}", path.display()));
+        }
+        if every > NonZeroUsize::MIN {
+            notices.push(format!("{} frames are many: every {every}th is taken.", source.len()));
+        }
         let written = std::fs::create_dir_all(&folder).map_err(|error| error.to_string()).and_then(|()| {
             let location = Location::for_new_document(&folder).map_err(|error| error.to_string())?;
-            Store::create(&location, &created.document).map_err(|error| error.to_string())
+            Store::create(&location, &made.document).map_err(|error| error.to_string())
         });
         match written {
             Ok(store) => {
                 drop(store);
-                let mut notices = created.notices;
                 notices.push(format!("The project is kept in {}.", folder.display()));
                 return open_document(&folder, notices);
             }
@@ -144,7 +155,7 @@ mod tests {
         assert!(error.contains("there is no such file or folder"), "{error}");
         let empty = root.path().join("empty");
         std::fs::create_dir(&empty).unwrap();
-        assert!(open_anything(&empty).unwrap_err().contains("holds no image"));
+        assert!(open_anything(&empty).unwrap_err().contains("there is no frame that can be read"));
         assert!(!root.path().join("empty.touchline").exists(), "nothing is left behind");
         let text = root.path().join("notes.json");
         std::fs::write(&text, "[1, 2]").unwrap();

@@ -89,3 +89,33 @@ impl NewDocument {
         id
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write_png(path: &Path, width: u32, height: u32) {
+        image::RgbImage::new(width, height).save(path).unwrap();
+    }
+
+    #[test]
+    fn a_folder_becomes_a_document_with_relative_paths_and_a_camera_for_each_size() {
+        let root = tempfile::tempdir().unwrap();
+        let frames = root.path().join("frames");
+        std::fs::create_dir(&frames).unwrap();
+        write_png(&frames.join("9.png"), 64, 36);
+        write_png(&frames.join("10.png"), 64, 36);
+        write_png(&frames.join("11.png"), 32, 18);
+        std::fs::write(frames.join("12.png"), "no image").unwrap();
+        let source = FrameSource::open(&frames).unwrap();
+        let folder = root.path().join("project");
+        let every = NonZeroUsize::MIN;
+        let made = document_from_frames(&source, &folder, FieldSpec::new("soccer"), every, &|| {});
+        let names: Vec<_> = made.document.frames.iter().map(|frame| frame.name()).collect();
+        assert_eq!(names, ["../frames/9.png", "../frames/10.png", "../frames/11.png"]);
+        let cameras: Vec<_> = made.document.cameras.iter().map(|camera| camera.id.as_str().to_owned()).collect();
+        assert_eq!(cameras, ["main", "main_32x18"]);
+        assert_eq!(made.document.frames[0].sha256.as_ref().unwrap().len(), 64);
+        assert!(made.left_out.len() == 1 && made.left_out[0].0.ends_with("12.png"), "{:?}", made.left_out);
+    }
+}
