@@ -53,7 +53,7 @@ pub enum MediaError {
         path: PathBuf,
     },
     /// An image, but of a kind that is not read.
-    #[error("{}: an image of a kind that is not read ({what}); convert it to PNG or JPEG", path.display())]
+    #[error("{}: an image of a kind that is not read here ({what}); convert it to PNG or JPEG", path.display())]
     UnsupportedImage {
         /// The file.
         path: PathBuf,
@@ -82,6 +82,14 @@ pub enum MediaError {
         height: u32,
         /// The longest side that is read, px.
         max_side_px: u32,
+        /// The largest area that is read, millions of px.
+        max_megapixels: u64,
+    },
+    /// Decoding would take more memory than the largest allowed picture.
+    #[error("{}: takes more memory than a picture of {max_megapixels} megapixels may; scale it down", path.display())]
+    TooMuchMemory {
+        /// The file.
+        path: PathBuf,
         /// The largest area that is read, millions of px.
         max_megapixels: u64,
     },

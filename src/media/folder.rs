@@ -41,7 +41,8 @@ pub fn list_images(folder: &Path) -> Result<FolderListing, MediaError> {
     Ok(listing)
 }
 
-fn has_image_extension(path: &Path) -> bool {
+/// Whether a name ends as an image's does.
+pub(super) fn has_image_extension(path: &Path) -> bool {
     path.extension().is_some_and(|extension| IMAGE_EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known)))
 }
 

@@ -17,6 +17,7 @@ mod digest;
 mod error;
 mod folder;
 mod image_file;
+mod jpeg_end;
 mod notice;
 mod picture;
 mod prefetch;

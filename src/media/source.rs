@@ -1,6 +1,7 @@
 //! Where the frames of a project come from, and how one of them is named.
 
-use super::{FolderListing, MediaError, Notice, Video, VideoInfo, list_images};
+use super::folder::has_image_extension;
+use super::{FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,20 +54,23 @@ impl fmt::Display for FrameRef {
 /// The frames of a project: the images of a folder, or a video.
 #[derive(Clone, Debug)]
 pub enum FrameSource {
-    /// The images of a folder, in natural order.
+    /// The images of a folder, in natural order, or a single image.
     Folder(FolderListing),
     /// A video.
     Video(VideoInfo),
 }
 
 impl FrameSource {
-    /// Opens a folder of images or a video. Blocks while a video's frames are counted.
+    /// Opens a folder of images, a single image or a video. Blocks while a video's frames are counted.
     ///
     /// # Errors
-    /// Those of [`list_images`] and [`Video::open`].
+    /// Those of [`list_images`], [`image_size`] and [`Video::open`].
     pub fn open(path: &Path) -> Result<Self, MediaError> {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
+        } else if has_image_extension(path) {
+            image_size(path)?;
+            Ok(vec![path.to_path_buf()].into())
         } else {
             Ok(Self::Video(Video::open(path)?.info().clone()))
         }
@@ -108,9 +112,30 @@ impl FrameSource {
     }
 }
 
-/// A path list for those who start from one.
+/// Images in an order of the caller's.
 impl From<Vec<PathBuf>> for FrameSource {
     fn from(images: Vec<PathBuf>) -> Self {
         Self::Folder(FolderListing { images, notices: Vec::new() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_and_a_single_image() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["10.png", "9.png"] {
+            image::RgbImage::new(2, 2).save(folder.path().join(name)).unwrap();
+        }
+        let source = FrameSource::open(folder.path()).unwrap();
+        assert_eq!(source.len(), 2);
+        assert_eq!(source.frame(0), Some(FrameRef::image(folder.path().join("9.png"))));
+        assert_eq!(source.frame(2), None);
+        let single = FrameSource::open(&folder.path().join("10.png")).unwrap();
+        assert_eq!((single.len(), single.is_empty(), single.notices()), (1, false, [].as_slice()));
+        let missing = folder.path().join("11.png");
+        assert_eq!(FrameSource::open(&missing).unwrap_err(), MediaError::Missing { path: missing });
     }
 }

@@ -11,6 +11,8 @@ mod app;
 mod architecture;
 mod bad_documents;
 mod bad_fields;
+mod bad_images;
+mod bad_videos;
 mod cli_documents;
 mod data;
 mod document;

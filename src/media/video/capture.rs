@@ -1,9 +1,10 @@
 //! The boundary to OpenCV's video reader.
 //!
-//! Three of its habits matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
+//! Four of its habits matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
 //! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
-//! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. And a file it
-//! cannot read is no error, it is just not open.
+//! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. A frame that does
+//! not decode is reported as if it were the end; what follows comes all the same, beginning with remnants of earlier frames, whose times
+//! fall back. And a file it cannot read is no error, it is just not open.
 
 use crate::geometry::ImageSize;
 use crate::media::picture::byte_count;
@@ -14,14 +15,19 @@ use opencv::prelude::*;
 use opencv::videoio::{self, VideoCapture};
 use std::path::{Path, PathBuf};
 
+/// How many frames in a row may fail to decode before that is taken for the end.
+const MAX_FAILURES: usize = 100;
+
 /// An open video, standing at the frame that was grabbed last.
 pub(super) struct Capture {
     inner: VideoCapture,
     path: PathBuf,
-    /// How many frames have been grabbed since the start or the last jump.
-    grabbed: usize,
-    /// Whether the capture has been moved since it was opened.
-    jumped: bool,
+    /// Nothing has been grabbed since it was opened, and it has not been moved.
+    is_fresh: bool,
+    /// The time of the frame that was grabbed last, s, where it is known.
+    time_s: Option<f64>,
+    /// The latest time since the start or the last jump, s.
+    latest_s: f64,
     bgr: Mat,
 }
 
@@ -44,22 +50,36 @@ impl Capture {
             .ok()
             .filter(|inner| inner.is_opened().unwrap_or(false))
             .ok_or_else(|| MediaError::NotAVideo { path: path.to_path_buf() })?;
-        Ok(Self { inner, path: path.to_path_buf(), grabbed: 0, jumped: false, bgr: Mat::default() })
+        Ok(Self {
+            inner,
+            path: path.to_path_buf(),
+            is_fresh: true,
+            time_s: None,
+            latest_s: f64::NEG_INFINITY,
+            bgr: Mat::default(),
+        })
     }
 
-    /// Goes to the next frame without converting it; false at the end.
+    /// Goes to the next frame that decodes, without converting it; false at the end. Remnants are passed over.
     pub(super) fn grab(&mut self) -> bool {
-        let grabbed = self.inner.grab().unwrap_or(false);
-        self.grabbed += usize::from(grabbed);
-        grabbed
+        (0..MAX_FAILURES).any(|_| self.inner.grab().unwrap_or(false) && self.note_time())
+    }
+
+    /// Notes the time of the frame just grabbed; false when it falls back.
+    fn note_time(&mut self) -> bool {
+        let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
+        let is_known = time_ms.is_finite() && (time_ms != 0.0 || self.is_fresh);
+        self.is_fresh = false;
+        self.time_s = is_known.then_some(time_ms / 1000.0);
+        let is_new = self.time_s.is_none_or(|time_s| time_s > self.latest_s);
+        self.latest_s = self.time_s.map_or(self.latest_s, |time_s| time_s.max(self.latest_s));
+        is_new
     }
 
     /// The time stamp of the frame that was grabbed last, s from the stream's start; none when the reader does not
     /// know it.
-    pub(super) fn time_s(&self) -> Option<f64> {
-        let time_ms = self.property(videoio::CAP_PROP_POS_MSEC);
-        let is_first = !self.jumped && self.grabbed == 1;
-        (time_ms.is_finite() && (time_ms != 0.0 || is_first)).then_some(time_ms / 1000.0)
+    pub(super) const fn time_s(&self) -> Option<f64> {
+        self.time_s
     }
 
     /// Moves so that the next [`Capture::grab`] gives a frame near a time; which one, its time stamp tells.
@@ -67,8 +87,8 @@ impl Capture {
         let number = (time_s * self.fps()).round().max(0.0);
         // A refused move leaves the reader somewhere else, which the next time stamp shows.
         let _ = self.inner.set(videoio::CAP_PROP_POS_FRAMES, number);
-        self.grabbed = 0;
-        self.jumped = true;
+        self.is_fresh = false;
+        self.latest_s = f64::NEG_INFINITY;
     }
 
     /// The pixels of the frame that was grabbed last; `index` is its number, for the error.

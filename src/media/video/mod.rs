@@ -2,7 +2,8 @@
 //!
 //! A frame's number counts the frames that decode, from 0. The container's own count is not used: edit lists, cut-off
 //! files and duration-based estimates make it wrong. Every frame is known by its time stamp, so that frame N is the
-//! same picture however it is reached.
+//! same picture however it is reached. A damaged frame in the middle of a long video of even rate keeps its number and
+//! is an error when it is asked for.
 
 mod clock;
 

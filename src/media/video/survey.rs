@@ -107,7 +107,7 @@ pub(super) fn survey(
 
 fn add_notices(info: &mut VideoInfo, aspect: f64) {
     let path = info.path.to_path_buf();
-    if info.stated_frames != info.decoded_frames {
+    if info.stated_frames > 0 && info.stated_frames != info.decoded_frames {
         let (stated, decoded) = (info.stated_frames, info.decoded_frames);
         info.notices.push(Notice::FramesStated { path: path.clone(), stated, decoded });
     }
@@ -236,9 +236,15 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
     })
 }
 
+/// Tells the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
+/// and addresses that it holds.
 fn container_of(path: &Path) -> Result<Container, MediaError> {
     let mut head = Vec::new();
-    open_file(path)?.take(12).read_to_end(&mut head).map_err(|error| MediaError::from_io(path, &error))?;
+    open_file(path)?.take(64).read_to_end(&mut head).map_err(|error| MediaError::from_io(path, &error))?;
+    let is_text = head.iter().all(|&byte| byte >= b' ' || byte.is_ascii_whitespace());
+    if is_text && !head.starts_with(b"YUV4MPEG2 ") {
+        return Err(MediaError::NotAVideo { path: path.to_path_buf() });
+    }
     Ok(match (head.get(..4), head.get(4..8), head.get(8..12)) {
         (_, Some(b"ftyp" | b"moov" | b"mdat" | b"free" | b"wide" | b"skip"), _) => Container::Mp4,
         (Some(b"\x1a\x45\xdf\xa3"), ..) | (Some(b"RIFF"), _, Some(b"AVI ")) => Container::Indexed,

@@ -48,3 +48,20 @@ impl Video {
         match self.none {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_message_says_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("match.mp4");
+        assert_eq!(Video::open(&path).unwrap_err(), MediaError::Missing { path: path.clone() });
+        std::fs::write(&path, "x").unwrap();
+        let line = Video::open(&path).unwrap_err().to_string();
+        let expected = "match.mp4: a video, but this program was built without video support; \
+                        build it with the feature `opencv`, or extract the frames to a folder";
+        assert!(line.ends_with(expected), "{line}");
+    }
+}
