@@ -1,0 +1,50 @@
+# Everything that a person or a machine does with this project. `make help` lists it.
+
+# Debian's names; on other systems install the like of them (README).
+BUILD_PACKAGES = build-essential pkg-config clang libclang-dev libopencv-dev
+RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
+                 libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
+# File dialogs; without them paths are typed.
+DIALOG_PACKAGES = zenity xdg-desktop-portal
+
+.DEFAULT_GOAL := help
+.PHONY: help run test check bench demo build-packages run-packages
+
+help: ## this list
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
+
+run: run-packages ## build and open the demo match (a copy of it in target/demo)
+	cargo build --release
+	@mkdir -p target
+	@test -e target/demo || cp -r projects/demo target/demo
+	@if [ -n "$$DISPLAY$$WAYLAND_DISPLAY" ] || [ "$$(uname -s)" != Linux ]; then \
+	    cargo run --release --quiet -- target/demo; \
+	else \
+	    echo "There is no display (DISPLAY and WAYLAND_DISPLAY are empty), so the window cannot open."; \
+	    cargo run --release --quiet -- render target/demo --frame 3 -o target/demo-overlay.png --force && \
+	    echo "The demo's overlay is drawn into target/demo-overlay.png instead."; \
+	fi
+
+test: run-packages ## run every test
+	@.ci/test
+
+check: build-packages ## formatting, lints and documentation, warnings refused
+	cargo fmt --check
+	cargo clippy --all-targets -- -D warnings
+	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
+
+bench: build-packages ## run the benchmarks (tests/benches/README.md has past figures)
+	cargo bench
+
+demo: build-packages ## draw projects/demo again
+	cargo build --release
+	rm -rf target/demo-new
+	cargo run --release --quiet -- synth --demo -o target/demo-new
+	rm -rf projects/demo && mv target/demo-new projects/demo
+
+build-packages:
+	@.ci/packages $(BUILD_PACKAGES)
+
+run-packages: build-packages
+	@.ci/packages $(RUN_PACKAGES)
+	@.ci/packages --optional $(DIALOG_PACKAGES)
