@@ -145,8 +145,7 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
 
     fs::create_dir_all(args.output.join("images")).with_context(|| format!("cannot make {}", args.output.display()))?;
     let path = camera_path(&scene, &base, order.image_size, &order.shoot, order.frames);
-    // How many references are due; the first frame is one.
-    let mut owed = 1.0 - order.references;
+    let mut references = 0;
     let progress = messages.progress(path.len(), "Drawing frames");
     for (index, step) in path.iter().enumerate() {
         let options = order.shoot.frame(index, step, order.image_size, order.seed);
@@ -161,9 +160,9 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
         let mut frame = Frame::from_image(&image, CameraId::from("main"), order.image_size);
         frame.sha256 = Some(sha256_of_file(&file)?);
         truth.frames.push(true_frame(&frame, &camera, step, &drawn).into());
-        owed += order.references;
-        if owed >= 1.0 && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
-            owed -= 1.0;
+        let due = order.references * (index + 1) as f64 > f64::from(references);
+        if due && solve_as_reference(&mut frame, &project, &scene, &camera, &drawn, index) {
+            references += 1;
         }
         project.frames.push(frame.into());
         progress.inc(1);

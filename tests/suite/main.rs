@@ -26,5 +26,6 @@ mod published_figures;
 mod render_command;
 mod seeded;
 mod shaders;
+mod synth_command;
 mod synthetic;
 mod two_point_truth;
