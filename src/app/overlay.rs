@@ -159,12 +159,18 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         };
         let colour = if selected && kind == CLICK { SELECTED } else { kind };
         if let Some(predicted) = predicted(scene, click) {
-            let points = vec![drawn(click.image), drawn(predicted)];
+            let times = if scene.style.residuals_times_ten { 10.0 } else { 1.0 };
+            let end = click.image.moved(predicted.offset_from(click.image) * times);
+            let points = vec![drawn(click.image), drawn(end)];
             whiskers.push(Stroke { points, colour, width_pt: 1.0, outline: Some(rim(0.75)), dash: None });
         }
         let marker = Marker {
             at: drawn(click.image),
-            shape: if click.check { MarkerShape::Diamond } else { MarkerShape::Cross },
+            shape: match &click.target {
+                _ if click.check => MarkerShape::Diamond,
+                Some(Target::Line(_)) => MarkerShape::Ring,
+                _ => MarkerShape::Cross,
+            },
             colour,
             radius_pt: if selected { 11.0 } else { 9.0 },
             line_pt: if selected { 2.0 } else { 1.5 },

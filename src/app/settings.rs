@@ -54,11 +54,20 @@ pub struct OverlayStyle {
     pub outline: f32,
     /// Draw the landmarks as small rings once there is a solution.
     pub landmarks: bool,
+    /// Draw what separates a click from its solution ten times as long, to see which way it points.
+    pub residuals_times_ten: bool,
 }
 
 impl Default for OverlayStyle {
     fn default() -> Self {
-        Self { colour: [255, 221, 64], width: 2.0, opacity: 0.8, outline: 1.0, landmarks: true }
+        Self {
+            colour: [255, 221, 64],
+            width: 2.0,
+            opacity: 0.8,
+            outline: 1.0,
+            landmarks: true,
+            residuals_times_ten: false,
+        }
     }
 }
 

@@ -10,8 +10,12 @@ use egui::{
     Align2, Area, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
 
-/// The list's width, points.
-const WIDTH: f32 = 316.0;
+/// The list is at least this wide, points: its hint fits.
+const LEAST_WIDTH: f32 = 300.0;
+/// Where the labels begin, points from a row's left end.
+const LABEL: f32 = 28.0;
+/// Between a row's columns and at its right end, points.
+const SPACE: f32 = 10.0;
 /// The height of a row, of the title and of the hint, points.
 const ROW: f32 = 24.0;
 /// From the point to the list, points: the marker and its ring stay free.
@@ -80,18 +84,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let point = placement.screen_from_image(click.image);
     let offered = naming.offered();
     let rows = offered.len().max(1) as f32;
-    let size = vec2(WIDTH + 2.0 * MARGIN, (rows + 2.0) * ROW + 2.0 * MARGIN);
+    let columns = Columns::of(ui, naming);
+    let size = vec2(columns.width() + 2.0 * MARGIN, (rows + 2.0) * ROW + 2.0 * MARGIN);
     Area::new(Id::NULL.with("naming"))
         .order(Order::Foreground)
         .fixed_pos(beside(point, size, placement.rect))
         .constrain(false)
         .show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).inner_margin(MARGIN).show(ui, |ui| {
-                ui.set_width(WIDTH);
+                ui.set_width(columns.width());
                 ui.spacing_mut().item_spacing = Vec2::ZERO;
                 title(ui, naming);
                 for (index, candidate) in offered.iter().enumerate() {
-                    if let Some(action) = row(ui, index, candidate, index == naming.highlighted) {
+                    if let Some(action) = row(ui, &columns, index, candidate, index == naming.highlighted) {
                         panel.actions.push(action);
                     }
                 }
@@ -114,7 +119,7 @@ fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
 }
 
 fn title(ui: &mut egui::Ui, naming: &Naming) {
-    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let what = if naming.lines { "Which line?" } else { "Which landmark?" };
     let (text, colour) = if naming.typed.is_empty() {
         (what.to_owned(), theme::TEXT)
@@ -130,29 +135,71 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
     );
 }
 
+/// How wide the columns of the list are, points: as every candidate needs, so that filtering moves nothing.
+struct Columns {
+    label: f32,
+    code: f32,
+    distance: Option<f32>,
+}
+
+impl Columns {
+    fn of(ui: &egui::Ui, naming: &Naming) -> Self {
+        let measure = |text: &str, font| ui.painter().layout_no_wrap(text.to_owned(), font, theme::TEXT).size().x;
+        let widest = |widths: &mut dyn Iterator<Item = f32>| widths.fold(0.0, f32::max);
+        let candidates = &naming.candidates;
+        let with_distance = candidates.iter().any(|candidate| candidate.distance_px.is_some());
+        Self {
+            label: widest(&mut candidates.iter().map(|candidate| measure(&candidate.label, label_font()))),
+            code: widest(&mut candidates.iter().map(|candidate| measure(&candidate.code, code_font()))),
+            distance: with_distance.then(|| measure("8888.8 px", distance_font())),
+        }
+    }
+
+    fn width(&self) -> f32 {
+        let distance = self.distance.map_or(0.0, |width| SPACE + width);
+        (LABEL + self.label + SPACE + self.code + distance + SPACE).max(LEAST_WIDTH).ceil()
+    }
+}
+
+fn label_font() -> FontId {
+    FontId::proportional(13.0)
+}
+
+fn code_font() -> FontId {
+    FontId::monospace(11.5)
+}
+
+fn distance_font() -> FontId {
+    FontId::proportional(12.0)
+}
+
 /// One name on offer: its number, label, code and how far off it lies.
-fn row(ui: &mut egui::Ui, index: usize, candidate: &NameCandidate, highlighted: bool) -> Option<Action> {
-    let (rect, response) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::click());
+fn row(
+    ui: &mut egui::Ui,
+    columns: &Columns,
+    index: usize,
+    candidate: &NameCandidate,
+    highlighted: bool,
+) -> Option<Action> {
+    let (rect, response) = ui.allocate_exact_size(vec2(columns.width(), ROW), Sense::click());
     let name = format!("{} {}", index + 1, candidate.label);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
+    let painter = ui.painter();
     if highlighted {
-        ui.painter().rect_filled(rect, 4.0, theme::ACCENT_GROUND);
+        painter.rect_filled(rect, 4.0, theme::ACCENT_GROUND);
     }
     let (weak, strong) = if highlighted { (theme::TEXT, theme::STRONG) } else { (theme::WEAK, theme::TEXT) };
-    let painter = ui.painter().with_clip_rect(rect.intersect(ui.clip_rect()));
-    let small = FontId::proportional(12.0);
-    let middle = rect.center().y;
-    painter.text(pos2(rect.left() + 14.0, middle), Align2::CENTER_CENTER, index + 1, small.clone(), weak);
-    let distance = candidate.distance_px.map(|px| format!("{px:.1} px")).unwrap_or_default();
-    let right = painter.text(pos2(rect.right() - 8.0, middle), Align2::RIGHT_CENTER, distance, small.clone(), weak);
-    let code_right =
-        if candidate.distance_px.is_some() { right.left().min(rect.right() - 58.0) - 8.0 } else { right.left() };
-    let code =
-        painter.text(pos2(code_right, middle), Align2::RIGHT_CENTER, &candidate.code, FontId::monospace(11.5), weak);
-    let left = rect.left() + 28.0;
-    let label_clip = Rect::from_min_max(pos2(left, rect.top()), pos2(code.left() - 6.0, rect.bottom()));
-    let clipped = painter.with_clip_rect(label_clip.intersect(painter.clip_rect()));
-    clipped.text(pos2(left, middle), Align2::LEFT_CENTER, &candidate.label, FontId::proportional(13.0), strong);
+    let at = |x| pos2(x, rect.center().y);
+    painter.text(at(rect.left() + LABEL / 2.0), Align2::CENTER_CENTER, index + 1, distance_font(), weak);
+    painter.text(at(rect.left() + LABEL), Align2::LEFT_CENTER, &candidate.label, label_font(), strong);
+    let mut right = rect.right() - SPACE;
+    if let Some(width) = columns.distance {
+        if let Some(px) = candidate.distance_px {
+            painter.text(at(right), Align2::RIGHT_CENTER, format!("{px:.1} px"), distance_font(), weak);
+        }
+        right -= width + SPACE;
+    }
+    painter.text(at(right - columns.code), Align2::LEFT_CENTER, &candidate.code, code_font(), weak);
     if response.clicked() {
         return Some(Action::TakeName(index));
     }
@@ -162,7 +209,7 @@ fn row(ui: &mut egui::Ui, index: usize, candidate: &NameCandidate, highlighted: 
 }
 
 fn nothing(ui: &mut egui::Ui, naming: &Naming) {
-    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let kind = if naming.lines { "line" } else { "landmark" };
     let text = format!("No {kind} matches “{}”.", naming.typed);
     let at = rect.left_center() + vec2(6.0, 0.0);
@@ -170,7 +217,7 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
 }
 
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
-    let (rect, _) = ui.allocate_exact_size(vec2(WIDTH, ROW), Sense::hover());
+    let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let other = if naming.lines { "landmarks" } else { "lines" };
     let text = format!("Enter or 1–{OFFERED} takes · type to filter · Tab: {other} · Esc");
     let at = rect.left_center() + vec2(6.0, 2.0);

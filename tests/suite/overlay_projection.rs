@@ -109,7 +109,14 @@ fn offset_across(picture: &RgbaImage, line: &[[f64; 2]], at: usize) -> Option<f6
 #[test]
 fn the_rendered_lines_lie_where_the_formulas_put_them() {
     let field = builtin("soccer").unwrap().model(&BTreeMap::new(), CROWN_M).unwrap();
-    let style = OverlayStyle { colour: [255; 3], width: WIDTH_PX, opacity: 1.0, outline: 0.0, landmarks: false };
+    let style = OverlayStyle {
+        colour: [255; 3],
+        width: WIDTH_PX,
+        opacity: 1.0,
+        outline: 0.0,
+        landmarks: false,
+        ..OverlayStyle::default()
+    };
     for view @ (pan, tilt, focal, k1, wanted) in VIEWS {
         let base = CameraBase {
             distortion: FocalCurve { at_focal_px: focal, value: k1, per_1000_px: 0.0 },

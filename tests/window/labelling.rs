@@ -4,6 +4,7 @@ use crate::window::{Window, truth};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::{Mode, Saving};
+use touchline::geometry::ImagePoint;
 use touchline::project::{FrameStatus, Target};
 
 #[test]
@@ -76,4 +77,45 @@ fn the_list_of_names_changes_to_lines_and_back() {
     window.type_text("3");
     assert_eq!(window.app().session.mode, Mode::Idle);
     assert!(window.app().frame().unwrap().clicks[0].target.is_some());
+}
+
+#[test]
+fn a_landmark_picked_on_the_field_map_is_placed_by_the_next_click() {
+    let Some(mut window) = Window::open(1, [1280.0, 720.0], 1.0) else { return };
+    let map = window.harness.get_by_label("Field map").rect();
+    window.press(map.center());
+    window.release(map.center());
+    let centre_mark = Target::Landmark("centre_mark".into());
+    assert_eq!(window.app().session.mode, Mode::Placing(centre_mark.clone()));
+    window.click(window.image_of("centre_mark"));
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    assert_eq!(window.app().frame().unwrap().clicks[0].target, Some(centre_mark));
+
+    // With the name in hand the lines follow the pointer before it is clicked.
+    window.press(map.center() + egui::vec2(0.0, -0.4 * map.height()));
+    window.release(map.center() + egui::vec2(0.0, -0.4 * map.height()));
+    assert!(matches!(window.app().session.mode, Mode::Placing(_)), "{:?}", window.app().session.mode);
+    let tried = |window: &mut Window, x: f64| {
+        let at = window.on_screen(ImagePoint::new(x, 60.0));
+        window.drag(at);
+        window.app().current().preview.map(|camera| camera.ptz())
+    };
+    let cameras = [tried(&mut window, 400.0), tried(&mut window, 420.0)];
+    assert!(cameras[0].is_some() && cameras[0] != cameras[1], "{cameras:?}");
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.mode, Mode::Idle);
+}
+
+#[test]
+fn a_point_takes_its_name_from_the_field_map_too() {
+    let Some(mut window) = Window::open(1, [1280.0, 720.0], 1.0) else { return };
+    window.click(window.image_of("centre_mark"));
+    assert!(matches!(window.app().session.mode, Mode::Naming(_)));
+    let map = window.harness.get_by_label("Field map").rect();
+    window.press(map.center());
+    window.snapshot_of("field_map", map);
+    window.release(map.center());
+    assert_eq!(window.app().session.mode, Mode::Idle);
+    let clicks = &window.app().frame().unwrap().clicks;
+    assert_eq!(clicks[0].target, Some(Target::Landmark("centre_mark".into())));
 }

@@ -42,7 +42,14 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
     document.cameras.push(camera.into());
-    let style = OverlayStyle { colour: [235, 240, 235], width: 1.5, opacity: 1.0, outline: 0.0, landmarks: false };
+    let style = OverlayStyle {
+        colour: [235, 240, 235],
+        width: 1.5,
+        opacity: 1.0,
+        outline: 0.0,
+        landmarks: false,
+        ..OverlayStyle::default()
+    };
     for index in 0..frames {
         let scene = OverlayScene {
             field: &field(),
@@ -181,6 +188,11 @@ impl Window {
     pub fn snapshot(&mut self, name: &str, around: ImagePoint, size: [f32; 2]) {
         let viewport = self.harness.get_by_label("Picture").rect();
         let part = egui::Rect::from_center_size(self.on_screen(around), size.into()).intersect(viewport);
+        self.snapshot_of(name, part);
+    }
+
+    /// A part of the window as it looks, compared with the kept picture.
+    pub fn snapshot_of(&mut self, name: &str, part: egui::Rect) {
         let per_point = self.harness.ctx.pixels_per_point();
         let whole = self.harness.render().unwrap();
         let px = |points: f32| (points * per_point).round().max(0.0) as u32;

@@ -68,6 +68,10 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
         ui.checkbox(&mut style.landmarks, "Landmarks as rings")
             .on_hover_text("Mark every landmark in view once there is a solution.");
         ui.end_row();
+        ui.label("");
+        ui.checkbox(&mut style.residuals_times_ten, "Residuals × 10")
+            .on_hover_text("Draw what separates a point from the solution ten times as long.");
+        ui.end_row();
     });
     ui.add_space(theme::SPACE);
     let delivered = OverlayStyle::default();

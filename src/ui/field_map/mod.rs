@@ -16,8 +16,8 @@ use crate::geometry::{ImagePoint, Vec3};
 use crate::project::Target;
 use crate::render::Layer;
 use egui::{
-    Align2, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Rect, Role, Sense, Shape, Stroke,
-    WidgetInfo, pos2, vec2,
+    Align2, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Role, Sense, Shape, Stroke, WidgetInfo,
+    pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let Some(field) = panel.app.current().field().cloned() else { return };
     let width = ui.available_width();
-    let (rect, response) = ui.allocate_exact_size(vec2(width, (width * SHAPE).round()), Sense::click_and_drag());
+    let (rect, response) = ui.allocate_exact_size(vec2(width, (width * SHAPE).round()), Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Field map"));
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(rect, pixels_per_point);
@@ -217,21 +217,20 @@ fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     let Some(base) = app.current().base else { return };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
     let stands = place.placement.screen_from_image(place.map.map_from_world(position));
-    let bounds = place.placement.rect.shrink(9.0);
+    let bounds = place.placement.rect.shrink(10.0);
     let at = stands.clamp(bounds.min, bounds.max);
     let field_centre = place.placement.screen_from_image(place.map.map_from_world(Vec3::zeros()));
     let ahead = (field_centre - stands).normalized();
     let aside = ahead.rot90();
-    let lens = vec![at + ahead * 1.0, at + ahead * 7.0 + aside * 5.0, at + ahead * 7.0 - aside * 5.0];
-    let rim = Stroke::new(1.0, Color32::from_black_alpha(200));
-    painter.add(Shape::convex_polygon(lens, Color32::WHITE, rim));
-    painter.rect(
-        Rect::from_center_size(at - ahead * 1.5, vec2(9.0, 9.0)),
-        2.0,
-        Color32::WHITE,
-        rim,
-        egui::StrokeKind::Outside,
-    );
+    let corner = |along: f32, across: f32| at + ahead * along + aside * across;
+    let body = vec![corner(-6.0, -4.0), corner(2.0, -4.0), corner(2.0, 4.0), corner(-6.0, 4.0)];
+    let lens = vec![corner(3.5, -2.0), corner(8.0, -5.0), corner(8.0, 5.0), corner(3.5, 2.0)];
+    for outline in [body.clone(), lens.clone()] {
+        painter.add(Shape::closed_line(outline, Stroke::new(3.0, Color32::from_black_alpha(170))));
+    }
+    for part in [body, lens] {
+        painter.add(Shape::convex_polygon(part, Color32::WHITE, Stroke::NONE));
+    }
 }
 
 fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {

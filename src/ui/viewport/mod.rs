@@ -104,7 +104,7 @@ enum Missing {
 pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(ui.available_rect_before_wrap(), pixels_per_point);
-    let response = ui.interact(rect, id(), Sense::click_and_drag());
+    let response = ui.interact(rect, id(), Sense::CLICK | Sense::DRAG);
     ui.advance_cursor_after_rect(rect);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
     let painter = ui.painter_at(rect);
