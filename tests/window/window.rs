@@ -20,7 +20,7 @@ use touchline::ui::Shell;
 /// The size of every frame.
 pub const SIZE: ImageSize = ImageSize::new(640, 360);
 /// How long the background may take for a small picture.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_mins(1);
 
 /// The field of every frame.
 pub fn field() -> FieldModel {
