@@ -80,7 +80,7 @@ pub struct FieldLine {
     pub edge: PaintEdge,
     /// Where the middle of the paint (or of the post) runs: `curve` moved by half the width as `edge` says.
     pub paint_centre: Curve,
-    /// Painted on the ground; false for posts, crossbars, nets and boards.
+    /// Painted on the ground as one stroke; false for posts, crossbars, nets, boards and rows of dashes.
     pub painted: bool,
 }
 

@@ -38,7 +38,7 @@ pub fn svg(field: &FieldModel) -> String {
         let [x, y] = plan.at(landmark.nominal_m);
         let title = escaped(&landmark.label);
         // Writing to a string cannot fail.
-        let _ = writeln!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"3\"><title>{title}</title></circle>");
+        let _ = writeln!(out, "<g><title>{title}</title><circle cx=\"{x}\" cy=\"{y}\" r=\"3\"/></g>");
         if landmark.nominal_m.z == 0.0 {
             let _ = writeln!(out, "<text x=\"{x}\" y=\"{y}\" dx=\"4\" dy=\"-4\">{}</text>", landmark.code);
         }
@@ -84,7 +84,7 @@ impl Plan {
         let colour = if line.painted { "" } else { " stroke=\"#7fb4ff\"" };
         let width = self.length(line.width_m);
         let title = escaped(&line.label);
-        format!("<{tag} {place} stroke-width=\"{width}\"{colour}><title>{title}</title></{tag}>\n")
+        format!("<g><title>{title}</title><{tag} {place} stroke-width=\"{width}\"{colour}/></g>\n")
     }
 }
 
@@ -110,7 +110,7 @@ mod tests {
             let field = builtin(name).unwrap().default_model().unwrap();
             let text = svg(&field);
             assert_eq!(text.matches("stroke-width").count(), field.lines.len(), "{name}");
-            assert_eq!(text.matches("</circle>").count(), text.matches("<circle").count(), "{name}");
+            assert_eq!(text.matches("r=\"3\"").count(), field.landmarks.len(), "{name}");
             assert!(!text.contains("NaN") && !text.contains("inf\""), "{name}");
         }
     }
@@ -121,11 +121,11 @@ mod tests {
         let plan = Plan { reach_m: Vec3::new(60.0, 40.0, 0.0), px_per_m: 10.0 };
         // The left penalty arc runs from near to far with its apex towards the middle: counter-clockwise in the world.
         let arc = plan.line(field.line("penalty_arc_left").unwrap());
-        assert!(arc.starts_with("<path d=\"M 240"), "{arc}");
+        assert!(arc.contains("<path d=\"M 240"), "{arc}");
         assert!(arc.contains("A 90.9 90.9 0 0 0 "), "{arc}");
         assert_eq!(
             plan.line(field.line("halfway_line").unwrap()),
-            "<line x1=\"600\" y1=\"740\" x2=\"600\" y2=\"60\" stroke-width=\"1.2\"><title>Halfway line</title></line>\n"
+            "<g><title>Halfway line</title><line x1=\"600\" y1=\"740\" x2=\"600\" y2=\"60\" stroke-width=\"1.2\"/></g>\n"
         );
     }
 }

@@ -17,6 +17,7 @@ mod cli_documents;
 mod data;
 mod document;
 mod fields;
+mod fields_command;
 mod journal;
 mod media;
 mod overlay_pixels;
