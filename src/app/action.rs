@@ -124,6 +124,8 @@ pub enum Action {
 
     /// A document, folder or video is to be opened.
     Open(PathBuf),
+    /// How far the opening has come, in words.
+    Progress(String),
     /// It is open.
     Opened(Box<Opened>),
     /// Something that was asked for could not be done: one line.
@@ -196,6 +198,8 @@ pub enum Effect {
         /// Where.
         file: PathBuf,
     },
+    /// Give up what is being opened.
+    CancelOpening,
     /// Open a fresh copy of the demo match.
     OpenDemo,
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].

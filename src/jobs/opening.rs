@@ -1,18 +1,25 @@
 //! Opens whatever a user names: a project, a dataset, a folder of frames, a video.
 
 use crate::app::Opened;
-use crate::media::FrameSource;
+use crate::media::{CountProgress, FrameSource, MediaError};
 use crate::project::{self, Access, Camera, FieldSpec, Location, PROJECT_FILE, Store, document_from_frames};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// What a folder of frames or a video gets its project's name from: `match.mp4` lies beside `match.mp4.touchline/`.
 const PROJECT_SUFFIX: &str = ".touchline";
 /// More frames than this are thinned out: a match of 90 minutes has 135,000.
 const MOST_FRAMES: usize = 20_000;
+/// Progress is told each time so many frames have been read.
+const REPORT_EVERY: usize = 50;
 /// The field of a project that is made by opening frames.
 const DEFAULT_FIELD: &str = "soccer";
+
+/// Told in words how far the opening has come; may end it.
+pub type Watch<'a> = &'a (dyn Fn(String) -> ControlFlow<()> + Sync);
 
 /// A document as the app gets it, and the way to write it, if there is one.
 #[derive(Debug)]
@@ -27,8 +34,8 @@ pub struct Ready {
 /// that cannot be written in the user's data folder.
 ///
 /// # Errors
-/// One line: what, where, how to mend it.
-pub fn open_anything(path: &Path) -> Result<Ready, String> {
+/// One line: what, where, how to mend it; or that `watch` ended it.
+pub fn open_anything(path: &Path, watch: Watch<'_>) -> Result<Ready, String> {
     if !path.exists() {
         return Err(format!("{}: there is no such file or folder", path.display()));
     }
@@ -43,11 +50,22 @@ pub fn open_anything(path: &Path) -> Result<Ready, String> {
             return open_document(&folder, Vec::new());
         }
     }
-    let source = FrameSource::open(&path).map_err(|error| error.to_string())?;
+    let mut counting = |progress: CountProgress| watch(format!("Counting frames: {}…", progress.counted));
+    let source = FrameSource::open_watched(&path, &mut counting).map_err(|error| error.to_string())?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
+    let read = AtomicUsize::new(0);
     let mut refused = None;
     for folder in project_folders(&path) {
-        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &|| {});
+        let made = document_from_frames(&source, &folder, FieldSpec::new(DEFAULT_FIELD), every, &|| {
+            let read = read.fetch_add(1, Ordering::Relaxed) + 1;
+            if read.is_multiple_of(REPORT_EVERY) {
+                // Stopping is looked at when all are read: hashing a folder takes seconds.
+                let _ = watch(format!("Reading frames: {read} of {}…", source.len()));
+            }
+        });
+        if watch("Writing the project…".to_owned()).is_break() {
+            return Err(MediaError::Stopped { path: path.clone() }.to_string());
+        }
         let mut notices: Vec<String> = source.notices().iter().map(ToString::to_string).collect();
         notices.extend(made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}")));
         if made.document.frames.is_empty() {
@@ -130,35 +148,49 @@ pub fn camera_with_base(path: &Path) -> Result<Camera, String> {
 mod tests {
     use super::*;
 
+    fn open(path: &Path) -> Result<Ready, String> {
+        open_anything(path, &|_| ControlFlow::Continue(()))
+    }
+
     #[test]
     fn frames_get_a_project_beside_them_once() {
         let root = tempfile::tempdir().unwrap();
         let frames = root.path().join("first half");
         std::fs::create_dir(&frames).unwrap();
         image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
-        let ready = open_anything(&frames).unwrap();
+        let ready = open(&frames).unwrap();
         assert_eq!(ready.opened.document.frames[0].name(), "../first half/1.png");
         assert!(ready.opened.file.ends_with("first half.touchline/project.json"), "{:?}", ready.opened.file);
         assert!(ready.opened.notices.iter().any(|notice| notice.starts_with("The project is kept in")));
         drop(ready);
-        let again = open_anything(&frames).unwrap();
+        let again = open(&frames).unwrap();
         assert!(again.opened.notices.is_empty(), "{:?}", again.opened.notices);
         assert!(again.store.is_some());
-        let second = open_anything(&frames).unwrap();
+        let second = open(&frames).unwrap();
         assert!(second.store.is_none() && second.opened.read_only.is_some(), "two at once: the second only looks");
     }
 
     #[test]
     fn what_cannot_be_opened_is_named() {
         let root = tempfile::tempdir().unwrap();
-        let error = open_anything(&root.path().join("none")).unwrap_err();
+        let error = open(&root.path().join("none")).unwrap_err();
         assert!(error.contains("there is no such file or folder"), "{error}");
         let empty = root.path().join("empty");
         std::fs::create_dir(&empty).unwrap();
-        assert!(open_anything(&empty).unwrap_err().contains("there is no frame that can be read"));
+        assert!(open(&empty).unwrap_err().contains("there is no frame that can be read"));
         assert!(!root.path().join("empty.touchline").exists(), "nothing is left behind");
         let text = root.path().join("notes.json");
         std::fs::write(&text, "[1, 2]").unwrap();
-        assert!(open_anything(&text).is_err());
+        assert!(open(&text).is_err());
+    }
+
+    #[test]
+    fn opening_can_be_ended_and_leaves_nothing_behind() {
+        let root = tempfile::tempdir().unwrap();
+        let frames = root.path().join("frames");
+        std::fs::create_dir(&frames).unwrap();
+        image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+        assert!(open_anything(&frames, &|_| ControlFlow::Break(())).is_err());
+        assert!(!root.path().join("frames.touchline").exists());
     }
 }

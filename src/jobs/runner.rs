@@ -1,10 +1,11 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{Ready, camera_with_base, open_anything};
+use super::opening::{Ready, Watch, camera_with_base, open_anything};
 use super::{Background, BackgroundReport, Saver, SaverOptions, SaverReport, Wake, demo};
 use crate::app::session::Level;
 use crate::app::{Action, Effect, Question};
 use crate::project::{Document, Location, Store, document_to_string, write_atomically};
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// What is left for the window to do.
@@ -24,11 +25,20 @@ enum Outcome {
     Action(Action),
 }
 
+/// Something under way.
+struct Task {
+    background: Background<String, Result<Outcome, String>>,
+    /// It opens a document: the user may give it up.
+    opens: bool,
+    /// Nobody waits for its result any more.
+    given_up: bool,
+}
+
 /// Carries out effects; its reports are actions.
 pub struct Runner {
     wake: Wake,
     saver: Option<Saver>,
-    tasks: Vec<Background<String, Result<Outcome, String>>>,
+    tasks: Vec<Task>,
     reports: Vec<Action>,
 }
 
@@ -42,12 +52,18 @@ impl Runner {
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
-            Effect::Open(path) => {
-                self.begin("open", move || open_anything(&path).map(|ready| Outcome::Opened(Box::new(ready))))
-            }
-            Effect::OpenDemo => self.begin("demo", move || {
-                open_anything(&demo::fresh_copy()?).map(|ready| Outcome::Opened(Box::new(ready)))
+            Effect::Open(path) => self.begin("open", true, move |watch| {
+                open_anything(&path, watch).map(|ready| Outcome::Opened(Box::new(ready)))
             }),
+            Effect::OpenDemo => self.begin("open the demo", true, move |watch| {
+                open_anything(&demo::fresh_copy()?, watch).map(|ready| Outcome::Opened(Box::new(ready)))
+            }),
+            Effect::CancelOpening => {
+                for task in self.tasks.iter_mut().filter(|task| task.opens) {
+                    task.given_up = true;
+                    task.background.stop();
+                }
+            }
             Effect::Journal { edit, revision } => match &mut self.saver {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
@@ -57,15 +73,15 @@ impl Runner {
                     saver.save();
                 }
             }
-            Effect::SaveCopy { document, from, folder } => self.begin("copy", move || {
+            Effect::SaveCopy { document, from, folder } => self.begin("copy", false, move |_| {
                 save_copy(&document, &from, &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
             }),
-            Effect::Export { document, from, file } => self.begin("export", move || {
+            Effect::Export { document, from, file } => self.begin("export", false, move |_| {
                 export(&document, &from, &file)?;
                 Ok(Outcome::Action(Action::Exported(file)))
             }),
-            Effect::LoadCamera(path) => self.begin("camera", move || {
+            Effect::LoadCamera(path) => self.begin("camera", false, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
@@ -80,9 +96,10 @@ impl Runner {
         let mut actions = std::mem::take(&mut self.reports);
         let mut opened = None;
         for task in &mut self.tasks {
-            while let Some(report) = task.poll() {
+            while let Some(report) = task.background.poll() {
                 match report {
-                    BackgroundReport::Progress(text) => actions.push(Action::Notify(Level::Info, text)),
+                    _ if task.given_up => {}
+                    BackgroundReport::Progress(text) => actions.push(Action::Progress(text)),
                     BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
                     BackgroundReport::Done(Ok(Outcome::Action(action))) => actions.push(action),
                     BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
@@ -92,7 +109,7 @@ impl Runner {
                 }
             }
         }
-        self.tasks.retain(|task| !task.is_over());
+        self.tasks.retain(|task| !task.background.is_over());
         if let Some(ready) = opened {
             // What was open before is written first; its last words matter no more than a failure.
             actions.extend(self.close());
@@ -128,9 +145,20 @@ impl Runner {
         Ok(Action::Opened(Box::new(ready.opened)))
     }
 
-    fn begin(&mut self, name: &str, task: impl FnOnce() -> Result<Outcome, String> + Send + 'static) {
-        match Background::spawn(name, self.wake.clone(), move |_| task()) {
-            Ok(task) => self.tasks.push(task),
+    fn begin(
+        &mut self,
+        name: &str,
+        opens: bool,
+        task: impl FnOnce(Watch<'_>) -> Result<Outcome, String> + Send + 'static,
+    ) {
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| {
+            task(&|text| {
+                reporter.progress(text);
+                if reporter.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            })
+        });
+        match background {
+            Ok(background) => self.tasks.push(Task { background, opens, given_up: false }),
             Err(error) => {
                 self.reports.push(Action::Failed(format!("the system starts no thread for “{name}”: {error}")));
             }

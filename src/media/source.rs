@@ -1,8 +1,9 @@
 //! Where the frames of a project come from, and how one of them is named.
 
 use super::folder::has_image_extension;
-use super::{FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
+use super::{CountProgress, FolderListing, MediaError, Notice, Video, VideoInfo, image_size, list_images};
 use std::fmt;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -66,13 +67,25 @@ impl FrameSource {
     /// # Errors
     /// Those of [`list_images`], [`image_size`] and [`Video::open`].
     pub fn open(path: &Path) -> Result<Self, MediaError> {
+        Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// Opens as [`FrameSource::open`] does; `watch` is told how far the counting of a video's frames has come, and may
+    /// end it.
+    ///
+    /// # Errors
+    /// As [`FrameSource::open`]; [`MediaError::Stopped`] when `watch` ended it.
+    pub fn open_watched(
+        path: &Path,
+        watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+    ) -> Result<Self, MediaError> {
         if path.is_dir() {
             Ok(Self::Folder(list_images(path)?))
         } else if has_image_extension(path) {
             image_size(path)?;
             Ok(vec![path.to_path_buf()].into())
         } else {
-            Ok(Self::Video(Video::open(path)?.info().clone()))
+            Ok(Self::Video(Video::open_watched(path, watch)?.info().clone()))
         }
     }
 

@@ -397,6 +397,19 @@ fn zoom_and_position_stay_from_frame_to_frame_and_filters_count() {
 }
 
 #[test]
+fn escape_gives_up_what_is_being_opened() {
+    let mut bench = Bench::new(document(1, true));
+    bench.act(Action::Open("/match.mp4".into()));
+    bench.act(Action::Progress("Counting frames: 500…".into()));
+    assert_eq!(bench.app.session.opening.as_deref(), Some("Counting frames: 500…"));
+    bench.command(Command::Cancel);
+    assert!(bench.effects.contains(&Effect::CancelOpening));
+    assert_eq!(bench.app.session.opening, None);
+    bench.act(Action::Progress("Counting frames: 600…".into()));
+    assert_eq!(bench.app.session.opening, None, "a late word brings nothing back");
+}
+
+#[test]
 fn every_command_can_be_asked_for_at_any_time() {
     for document in [None, Some(document(0, true)), Some(document(3, false)), Some(document(3, true))] {
         let mut app = App::new(Settings::default());

@@ -26,6 +26,7 @@ mod program;
 mod published_figures;
 mod render_command;
 mod seeded;
+mod session;
 mod shaders;
 mod synth_command;
 mod synthetic;

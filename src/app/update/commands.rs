@@ -168,6 +168,10 @@ impl App {
         if self.session.dialog.take().is_some() {
             return;
         }
+        if self.session.opening.take().is_some() {
+            self.effects.push(Effect::CancelOpening);
+            return;
+        }
         match &self.session.mode {
             Mode::Dragging { .. } | Mode::Editing => self.abort(),
             Mode::Naming(naming) => {

@@ -110,6 +110,11 @@ impl App {
             Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
             Action::Notify(level, text) => self.session.notify(level, text),
             Action::Open(path) => self.open_path(path),
+            Action::Progress(text) => {
+                if self.session.opening.is_some() {
+                    self.session.opening = Some(text);
+                }
+            }
             Action::Opened(opened) => self.opened(*opened),
             Action::Failed(message) => {
                 self.session.opening = None;
