@@ -1,6 +1,6 @@
 //! What changes state, and what the outside then has to do.
 
-use super::session::{Filter, PictureView};
+use super::session::{Filter, Level, PictureView};
 use super::{Chord, Command, OverlayStyle};
 use crate::camera::Ptz;
 use crate::geometry::{ImagePoint, PixelBox};
@@ -120,7 +120,7 @@ pub enum Action {
     /// A message goes away.
     DismissNotice(u64),
     /// A message from outside.
-    Notify(super::session::Level, String),
+    Notify(Level, String),
 
     /// A document, folder or video is to be opened.
     Open(PathBuf),
@@ -163,7 +163,7 @@ pub struct Opened {
     /// Why it can only be looked at, if so.
     pub read_only: Option<String>,
     /// What a person should know: recovered edits, a video shorter than it says.
-    pub notices: Vec<String>,
+    pub notices: Vec<(Level, String)>,
 }
 
 /// What the outside has to do; the shell hands it to `jobs` or to the window system.

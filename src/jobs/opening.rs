@@ -1,16 +1,17 @@
 //! Opens whatever a user names: a project, a dataset, a folder of frames, a video.
 
 use crate::app::Opened;
+use crate::app::session::Level;
 use crate::media::{CountProgress, FrameSource, MediaError};
-use crate::project::{self, Access, Camera, FieldSpec, Location, PROJECT_FILE, Store, document_from_frames};
+use crate::project::{
+    self, Access, Camera, FieldSpec, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, document_from_frames,
+};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What a folder of frames or a video gets its project's name from: `match.mp4` lies beside `match.mp4.touchline/`.
-const PROJECT_SUFFIX: &str = ".touchline";
 /// More frames than this are thinned out: a match of 90 minutes has 135,000.
 const MOST_FRAMES: usize = 20_000;
 /// Progress is told each time so many frames have been read.
@@ -66,14 +67,16 @@ pub fn open_anything(path: &Path, watch: Watch<'_>) -> Result<Ready, String> {
         if watch("Writing the project…".to_owned()).is_break() {
             return Err(MediaError::Stopped { path: path.clone() }.to_string());
         }
-        let mut notices: Vec<String> = source.notices().iter().map(ToString::to_string).collect();
-        notices.extend(made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}")));
+        let said = source.notices().iter().map(ToString::to_string);
+        let left_out = made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}"));
+        let mut notices: Vec<_> = said.chain(left_out).map(|text| (Level::Warning, text)).collect();
         if made.document.frames.is_empty() {
-            let left_out = notices.into_iter().next_back().map(|notice| format!(" ({notice})")).unwrap_or_default();
+            let left_out = notices.pop().map(|(_, text)| format!(" ({text})")).unwrap_or_default();
             return Err(format!("{}: there is no frame that can be read{left_out}", path.display()));
         }
         if every > NonZeroUsize::MIN {
-            notices.push(format!("{} frames are many: every {every}th is taken.", source.len()));
+            let text = format!("{} frames are many: every {every}th is taken.", source.len());
+            notices.push((Level::Warning, text));
         }
         let written = std::fs::create_dir_all(&folder).map_err(|error| error.to_string()).and_then(|()| {
             let location = Location::for_new_document(&folder).map_err(|error| error.to_string())?;
@@ -82,7 +85,7 @@ pub fn open_anything(path: &Path, watch: Watch<'_>) -> Result<Ready, String> {
         match written {
             Ok(store) => {
                 drop(store);
-                notices.push(format!("The project is kept in {}.", folder.display()));
+                notices.push((Level::Info, format!("The project is kept in {}.", folder.display())));
                 return open_document(&folder, notices);
             }
             Err(error) => refused = Some(error),
@@ -112,10 +115,10 @@ pub(super) fn user_projects() -> Option<PathBuf> {
     Some(directories::ProjectDirs::from("", "", "touchline")?.data_dir().join("projects"))
 }
 
-fn open_document(path: &Path, mut notices: Vec<String>) -> Result<Ready, String> {
+fn open_document(path: &Path, mut notices: Vec<(Level, String)>) -> Result<Ready, String> {
     let project::Opened { location, document, access, recovery } =
         project::open(path).map_err(|error| error.to_string())?;
-    notices.extend(recovery.message());
+    notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),
         Access::ReadOnly(reason) => (None, Some(reason.to_string())),
@@ -161,7 +164,7 @@ mod tests {
         let ready = open(&frames).unwrap();
         assert_eq!(ready.opened.document.frames[0].name(), "../first half/1.png");
         assert!(ready.opened.file.ends_with("first half.touchline/project.json"), "{:?}", ready.opened.file);
-        assert!(ready.opened.notices.iter().any(|notice| notice.starts_with("The project is kept in")));
+        assert!(ready.opened.notices.iter().any(|(_, text)| text.starts_with("The project is kept in")));
         drop(ready);
         let again = open(&frames).unwrap();
         assert!(again.opened.notices.is_empty(), "{:?}", again.opened.notices);

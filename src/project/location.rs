@@ -8,6 +8,9 @@ use std::path::{Component, Path, PathBuf};
 /// The document's file in a project folder.
 pub const PROJECT_FILE: &str = "project.json";
 
+/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside `match.mp4.touchline/`.
+pub const PROJECT_SUFFIX: &str = ".touchline";
+
 /// Where a document lies: a file, and the folder that its relative paths start from.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location {

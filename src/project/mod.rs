@@ -38,7 +38,7 @@ pub use edit::{Change, Edit, EditMismatch};
 pub use error::StoreError;
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
 pub use history::{History, Step};
-pub use location::{Location, PROJECT_FILE, path_between};
+pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};
 pub use lock::ReadOnly;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;

@@ -3,7 +3,7 @@
 use super::{Panel, theme};
 use crate::app::session::{Panel as RightPanel, Saving};
 use crate::app::{Action, App, Command, Group};
-use crate::project::PROJECT_FILE;
+use crate::project::{PROJECT_FILE, PROJECT_SUFFIX};
 use egui::{Align, Button, Layout, RichText, Ui};
 use std::path::Path;
 
@@ -116,7 +116,9 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
 pub fn document_name(file: &Path) -> String {
     let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
     let named = if is_project { file.parent().unwrap_or(file) } else { file };
-    named.file_name().map_or_else(|| named.display().to_string(), |name| name.to_string_lossy().into_owned())
+    let name =
+        named.file_name().map_or_else(|| named.display().to_string(), |name| name.to_string_lossy().into_owned());
+    name.strip_suffix(PROJECT_SUFFIX).map_or_else(|| name.clone(), str::to_owned)
 }
 
 /// Document, frame and shot.

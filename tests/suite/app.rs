@@ -1,6 +1,6 @@
 //! The application by actions, without a window: place, name, drag, undo, accept, reject.
 
-use touchline::app::session::{Filter, Mode, PictureView, Saving};
+use touchline::app::session::{Filter, Level, Mode, PictureView, Saving};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::builtin;
@@ -344,7 +344,7 @@ fn a_document_to_look_at_only_stays_as_it_is() {
         folder: "/nowhere".into(),
         file: "/nowhere/project.json".into(),
         read_only: Some("another program has it open".into()),
-        notices: vec!["3 edits recovered.".into()],
+        notices: vec![(Level::Warning, "3 edits recovered.".into())],
     })));
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));

@@ -16,8 +16,8 @@ impl App {
         let panel = self.session.panel;
         self.session = Session::default();
         self.session.panel = panel;
-        for text in &opened.notices {
-            self.session.notify(Level::Warning, text.clone());
+        for (level, text) in &opened.notices {
+            self.session.notify(*level, text.clone());
         }
         if let Some(reason) = &opened.read_only {
             self.session.notify(Level::Warning, format!("Opened to look at only: {reason}"));
