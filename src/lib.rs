@@ -34,3 +34,8 @@ pub mod solve;
 pub mod synthetic;
 #[cfg(feature = "gui")]
 pub mod ui;
+
+/// The README's example is compiled with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
