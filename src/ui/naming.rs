@@ -110,6 +110,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
 
 /// Where a list of a size stands: beside its point, never over it, within the bounds if they are wide enough.
 fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
+    // The list of a point that was moved out of view stays at the border.
+    let point = point.clamp(bounds.min, bounds.max);
     let right = point.x + GAP;
     let left = point.x - GAP - size.x;
     let x = if right + size.x <= bounds.right() || left < bounds.left() { right } else { left };
@@ -232,7 +234,7 @@ mod tests {
     fn the_list_never_covers_its_point_and_stays_within_the_picture() {
         let bounds = Rect::from_min_size(pos2(0.0, 24.0), vec2(980.0, 580.0));
         let size = vec2(300.0, 160.0);
-        for x in [0.0, 200.0, 500.0, 700.0, 980.0] {
+        for x in [-50.0, 0.0, 200.0, 500.0, 700.0, 980.0, 2000.0] {
             for y in [24.0, 100.0, 590.0, 604.0] {
                 let list = Rect::from_min_size(beside(pos2(x, y), size, bounds), size);
                 assert!(!list.expand(GAP - 1.0).contains(pos2(x, y)), "{list:?} covers {x}, {y}");

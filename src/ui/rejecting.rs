@@ -30,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
         .fixed_pos(bounds.center_top() + vec2(0.0, 8.0))
         .constrain_to(bounds)
         .show(ui.ctx(), |ui| {
-            egui::Frame::popup(ui.style()).show(ui, |ui| {
+            egui::Frame::popup(ui.style()).inner_margin(8).show(ui, |ui| {
                 ui.set_max_width(bounds.width() - 32.0);
                 let what = if whole_shot { "Whole shot not calibratable:" } else { "Not calibratable:" };
                 ui.horizontal(|ui| {

@@ -134,7 +134,7 @@ pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let title = lay_out("This picture cannot be shown", 17.0, theme::STRONG);
     let text = lay_out(reason, 13.0, theme::TEXT);
     let height = title.size().y + 8.0 + text.size().y;
-    let top = rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0);
+    let top = (rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0)).round();
     let below = top + vec2(0.0, title.size().y + 8.0);
     painter.galley(top, title, Color32::WHITE);
     painter.galley(below, text, Color32::WHITE);

@@ -82,7 +82,7 @@ fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::
             let found = picture.size();
             Err(Missing::Never(format!(
                 "The picture is {} × {} px, but the project says {} × {} px. Nothing can be clicked here, since every \
-                 position would be wrong. Put the right picture back, or remove this frame.",
+                 position would be wrong. Put the picture back that was labelled.",
                 found.width, found.height, expected.width, expected.height
             )))
         }

@@ -127,7 +127,8 @@ impl Reading<'_> {
                     self.released(*button);
                 }
             }
-            Event::PointerGone => self.pointer.at = None,
+            // What is held waits for the pointer to come back.
+            Event::PointerGone if self.pointer.hold == Hold::Nothing => self.pointer.at = None,
             // Nobody says that the button went up over another window.
             Event::WindowFocused(false) => self.let_go(),
             _ => {
