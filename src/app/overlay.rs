@@ -292,7 +292,8 @@ mod tests {
         let seen: Vec<_> = drawing.markers.iter().map(|marker| (marker.shape, marker.colour)).collect();
         assert_eq!(
             seen,
-            [(MarkerShape::Diamond, CHECK), (MarkerShape::Cross, DISPUTED), (MarkerShape::Ring, DISPUTED)]
+            [(MarkerShape::Diamond, CHECK), (MarkerShape::Ring, DISPUTED), (MarkerShape::Ring, DISPUTED)],
+            "a ring for the click on a line, and one for its selection"
         );
     }
 
