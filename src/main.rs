@@ -12,15 +12,30 @@ fn main() -> ExitCode {
 
 #[cfg(feature = "gui")]
 fn window(document: Option<std::path::PathBuf>) -> ExitCode {
+    let refuse = |why: String| {
+        eprintln!("touchline: {why}");
+        ExitCode::from(2)
+    };
+    if let Some(document) = &document
+        && !document.exists()
+    {
+        return refuse(format!("{}: neither a file or folder nor a command; see touchline --help", document.display()));
+    }
+    let has_display =
+        ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"].iter().any(|name| std::env::var_os(name).is_some());
+    if cfg!(target_os = "linux") && !has_display {
+        return refuse(
+            "there is no display (DISPLAY and WAYLAND_DISPLAY are not set), so the window cannot open; the commands work \
+             without, see touchline --help"
+                .to_owned(),
+        );
+    }
     match touchline::ui::run(document) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!(
-                "touchline: the window cannot open: {error}. It needs a display (DISPLAY or WAYLAND_DISPLAY) and a Vulkan or \
-                 OpenGL driver; the commands work without (touchline --help)"
-            );
-            ExitCode::from(2)
-        }
+        Err(error) => refuse(format!(
+            "the window cannot open: {error}. It needs a Vulkan or OpenGL driver (Debian: mesa-vulkan-drivers libegl1); the \
+             commands work without, see touchline --help"
+        )),
     }
 }
 

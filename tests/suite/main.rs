@@ -31,3 +31,4 @@ mod shaders;
 mod synth_command;
 mod synthetic;
 mod two_point_truth;
+mod window_command;
