@@ -3,7 +3,7 @@
 use super::drawing::{Area, Colour, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 use super::overlay::{CHECK, CLICK, DISPUTED, OverlayScene, SELECTED};
 use crate::camera::PtzCamera;
-use crate::field::{Curve, FieldModel};
+use crate::field::{Curve, FieldLine, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::markings::visible_ground;
 use crate::media::Picture;
@@ -99,7 +99,7 @@ pub fn field_map(scene: &OverlayScene<'_>, map: &FieldMap) -> FieldMapDrawing {
     let corners = [(-x, -y), (x, -y), (x, y), (-x, y)].map(|(x, y)| map.drawn(Vec3::new(x, y, 0.0)));
     let ground = Drawing { areas: vec![Area { corners: corners.to_vec(), colour: GRASS }], ..Drawing::default() };
     let mut over = Drawing::default();
-    let strokes = field.lines.iter().filter(|line| line.painted).map(|line| Stroke {
+    let strokes = field.lines.iter().filter(|line| lies_on_ground(line)).map(|line| Stroke {
         points: flattened(&line.curve, map, scene.zoom),
         colour: MARKINGS,
         width_pt: 1.25,
@@ -220,6 +220,11 @@ fn bilinear(picture: &Picture, at: ImagePoint) -> Option<[f64; 3]> {
     Some(std::array::from_fn(|channel| corners.iter().map(|(pixel, share)| f64::from(pixel[channel]) * share).sum()))
 }
 
+/// Whether a line is seen from above: paint, and what stands along the ground such as the boards of a rink.
+fn lies_on_ground(line: &FieldLine) -> bool {
+    line.painted || [0.0, 0.5, 1.0].iter().all(|&t| line.curve.point_at(t).z == 0.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -270,8 +275,9 @@ mod tests {
             zoom: 1.0,
         };
         let drawing = field_map(&scene, &FieldMap::new(&field, 5.0, 10.0));
-        let painted = field.lines.iter().filter(|line| line.painted).count();
-        assert_eq!(drawing.over.strokes[0].strokes.len(), painted);
+        let on_ground = field.lines.iter().filter(|line| lies_on_ground(line)).count();
+        assert_eq!(drawing.over.strokes[0].strokes.len(), on_ground);
+        assert!(on_ground < field.lines.len(), "posts and crossbars are seen from above as nothing");
         assert_eq!((drawing.over.areas.len(), drawing.ground.areas.len()), (1, 1));
         let unsolved = field_map(&OverlayScene { camera: None, ..scene }, &FieldMap::new(&field, 5.0, 10.0));
         assert!(unsolved.over.areas.is_empty());
