@@ -56,7 +56,9 @@ impl Current {
             _ if by_hand => Some(Judgement { verdict: Verdict::Check, reason: "numbers set by hand".to_owned() }),
             _ => None,
         };
-        let camera = open.document.pointed(frame);
+        // A document may hold clicks that nobody has solved yet.
+        let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
+        let camera = open.document.pointed(frame).or_else(from_clicks);
         let preview = match &field {
             Ok(field) => preview(open, session, frame, field, base.as_ref()),
             Err(_) => None,

@@ -56,7 +56,7 @@ impl App {
                 unnamed + 1
             ));
         }
-        if frame.ptz.is_some() {
+        if frame.ptz.is_some() || self.current.solved().is_some() {
             return None;
         }
         Some(match &self.current.solution {
@@ -72,7 +72,11 @@ impl App {
             return;
         }
         if self.begin("Accept") {
+            let solved = self.current.solved().cloned();
             if let Some(frame) = self.frame_mut() {
+                if let (None, Some(solved)) = (&frame.ptz, &solved) {
+                    frame.record(solved);
+                }
                 frame.status = FrameStatus::Reference;
                 frame.reason = None;
             }

@@ -7,77 +7,63 @@ use crate::geometry::{Angle, Mat3, Vec3};
 use crate::project::{Camera, CameraSigma, K1Curve};
 use crate::ui::number::Number;
 use crate::ui::{Panel, theme};
-use egui::{Button, Grid, RichText, Ui};
+use egui::{Align, Button, Grid, Layout, RichText, Ui};
 
 /// The width of a number field, points.
-const FIELD: f32 = 96.0;
+pub const FIELD: f32 = 112.0;
 
-/// A number of the camera: what it is called, how it behaves, and how it is written back.
-struct Row<'a> {
-    label: &'a str,
-    name: &'a str,
-    step: &'static str,
-    tip: &'a str,
-    value: f64,
-    speed: f64,
-    decimals: usize,
-    range: std::ops::RangeInclusive<f64>,
-    suffix: &'a str,
-}
-
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, row: Row<'_>, write: impl FnOnce(&mut Camera, f64)) {
-    ui.label(row.label).on_hover_text(row.tip);
-    let number = Number {
-        name: row.name,
-        step: row.step,
-        tip: row.tip,
-        value: row.value,
-        speed: row.speed,
-        decimals: row.decimals,
-        range: row.range,
-        suffix: row.suffix,
-        width: FIELD,
-    };
-    number.show(ui, panel.app, panel.actions, |value| {
-        let mut changed = camera.clone();
-        write(&mut changed, value);
-        Action::EditCamera(Box::new(changed))
+/// A number of the camera, and how it is written back.
+fn row(
+    panel: &mut Panel<'_>,
+    ui: &mut Ui,
+    camera: &Camera,
+    label: &str,
+    number: Number<'_>,
+    write: impl FnOnce(&mut Camera, f64),
+) {
+    line(ui, label, number.tip, |ui| {
+        number.show(ui, panel.app, panel.actions, |value| {
+            let mut changed = camera.clone();
+            write(&mut changed, value);
+            Action::EditCamera(Box::new(changed))
+        });
     });
 }
 
-fn grid(ui: &mut Ui, name: &str, rows: impl FnOnce(&mut Ui)) {
-    Grid::new(name).num_columns(2).min_col_width(110.0).spacing([8.0, 4.0]).show(ui, rows);
+/// A label at the left edge, what belongs to it at the right one.
+pub fn line(ui: &mut Ui, label: &str, tip: &str, value: impl FnOnce(&mut Ui)) {
+    ui.horizontal(|ui| {
+        ui.label(label).on_hover_text(tip);
+        ui.with_layout(Layout::right_to_left(Align::Center), value);
+    });
 }
 
 /// Position, m.
 pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(position) = camera.position_m else { return };
     section(ui, "POSITION");
-    grid(ui, "position", |ui| {
-        for (axis, label, name, tip) in [
-            (0, "x  along", "Position x", "Along the field's length from its centre, to the right, m."),
-            (1, "y  across", "Position y", "Across the field from its centre, away from the main camera, m."),
-            (2, "z  height", "Position z", "Above the field's centre, m."),
-        ] {
-            let numbers = Row {
-                label,
-                name,
-                step: "Move camera",
-                tip,
-                value: position[axis],
-                speed: 0.05,
-                decimals: 3,
-                range: -500.0..=500.0,
-                suffix: " m",
-            };
-            row(panel, ui, camera, numbers, |changed, value| {
-                let mut moved = position;
-                moved[axis] = value;
-                changed.position_m = Some(moved);
-            });
-            ui.end_row();
-        }
-    });
+    for (axis, label, name, tip) in [
+        (0, "x  along", "Position x", "Along the field's length from its centre, to the right, m."),
+        (1, "y  across", "Position y", "Across the field from its centre, away from the main camera, m."),
+        (2, "z  height", "Position z", "Above the field's centre, m."),
+    ] {
+        let number = Number {
+            name,
+            step: "Move camera",
+            tip,
+            value: position[axis],
+            speed: 0.05,
+            decimals: 3,
+            range: -500.0..=500.0,
+            suffix: " m",
+            width: FIELD,
+        };
+        row(panel, ui, camera, label, number, |changed, value| {
+            let mut moved = position;
+            moved[axis] = value;
+            changed.position_m = Some(moved);
+        });
+    }
 }
 
 /// The base rotation as heading, pitch and roll, and as a matrix.
@@ -85,40 +71,29 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(base) = camera.base() else { return };
     let angles = base.angles();
     section(ui, "BASE ROTATION");
-    grid(ui, "rotation", |ui| {
-        let angle = |label, name, tip, angle: Angle, limit: f64| Row {
-            label,
-            name,
-            step: "Turn camera base",
-            tip,
-            value: angle.degrees(),
-            speed: 0.02,
-            decimals: 4,
-            range: -limit..=limit,
-            suffix: "°",
-        };
-        let write = |changed: &mut Camera, angles: BaseAngles| changed.base_from_world = Some(angles.base_from_world());
-        let heading = angle(
-            "Heading",
-            "Heading",
-            "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. Usually 0.",
-            angles.heading,
-            180.0,
-        );
-        row(panel, ui, camera, heading, |changed, degrees| {
-            write(changed, BaseAngles { heading: Angle::from_degrees(degrees), ..angles });
-        });
-        ui.end_row();
-        let tip = "How far tilt 0 looks above the horizon.";
-        row(panel, ui, camera, angle("Pitch", "Pitch", tip, angles.pitch, 89.9), |changed, degrees| {
-            write(changed, BaseAngles { pitch: Angle::from_degrees(degrees), ..angles });
-        });
-        ui.end_row();
-        let tip = "How far the camera leans to its right.";
-        row(panel, ui, camera, angle("Roll", "Roll", tip, angles.roll, 180.0), |changed, degrees| {
-            write(changed, BaseAngles { roll: Angle::from_degrees(degrees), ..angles });
-        });
-        ui.end_row();
+    let number = |name, tip, angle: Angle, limit: f64| Number {
+        name,
+        step: "Turn camera base",
+        tip,
+        value: angle.degrees(),
+        speed: 0.02,
+        decimals: 4,
+        range: -limit..=limit,
+        suffix: "°",
+        width: FIELD,
+    };
+    let write = |changed: &mut Camera, angles: BaseAngles| changed.base_from_world = Some(angles.base_from_world());
+    let tip = "Where pan 0 looks, seen from above: 0 is across the field, positive to the right. Usually 0.";
+    row(panel, ui, camera, "Heading", number("Heading", tip, angles.heading, 180.0), |changed, degrees| {
+        write(changed, BaseAngles { heading: Angle::from_degrees(degrees), ..angles });
+    });
+    let tip = "How far tilt 0 looks above the horizon.";
+    row(panel, ui, camera, "Pitch", number("Pitch", tip, angles.pitch, 89.9), |changed, degrees| {
+        write(changed, BaseAngles { pitch: Angle::from_degrees(degrees), ..angles });
+    });
+    let tip = "How far the camera leans to its right.";
+    row(panel, ui, camera, "Roll", number("Roll", tip, angles.roll, 180.0), |changed, degrees| {
+        write(changed, BaseAngles { roll: Angle::from_degrees(degrees), ..angles });
     });
     ui.add_space(theme::SPACE);
     matrix(ui, &base.base_from_world);
@@ -146,41 +121,33 @@ fn as_json(matrix: &Mat3) -> String {
 pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "LENS");
     let size = camera.image_size;
-    grid(ui, "lens", |ui| {
-        ui.label("Picture");
-        ui.label(RichText::new(format!("{} × {} px", size.width, size.height)).color(theme::WEAK))
-            .on_hover_text("The size of this camera's pictures.");
-        ui.end_row();
-        let point = |label, name, tip, value, limit: u32| Row {
-            label,
-            name,
-            step: "Move principal point",
-            tip,
-            value,
-            speed: 0.2,
-            decimals: 2,
-            range: -f64::from(limit)..=2.0 * f64::from(limit),
-            suffix: " px",
-        };
-        let centre = camera.principal_point;
-        let tip = "Where the optical axis meets the picture, px from its left edge.";
-        row(panel, ui, camera, point("Centre x", "Principal point x", tip, centre.x, size.width), |changed, x| {
-            changed.principal_point.x = x;
-        });
-        ui.end_row();
-        let tip = "Where the optical axis meets the picture, px from its top edge.";
-        row(panel, ui, camera, point("Centre y", "Principal point y", tip, centre.y, size.height), |changed, y| {
-            changed.principal_point.y = y;
-        });
-        ui.end_row();
-        distortion(panel, ui, camera);
+    line(ui, "Picture", "The size of this camera's pictures.", |ui| {
+        ui.label(RichText::new(format!("{} × {} px", size.width, size.height)).color(theme::WEAK));
     });
+    let point = |name, tip, value, limit: u32| Number {
+        name,
+        step: "Move principal point",
+        tip,
+        value,
+        speed: 0.2,
+        decimals: 2,
+        range: -f64::from(limit)..=2.0 * f64::from(limit),
+        suffix: " px",
+        width: FIELD,
+    };
+    let centre = camera.principal_point;
+    let tip = "Where the optical axis meets the picture, px from its left edge.";
+    let x = point("Principal point x", tip, centre.x, size.width);
+    row(panel, ui, camera, "Centre x", x, |changed, x| changed.principal_point.x = x);
+    let tip = "Where the optical axis meets the picture, px from its top edge.";
+    let y = point("Principal point y", tip, centre.y, size.height);
+    row(panel, ui, camera, "Centre y", y, |changed, y| changed.principal_point.y = y);
+    distortion(panel, ui, camera);
 }
 
 fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let curve = camera.distortion.as_ref().and_then(|lens| lens.k1.clone()).unwrap_or_default();
-    let numbers = |label, name, tip, value, speed, decimals, suffix| Row {
-        label,
+    let number = |name, tip, value, speed, decimals, suffix| Number {
         name,
         step: "Change distortion",
         tip,
@@ -189,23 +156,17 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         decimals,
         range: -1e6..=1e6,
         suffix,
+        width: FIELD,
     };
     let tip = "Radial distortion: a point at radius r (of the focal length) moves out by k1·r² of r. 0: none.";
-    row(panel, ui, camera, numbers("k1", "k1", tip, curve.value, 0.0005, 5, ""), |changed, value| {
-        curve_of(changed).value = value;
-    });
-    ui.end_row();
+    let value = number("k1", tip, curve.value, 0.0005, 5, "");
+    row(panel, ui, camera, "k1", value, |changed, value| curve_of(changed).value = value);
     let tip = "The focal length at which k1 is as given.";
-    row(panel, ui, camera, numbers("at focal", "k1 at focal", tip, curve.at_focal_px, 5.0, 1, " px"), |changed, px| {
-        curve_of(changed).at_focal_px = px;
-    });
-    ui.end_row();
+    let at = number("k1 at focal", tip, curve.at_focal_px, 5.0, 1, " px");
+    row(panel, ui, camera, "k1 holds at focal", at, |changed, px| curve_of(changed).at_focal_px = px);
     let tip = "How much k1 changes per 1000 px of focal length.";
-    let slope = numbers("per 1000 px", "k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, "");
-    row(panel, ui, camera, slope, |changed, value| {
-        curve_of(changed).per_1000_px = value;
-    });
-    ui.end_row();
+    let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, "");
+    row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
 }
 
 /// The camera's k1 curve, made if it has none.
@@ -224,7 +185,9 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             CameraSigma { position_m: Vec3::zeros(), rotation_deg: Vec3::zeros(), extra: serde_json::Map::new() };
         change(camera.sigma.get_or_insert(none));
     };
-    Grid::new("sigma").num_columns(4).spacing([6.0, 4.0]).show(ui, |ui| {
+    let spacing = [2.0 * theme::SPACE, theme::SPACE];
+    let field = ((ui.available_width() - 40.0 - 3.0 * spacing[0]) / 3.0).floor();
+    Grid::new("sigma").num_columns(4).min_col_width(40.0).spacing(spacing).show(ui, |ui| {
         ui.label("");
         for axis in ["x", "y", "z"] {
             ui.label(RichText::new(axis).small().color(theme::WEAK));
@@ -249,7 +212,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                     decimals,
                     range: 0.0..=limit,
                     suffix: unit,
-                    width: 62.0,
+                    width: field,
                 };
                 number.show(ui, panel.app, panel.actions, |value| {
                     let mut changed = camera.clone();

@@ -22,9 +22,9 @@ pub fn separator(ui: &Ui, first: Rect, clip: Option<&Clip>) {
     let x = first.left() - SHOT_GAP + 4.0;
     let painter = ui.painter();
     painter.vline(x, first.y_range(), Stroke::new(1.0, theme::LINE));
-    let name = clip.map_or_else(|| "–".to_owned(), ToString::to_string);
+    let name = clip.map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}"));
     let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), theme::WEAK);
-    let at = pos2(x + 2.0, first.bottom() - CAPTION - BAR - 4.0);
+    let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
     // Upwards along the line, so that a long name takes no room.
     painter.add(egui::epaint::TextShape::new(at, galley, theme::WEAK).with_angle(-std::f32::consts::FRAC_PI_2));
 }

@@ -6,13 +6,14 @@ use crate::project::{Click, Target};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
     WidgetInfo, pos2, vec2,
 };
 
-/// The column of the residuals, points.
-const RESIDUAL: f32 = 70.0;
+/// The column of the residuals, points: of numbers, and of the words "no evidence".
+const RESIDUAL: [f32; 2] = [50.0, 68.0];
 
 /// Shows the points; more than fit into `room` scroll.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
@@ -73,12 +74,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
-    let text_right = rect.right() - buttons - RESIDUAL - 4.0;
-    let text = Rect::from_x_y_ranges(rect.left() + 38.0..=text_right, rect.y_range());
+    let told = app.current().solved().is_none_or(FrameSolution::residuals_are_evidence);
+    let text_left = rect.left() + 38.0;
+    let text_width = rect.right() - buttons - RESIDUAL[usize::from(!told)] - 4.0 - text_left;
     let strength = if click.target.is_none() { colour } else { theme::TEXT };
-    let galley = painter.layout(name.clone(), FontId::proportional(13.0), strength, f32::INFINITY);
-    let place = pos2(text.left(), middle - galley.size().y / 2.0);
-    painter.with_clip_rect(text.intersect(ui.clip_rect())).galley(place, galley, strength);
+    let mut line = LayoutJob::simple(name.clone(), FontId::proportional(13.0), strength, text_width);
+    line.wrap = TextWrapping::truncate_at_width(text_width);
+    let galley = painter.layout_job(line);
+    painter.galley(pos2(text_left, middle - galley.size().y / 2.0), galley, strength);
     let right = pos2(rect.right() - buttons - 4.0, middle);
     painter.text(right, Align2::RIGHT_CENTER, &residual.text, small, residual.colour);
 

@@ -3,13 +3,15 @@
 use crate::app::{Action, App};
 use crate::camera::Ptz;
 use crate::geometry::Angle;
-use crate::project::{Frame, SolutionSource};
+use crate::project::{Frame, FramePtz, SolutionSource};
 use crate::ui::number::Number;
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Layout, RichText, Ui};
 
-/// The width of a number field, points.
-const FIELD: f32 = 86.0;
+/// The width of the labels, points.
+const LABEL: f32 = 34.0;
+/// Between two columns, points.
+const GAP: f32 = 8.0;
 /// Where a camera looks before anything is known, when numbers are set by hand.
 const START_TILT_DEG: f64 = -10.0;
 /// The focal length then, in widths of the picture.
@@ -25,7 +27,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.label(RichText::new(source(app, frame)).small().color(theme::WEAK));
         });
     });
-    match frame.ptz.as_ref().map(crate::project::FramePtz::ptz) {
+    match app.current().camera.map(|camera| camera.ptz()).or(frame.ptz.as_ref().map(FramePtz::ptz)) {
         Some(ptz) => {
             numbers(panel, ui, ptz, f64::from(frame.image_size.width));
             below(panel, ui, frame);
@@ -36,31 +38,33 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Where the numbers come from.
 fn source(app: &App, frame: &Frame) -> String {
-    if frame.ptz.is_none() {
+    if app.current().camera.is_none() && frame.ptz.is_none() {
         return String::new();
     }
     match frame.solution.as_ref().and_then(|solution| solution.source) {
-        Some(SolutionSource::Clicks) => {
-            let used = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
-            let plural = if used == 1 { "" } else { "s" };
-            format!("from {used} point{plural}")
-        }
+        Some(SolutionSource::Clicks) => from_points(frame),
         Some(SolutionSource::Manual) => "set by hand".to_owned(),
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
         Some(SolutionSource::Markings) => "snapped to the lines".to_owned(),
         Some(SolutionSource::Import) => "imported".to_owned(),
-        None if app.current().by_hand => "set by hand".to_owned(),
+        None if frame.ptz.is_none() => from_points(frame),
         None => "from the document".to_owned(),
     }
+}
+
+fn from_points(frame: &Frame) -> String {
+    let used = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+    format!("from {used} point{}", if used == 1 { "" } else { "s" })
 }
 
 fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     let editable = panel.app.current().base.is_some();
     let app = panel.app;
     let actions = &mut *panel.actions;
+    let field = ((ui.available_width() - 2.0 * LABEL - 3.0 * GAP) / 2.0).floor();
     ui.add_enabled_ui(editable, |ui| {
-        egui::Grid::new("solution").num_columns(4).min_col_width(34.0).spacing([6.0, 4.0]).show(ui, |ui| {
+        egui::Grid::new("solution").num_columns(4).min_col_width(LABEL).spacing([GAP, theme::SPACE]).show(ui, |ui| {
             let number = Number {
                 name: "Pan",
                 step: "Set pan",
@@ -70,7 +74,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 decimals: 3,
                 range: -180.0..=180.0,
                 suffix: "°",
-                width: FIELD,
+                width: field,
             };
             ui.label("Pan");
             number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { pan: Angle::from_degrees(degrees), ..ptz }));
@@ -84,7 +88,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 decimals: 1,
                 range: 10.0..=1e6,
                 suffix: " px",
-                width: FIELD,
+                width: field,
             };
             number.show(ui, app, actions, |focal_px| Action::EditPtz(Ptz { focal_px, ..ptz }));
             ui.end_row();
@@ -98,7 +102,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 decimals: 3,
                 range: -90.0..=90.0,
                 suffix: "°",
-                width: FIELD,
+                width: field,
             };
             number.show(ui, app, actions, |degrees| Action::EditPtz(Ptz { tilt: Angle::from_degrees(degrees), ..ptz }));
             ui.label("View");
@@ -111,7 +115,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 decimals: 2,
                 range: 0.2..=150.0,
                 suffix: "°",
-                width: FIELD,
+                width: field,
             };
             number.show(ui, app, actions, |degrees| {
                 Action::EditPtz(Ptz { focal_px: focal_px(degrees, width_px), ..ptz })

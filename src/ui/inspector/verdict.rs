@@ -1,7 +1,7 @@
 //! One word on the solution, its reason, and at most one way out.
 
 use crate::app::{Action, App, Command};
-use crate::project::CalibrationError;
+use crate::project::{CalibrationError, FrameStatus};
 use crate::solve::{SolveError, Verdict, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -32,8 +32,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ways_out(panel, ui, &judgement.reason);
             }
             (None, Some(Err(error))) => said(ui, &in_words(error)),
+            (None, _) if app.frame().is_some_and(|frame| frame.status == FrameStatus::Suggested) => {
+                said(ui, "Proposed by the program. Nobody has looked at it yet.");
+            }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
-                said(ui, "Taken from the document; no point of this frame says anything about it.");
+                said(ui, "Taken from the document. No point of this frame says anything about it.");
             }
             (None, _) => said(ui, "No verdict before there is a solution."),
         }
