@@ -2,13 +2,13 @@
 
 use super::{Panel, menu::document_name, theme};
 use crate::app::{Action, Command};
-use egui::{Align, Button, Id, Key, Layout, RichText, TextEdit, Ui, vec2};
+use egui::{Align, Button, Id, Key, Layout, Margin, RichText, TextEdit, Ui, vec2};
 use std::path::PathBuf;
 
 /// How many recent documents are listed.
 const RECENT: usize = 5;
 /// The width of the column.
-const WIDTH: f32 = 460.0;
+const WIDTH: f32 = 560.0;
 
 /// Shows the invitation.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -58,13 +58,14 @@ fn path_field(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.allocate_ui_with_layout(vec2(WIDTH, 28.0), Layout::left_to_right(Align::Center), |ui| {
         let field = TextEdit::singleline(&mut typed)
             .hint_text("or type a path: a project, a folder, a video")
-            .desired_width(WIDTH - 80.0);
+            .margin(Margin::symmetric(8, 6))
+            .desired_width(WIDTH - 72.0 - 3.0 * theme::SPACE);
         let response = ui
             .add(field)
             .accessible_name("Path to open")
             .on_hover_text("The path of a project, a folder of frames or a video; Enter opens it.");
         let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-        let open = ui.add_enabled(!typed.trim().is_empty(), Button::new("Open").min_size(vec2(64.0, 24.0)));
+        let open = ui.add_enabled(!typed.trim().is_empty(), Button::new("Open").min_size(vec2(72.0, 28.0)));
         let open = open.on_hover_text("Open this path. (Enter)").on_disabled_hover_text("Type a path first.");
         if (entered || open.clicked()) && !typed.trim().is_empty() {
             panel.actions.push(Action::Open(PathBuf::from(typed.trim())));

@@ -27,23 +27,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let side = Frame::new().fill(theme::PANEL);
     egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
     egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
-    egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
-        match panel.app.session.panel {
-            RightPanel::Frame => inspector::show(panel, ui),
-            RightPanel::Camera => camera_panel::show(panel, ui),
-        }
-    });
-    egui::Panel::bottom("filmstrip")
-        .exact_size(filmstrip_height)
-        .resizable(false)
-        .frame(side)
-        .show(ui, |ui| filmstrip::show(panel, ui));
+    let is_open = panel.app.open().is_some();
+    if is_open {
+        egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
+            match panel.app.session.panel {
+                RightPanel::Frame => inspector::show(panel, ui),
+                RightPanel::Camera => camera_panel::show(panel, ui),
+            }
+        });
+        egui::Panel::bottom("filmstrip")
+            .exact_size(filmstrip_height)
+            .resizable(false)
+            .frame(side)
+            .show(ui, |ui| filmstrip::show(panel, ui));
+    }
     let canvas = egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.max_rect();
-        if panel.app.open().is_some() {
-            viewport::show(panel, ui)
+        if is_open {
+            viewport::show(panel, ui);
         } else {
-            empty::show(panel, ui)
+            empty::show(panel, ui);
         }
         rect
     });

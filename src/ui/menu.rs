@@ -178,4 +178,9 @@ fn jobs(panel: &Panel<'_>, ui: &mut Ui) {
         ui.label(RichText::new(opening).color(theme::ACCENT)).on_hover_text("The window stays usable meanwhile.");
         ui.add(egui::Spinner::new().size(12.0));
     }
+    let thumbnails = panel.pictures.thumbnails_in_view();
+    if thumbnails.done < thumbnails.wanted {
+        let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
+        ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text("Thumbnails of the frames in view.");
+    }
 }

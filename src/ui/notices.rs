@@ -11,12 +11,18 @@ use std::time::Duration;
 const INFO_SECONDS: f64 = 5.0;
 /// The last part of which they fade.
 const FADE_SECONDS: f64 = 0.6;
+/// So long it stays at least after the pointer was on it.
+const HOVERED_SECONDS: f64 = 2.0;
 /// The widest a message gets, points.
 const WIDTH: f32 = 400.0;
 
-/// When each message was first seen.
+/// A message by its number and text (numbers begin anew with every document), and when it was first seen.
 #[derive(Clone, Default)]
-struct Seen(Vec<(u64, f64)>);
+struct Seen(Vec<((u64, String), f64)>);
+
+fn key(notice: &Notice) -> (u64, String) {
+    (notice.id, notice.text.clone())
+}
 
 /// Shows the messages over `canvas`.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui, canvas: Rect) {
@@ -27,8 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, canvas: Rect) {
     let ctx = ui.ctx();
     let memory = Id::unique("notices");
     let mut seen: Seen = ctx.data_mut(|data| data.get_temp(memory).unwrap_or_default());
-    seen.0.retain(|(id, _)| notices.iter().any(|notice| notice.id == *id));
-    let (now, dt) = ctx.input(|input| (input.time, f64::from(input.stable_dt)));
+    seen.0.retain(|(known, _)| notices.iter().any(|notice| key(notice) == *known));
+    let now = ctx.input(|input| input.time);
     let width = WIDTH.min(canvas.width() - 6.0 * theme::SPACE).max(160.0);
     egui::Area::new(Id::unique("notices area"))
         .order(Order::Foreground)
@@ -39,14 +45,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, canvas: Rect) {
         .show(ctx, |ui| {
             ui.spacing_mut().item_spacing.y = 2.0 * theme::SPACE;
             for notice in notices {
-                let since = match seen.0.iter().position(|(id, _)| *id == notice.id) {
-                    Some(known) => &mut seen.0[known].1,
-                    None => {
-                        seen.0.push((notice.id, now));
-                        let last = seen.0.len() - 1;
-                        &mut seen.0[last].1
-                    }
-                };
+                let known = seen.0.iter().position(|(known, _)| *known == key(notice));
+                let place = known.unwrap_or_else(|| {
+                    seen.0.push((key(notice), now));
+                    seen.0.len() - 1
+                });
+                let since = &mut seen.0[place].1;
                 let left = INFO_SECONDS - (now - *since);
                 let fades = notice.level == Level::Info;
                 let opacity = if fades { (left / FADE_SECONDS).clamp(0.0, 1.0) } else { 1.0 };
@@ -60,7 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, canvas: Rect) {
                     continue;
                 }
                 if hovered {
-                    *since = now - INFO_SECONDS + left.max(FADE_SECONDS) + dt.min(0.1);
+                    *since = now - INFO_SECONDS + left.max(HOVERED_SECONDS);
                 } else if left <= 0.0 {
                     panel.actions.push(Action::DismissNotice(notice.id));
                 }

@@ -48,6 +48,7 @@ impl Number<'_> {
         let tip = format!("{} Drag to change it (Shift: finer), click to type.", self.tip);
         let response = ui.add(field).accessible_name(self.name).on_hover_text(tip).on_disabled_hover_text(self.tip);
         let given_up = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+        let forgets = was_given_up(ui, &response, given_up);
         let begins = response.drag_started() || response.gained_focus();
         if begins {
             actions.push(Action::BeginEdit(self.step));
@@ -56,7 +57,7 @@ impl Number<'_> {
         let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
         // A field that was entered and left says its rounded number; that is no change.
         let same = !response.dragged() && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
-        if response.changed() && !abandoned && !same && !given_up && value.is_finite() {
+        if response.changed() && !abandoned && !same && !forgets && value.is_finite() {
             actions.push(change(value));
         }
         if given_up {
@@ -66,4 +67,16 @@ impl Number<'_> {
         }
         response
     }
+}
+
+/// Whether Escape left this field in one of the last two frames of the window: a field says for two frames that it has
+/// lost the focus, and in the second one it would take what was typed after all.
+fn was_given_up(ui: &Ui, response: &Response, now: bool) -> bool {
+    let (memory, frame) = (response.id.with("given up"), ui.ctx().cumulative_frame_nr());
+    ui.data_mut(|data| {
+        if now {
+            data.insert_temp(memory, frame);
+        }
+        data.get_temp::<u64>(memory).is_some_and(|left| frame <= left + 2)
+    })
 }

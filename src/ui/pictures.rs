@@ -37,6 +37,16 @@ pub struct Pictures {
     textures: BTreeMap<FrameRef, (u64, egui::TextureHandle)>,
     drawn: u64,
     wanted: Vec<FrameRef>,
+    in_view: ThumbnailProgress,
+}
+
+/// How many of the thumbnails in view are there.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ThumbnailProgress {
+    /// These are there, or cannot be had.
+    pub done: usize,
+    /// Of so many.
+    pub wanted: usize,
 }
 
 impl Pictures {
@@ -58,6 +68,7 @@ impl Pictures {
             textures: BTreeMap::new(),
             drawn: 0,
             wanted: Vec::new(),
+            in_view: ThumbnailProgress::default(),
         })
     }
 
@@ -82,6 +93,12 @@ impl Pictures {
     #[must_use]
     pub fn has_no_thumbnail(&self, open: &OpenProject, frame: usize) -> bool {
         frame_ref(open, frame).is_some_and(|frame| self.thumbnails.has_failed(&frame))
+    }
+
+    /// How many of the thumbnails in view are there.
+    #[must_use]
+    pub const fn thumbnails_in_view(&self) -> ThumbnailProgress {
+        self.in_view
     }
 
     /// Asks for what the window is about to show and takes in what has arrived. To be called before the panels.
@@ -114,7 +131,10 @@ impl Pictures {
     /// Hands the wishes of this repaint to the maker of thumbnails. To be called after the panels.
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
+        let asked = wanted.len();
         let missing: Vec<_> = wanted.into_iter().filter(|frame| !self.textures.contains_key(frame)).collect();
+        let waiting = missing.iter().filter(|frame| !self.thumbnails.has_failed(frame)).count();
+        self.in_view = ThumbnailProgress { done: asked - waiting, wanted: asked };
         self.thumbnails.request(&missing);
     }
 

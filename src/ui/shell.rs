@@ -95,7 +95,8 @@ impl Shell {
         }
     }
 
-    fn apply(&mut self, actions: impl IntoIterator<Item = Action>) {
+    /// Carries out actions, whoever asks for them.
+    pub fn apply(&mut self, actions: impl IntoIterator<Item = Action>) {
         for action in actions {
             let effects = self.app.update(action);
             self.carry_out(effects);

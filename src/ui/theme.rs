@@ -109,11 +109,6 @@ pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus) {
     }
 }
 
-/// A frame without margins in the colour of the panels.
-pub fn panel_frame() -> egui::Frame {
-    egui::Frame::new().fill(PANEL).inner_margin(Margin::symmetric(8, 0))
-}
-
 /// A small title above a group.
 pub fn title(ui: &mut egui::Ui, text: &str) {
     ui.label(egui::RichText::new(text).small().color(WEAK).strong());

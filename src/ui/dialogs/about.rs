@@ -54,7 +54,7 @@ fn report(app: &App, adapter: &str, ctx: &Context) -> String {
             let clicks: usize = open.document.frames.iter().map(|frame| frame.clicks.len()).sum();
             let _ = write!(
                 text,
-                "document: {} frames, {} cameras, {clicks} points, field {}",
+                "frames {}, cameras {}, points {clicks}, field {}",
                 open.document.frames.len(),
                 open.document.cameras.len(),
                 open.document.field.template

@@ -2,6 +2,7 @@
 
 use super::{has_just_opened, sheet};
 use crate::app::Action;
+use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
 
@@ -14,7 +15,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
         let name = panel.app.frame().map(crate::project::Frame::name).unwrap_or_default();
-        ui.label(RichText::new(name).color(theme::WEAK));
+        ui.label(RichText::new(file_name(&name)).color(theme::WEAK));
         let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");
         let response = response.on_hover_text("What whoever opens this frame should know.");
@@ -22,7 +23,8 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
             response.request_focus();
         }
         ui.add_space(theme::SPACE);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let row = vec2(ui.available_width(), 24.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let keep = ui.add(Button::new("Save comment").fill(theme::ACCENT_GROUND));
             if keep.on_hover_text("Keep the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
                 panel.actions.push(Action::SetComment(typed.clone()));

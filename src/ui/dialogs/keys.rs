@@ -17,6 +17,9 @@ const FIXED: [(&str, &str); 8] = [
     ("1–6", "the reason, after Not calibratable"),
 ];
 
+/// The width of a key, points.
+const KEY: f32 = 168.0;
+
 /// The command that waits for its new key.
 fn waiting() -> Id {
     Id::unique("command that waits for a key")
@@ -76,7 +79,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 
 fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: Group, chosen: Option<Command>) {
     theme::title(ui, &group.title().to_uppercase());
-    Grid::new(("keys", group.title())).num_columns(2).min_col_width(128.0).spacing([12.0, 2.0]).show(ui, |ui| {
+    Grid::new(("keys", group.title())).num_columns(2).min_col_width(KEY).spacing([12.0, 2.0]).show(ui, |ui| {
         for command in Command::all().filter(|command| command.group() == group) {
             key(panel, ui, command, chosen == Some(command));
             ui.add(Label::new(command.name()).truncate()).on_hover_text(command.about());
@@ -93,7 +96,7 @@ fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
         (false, true) => RichText::new("none").color(theme::WEAK),
         (false, false) => RichText::new(&shown).monospace().color(theme::STRONG),
     };
-    let button = ui.add(Button::new(text).min_size(vec2(128.0, 20.0)).selected(waits));
+    let button = ui.add(Button::new(text).min_size(vec2(KEY, 20.0)).selected(waits));
     let name = format!("Key of {}: {}", command.name(), if shown.is_empty() { "none" } else { &shown });
     if button.accessible_name(name).on_hover_text(format!("{} Click to change the key.", command.about())).clicked() {
         set_waiting(ui.ctx(), (!waits).then_some(command));
@@ -103,12 +106,12 @@ fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
 /// Every key of a command.
 fn shown(keys: &Keymap, command: Command) -> String {
     let chords: Vec<String> = keys.chords(command).iter().map(ToString::to_string).collect();
-    chords.join("   ")
+    chords.join(", ")
 }
 
 fn fixed(ui: &mut Ui) {
     theme::title(ui, "POINTER AND FIXED KEYS");
-    Grid::new("fixed keys").num_columns(2).min_col_width(128.0).spacing([12.0, 4.0]).show(ui, |ui| {
+    Grid::new("fixed keys").num_columns(2).min_col_width(KEY).spacing([12.0, 4.0]).show(ui, |ui| {
         for (key, about) in FIXED {
             ui.label(RichText::new(key).color(theme::STRONG));
             ui.add(Label::new(about).wrap());

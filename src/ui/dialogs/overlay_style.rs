@@ -4,7 +4,7 @@ use super::{frame, header};
 use crate::app::{Action, OverlayStyle};
 use crate::ui::{Panel, theme};
 use egui::{
-    Align2, Area, Button, Color32, Context, CornerRadius, Grid, Id, Order, Role, Sense, Slider, Stroke, StrokeKind, Ui,
+    Area, Button, Color32, Context, CornerRadius, Grid, Id, Order, Role, Sense, Slider, Stroke, StrokeKind, Ui,
     WidgetInfo, vec2,
 };
 

@@ -3,7 +3,7 @@
 use super::strip::SHOT_GAP;
 use crate::app::session::{reason_label, status_label};
 use crate::app::{Action, OpenProject};
-use crate::project::{Clip, Frame};
+use crate::project::Frame;
 use crate::ui::menu::file_name;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -18,11 +18,10 @@ const CAPTION: f32 = 14.0;
 const BAR: f32 = 4.0;
 
 /// A thin line before a shot, with its name.
-pub fn separator(ui: &Ui, first: Rect, clip: Option<&Clip>) {
+pub fn separator(ui: &Ui, first: Rect, name: String) {
     let x = first.left() - SHOT_GAP + 4.0;
     let painter = ui.painter();
     painter.vline(x, first.y_range(), Stroke::new(1.0, theme::LINE));
-    let name = clip.map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}"));
     let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), theme::WEAK);
     let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
     // Upwards along the line, so that a long name takes no room.

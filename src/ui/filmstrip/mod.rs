@@ -35,30 +35,24 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
             *count += usize::from(filter.shows(frame.status));
         }
     }
-    let chosen = panel.app.session.filter;
-    ui.add_enabled_ui(!frames.is_empty(), |ui| {
-        let shown = ComboBox::from_id_salt("filter")
-            .width(ui.available_width())
-            .selected_text(RichText::new(chosen.label()).color(theme::STRONG))
-            .show_ui(ui, |ui| {
-                for (filter, count) in Filter::ALL.into_iter().zip(counts) {
-                    let row = egui::Button::selectable(filter == chosen, filter.label())
-                        .right_text(RichText::new(count.to_string()).color(theme::WEAK));
-                    if ui.add(row).clicked() {
-                        panel.actions.push(Action::SetFilter(filter));
-                        ui.close();
-                    }
-                }
-            });
-        shown
-            .response
-            .accessible_name("Frames shown")
-            .on_hover_text("Which frames the filmstrip shows.")
-            .on_disabled_hover_text("Nothing is open.");
-    });
     if frames.is_empty() {
         return;
     }
+    let chosen = panel.app.session.filter;
+    let shown = ComboBox::from_id_salt("filter")
+        .width(ui.available_width())
+        .selected_text(RichText::new(chosen.label()).color(theme::STRONG))
+        .show_ui(ui, |ui| {
+            for (filter, count) in Filter::ALL.into_iter().zip(counts) {
+                let row = egui::Button::selectable(filter == chosen, filter.label())
+                    .right_text(RichText::new(count.to_string()).color(theme::WEAK));
+                if ui.add(row).clicked() {
+                    panel.actions.push(Action::SetFilter(filter));
+                    ui.close();
+                }
+            }
+        });
+    shown.response.accessible_name("Frames shown").on_hover_text("Which frames the filmstrip shows.");
     let count = |filter| Filter::ALL.iter().position(|known| *known == filter).map_or(0, |index| counts[index]);
     let references = count(Filter::Status(FrameStatus::Reference));
     let needed = count(Filter::NeedsMe);

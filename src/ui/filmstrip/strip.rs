@@ -60,11 +60,11 @@ impl<'a> Strip<'a> {
         first.saturating_sub(1)..(last + 1).min(count)
     }
 
-    /// The name of the shot that begins here; none within a shot, and none if nothing belongs to a shot.
-    pub fn shot_beginning_at(&self, at: usize) -> Option<Option<&'a Clip>> {
+    /// What stands before the first frame of a shot; none within a shot, and none if nothing belongs to a shot.
+    pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
         let shot = self.shots.binary_search_by_key(&at, |(begin, _)| *begin).ok()?;
-        let named = self.shots.iter().any(|(_, clip)| clip.is_some());
-        named.then_some(self.shots[shot].1)
+        let named = self.shots.len() > 1 || self.shots[0].1.is_some();
+        named.then(|| self.shots[shot].1.map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(strip.frames, [0, 1, 2, 3, 4, 5]);
         assert!((strip.left(1) - strip.left(0) - 104.0).abs() < 1e-3);
         assert!((strip.left(3) - strip.left(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
-        assert_eq!(strip.shot_beginning_at(3), Some(Some(&Clip::Number(2))));
+        assert_eq!(strip.shot_beginning_at(3).as_deref(), Some("shot 2"));
         assert_eq!(strip.shot_beginning_at(4), None);
         assert_eq!(strip.within(0.0, 90.0), 0..2);
         assert_eq!(strip.within(250.0, 300.0), 1..4);

@@ -29,10 +29,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, theme::STRONG), StrokeKind::Inside);
         }
         let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
-        let left = rect.center().x - (galley.size().x + 24.0) / 2.0;
-        let top = rect.center().y - galley.size().y / 2.0;
-        let sign = Rect::from_center_size(egui::pos2(left + galley.size().x + 16.0, rect.center().y), vec2(16.0, 16.0));
-        painter.galley(egui::pos2(left, top), galley, text);
+        // Word and symbol together stand in the middle.
+        let word = Rect::from_center_size(rect.center() - vec2(12.0, 0.0), galley.size());
+        let sign = Rect::from_center_size(word.right_center() + vec2(16.0, 0.0), vec2(16.0, 16.0));
+        painter.galley(word.min, galley, text);
         symbol::paint(painter, Symbol::Return, sign, text);
         let keys = &panel.app.settings.keys;
         let stay = keys.tooltip(Command::AcceptAndStay);

@@ -51,6 +51,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let app = panel.app;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     let selected = app.session.selected == Some(index);
+    if selected && has_been_selected(ui, index) {
+        response.scroll_to_me(None);
+    }
     let name = name(app, click);
     let residual = residual(app, index, click);
     response.widget_info(|| {
@@ -97,6 +100,16 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         ui.spacing_mut().item_spacing.x = 0.0;
         tail_buttons(panel, ui, index, click);
     });
+}
+
+/// Whether another point, or none, was selected when the window was drawn before.
+fn has_been_selected(ui: &Ui, index: usize) -> bool {
+    let memory = egui::Id::unique("selected point in view");
+    ui.data_mut(|data| {
+        let before = data.get_temp::<usize>(memory);
+        data.insert_temp(memory, index);
+        before != Some(index)
+    })
 }
 
 fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {

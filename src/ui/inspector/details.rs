@@ -22,8 +22,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         egui::FontId::proportional(13.0),
         colour,
     );
-    if response.on_hover_text("Uncertainties, residuals, the camera, every warning.").clicked() {
+    let response = response.on_hover_text("Uncertainties, residuals, the camera, every warning.");
+    if response.clicked() {
         panel.actions.push(Action::SetDetails(!open));
+    }
+    if has_just_unfolded(ui, open) && rect.top() > ui.clip_rect().center().y {
+        response.scroll_to_me(Some(egui::Align::TOP));
     }
     if !open {
         return;
@@ -39,6 +43,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         recorded(ui, solution);
     }
     camera(app, ui);
+}
+
+/// Whether the details were folded when the window was drawn before.
+fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
+    let memory = egui::Id::unique("details are shown");
+    ui.data_mut(|data| {
+        let before = data.get_temp::<bool>(memory);
+        data.insert_temp(memory, open);
+        open && before == Some(false)
+    })
 }
 
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
@@ -98,15 +112,9 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
         ui.end_row();
         for residual in &solved.residuals {
             ui.label((residual.click + 1).to_string());
-            match residual.offset_px.filter(|_| solved.residuals_are_evidence()) {
-                Some(offset) => {
-                    ui.label(format!("{:+.2}", offset.x));
-                    ui.label(format!("{:+.2}", offset.y));
-                }
-                None => {
-                    ui.label(RichText::new("–").color(theme::WEAK));
-                    ui.label(RichText::new("–").color(theme::WEAK));
-                }
+            let offset = residual.offset_px.filter(|_| solved.residuals_are_evidence());
+            for axis in 0..2 {
+                ui.label(offset.map_or_else(|| "–".to_owned(), |offset| signed(offset[axis])));
             }
             ui.label(format!("{:.1}", residual.sigma_px));
             ui.end_row();
@@ -121,6 +129,11 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
         ui.label(told);
     }
     ui.add_space(theme::SPACE);
+}
+
+/// With its sign and two digits; what rounds to nothing is +0.00.
+fn signed(px: f64) -> String {
+    format!("{:+.2}", if px.abs() < 0.005 { 0.0 } else { px })
 }
 
 fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {

@@ -1,0 +1,142 @@
+//! The interface's own time for one frame of the window, without drawing it: every panel laid out and turned into
+//! shapes, with 5,000 frames in the list.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+
+use divan::{Bencher, black_box};
+use egui::{Context, Event, Key, Modifiers, Pos2, RawInput, Rect, vec2};
+use std::sync::Arc;
+use touchline::app::{Action, App, Command, Opened, Settings};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{ImageSize, Vec3};
+use touchline::project::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use touchline::ui::{Panel, Pictures, apply_theme, read, show};
+
+const FRAMES: usize = 5_000;
+const SHOT: usize = 250;
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+fn main() {
+    divan::main();
+}
+
+/// A match of shots; every frame has six points and a camera.
+fn document() -> Document {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let base = CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base);
+    document.cameras.push(camera.into());
+    for index in 0..FRAMES {
+        let ptz = Ptz::from_degrees(-20.0 + 0.008 * index as f64, -13.0, 1900.0);
+        let pointed = PtzCamera::new(base, ptz);
+        let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), SIZE);
+        frame.clip = Some(Clip::Number((index / SHOT) as i64));
+        frame.status = if index % 3 == 0 { FrameStatus::Reference } else { FrameStatus::Draft };
+        frame.clicks = field
+            .landmarks
+            .iter()
+            .filter_map(|landmark| {
+                let image = pointed.image_from_world(field.landmark_in_world(landmark)).ok()?;
+                SIZE.contains(image).then(|| Click::landmark(landmark.id.clone(), image))
+            })
+            .take(6)
+            .collect();
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+/// A window without a screen.
+struct Window {
+    app: App,
+    pictures: Pictures,
+    ctx: Context,
+    time: f64,
+}
+
+impl Window {
+    fn open() -> Self {
+        let mut app = App::new(Settings { details: true, ..Settings::default() });
+        app.update(Action::Opened(Box::new(Opened {
+            document: document(),
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        })));
+        app.update(Action::GoTo(FRAMES / 2));
+        let ctx = Context::default();
+        apply_theme(&ctx);
+        let mut window = Self { app, pictures: Pictures::start(Arc::new(|| ())).unwrap(), ctx, time: 0.0 };
+        for _ in 0..5 {
+            window.frame(Vec::new());
+        }
+        window
+    }
+
+    /// One frame of the window, and the actions that it asked for.
+    fn frame(&mut self, events: Vec<Event>) -> usize {
+        self.time += 1.0 / 60.0;
+        let input = RawInput {
+            screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 720.0))),
+            time: Some(self.time),
+            events,
+            ..RawInput::default()
+        };
+        let (app, pictures) = (&mut self.app, &mut self.pictures);
+        let output = self.ctx.clone().run_ui(input, |ui| {
+            let mut actions = Vec::new();
+            read(&mut Panel { app, pictures, actions: &mut actions, adapter: "" }, ui.ctx());
+            for action in actions.drain(..) {
+                app.update(action);
+            }
+            show(&mut Panel { app, pictures, actions: &mut actions, adapter: "" }, ui);
+        });
+        black_box(output).shapes.len()
+    }
+}
+
+/// Nothing happens: the window is drawn again.
+#[divan::bench]
+fn still(bencher: Bencher<'_, '_>) {
+    let mut window = Window::open();
+    bencher.bench_local(|| window.frame(Vec::new()));
+}
+
+/// The pointer moves over the picture.
+#[divan::bench]
+fn pointer_moves(bencher: Bencher<'_, '_>) {
+    let mut window = Window::open();
+    let mut x = 0.0;
+    bencher.bench_local(|| {
+        x = (x + 3.0) % 900.0;
+        window.frame(vec![Event::PointerMoved(Pos2::new(20.0 + x, 300.0))])
+    });
+}
+
+/// The filmstrip is at another frame every time.
+#[divan::bench]
+fn step(bencher: Bencher<'_, '_>) {
+    let mut window = Window::open();
+    bencher.bench_local(|| {
+        let key = if window.app.session.frame + 1 < FRAMES { Key::Period } else { Key::R };
+        window.frame(vec![Event::Key {
+            key,
+            physical_key: None,
+            pressed: true,
+            repeat: false,
+            modifiers: Modifiers::NONE,
+        }])
+    });
+}
+
+/// The palette lies over everything.
+#[divan::bench]
+fn palette(bencher: Bencher<'_, '_>) {
+    let mut window = Window::open();
+    window.app.update(Action::Command(Command::Palette));
+    bencher.bench_local(|| window.frame(Vec::new()));
+}

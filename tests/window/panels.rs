@@ -1,0 +1,295 @@
+//! The panels around the picture, driven by keyboard and pointer through their accessibility nodes.
+
+use crate::window::{Window, truth};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, pos2, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use touchline::app::session::{Dialog, Filter, Level, Panel};
+use touchline::app::{Action, Command};
+use touchline::project::{FrameStatus, RejectReason};
+use touchline::ui::Shell;
+
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+/// A frame with two points, solved.
+fn solved() -> Option<Window> {
+    let mut window = Window::open(4, SIZE, 1.0)?;
+    for (landmark, code) in [("penalty_area_far_left_front", "pflf"), ("centre_circle_halfway_near", "chn")] {
+        window.click(window.image_of(landmark));
+        window.type_text(code);
+        window.key(Key::Enter);
+    }
+    assert!(window.app().current().solved().is_some());
+    window.harness.hover_at(pos2(1100.0, 640.0));
+    window.harness.run_steps(2);
+    Some(window)
+}
+
+fn chord(window: &mut Window, modifiers: Modifiers, key: Key) {
+    window.harness.key_press_modifiers(modifiers, key);
+    window.harness.run_steps(3);
+}
+
+fn undo_name(window: &Window) -> Option<String> {
+    window.app().open().unwrap().history.next_undo().map(|step| step.name.clone())
+}
+
+/// Clicks a number field, types and presses a key.
+fn type_number(window: &mut Window, name: &str, text: &str, end: Key) {
+    window.harness.get_by_role_and_label(Role::SpinButton, name).click();
+    window.harness.run_steps(2);
+    chord(window, Modifiers::COMMAND, Key::A);
+    window.harness.event(egui::Event::Text(text.to_owned()));
+    window.harness.run_steps(2);
+    window.key(end);
+    window.harness.run_steps(2);
+}
+
+#[test]
+fn a_typed_number_is_one_step_of_undo_and_escape_none() {
+    let Some(mut window) = solved() else { return };
+    let before = window.app().current().camera.unwrap().ptz();
+    let step = undo_name(&window);
+    type_number(&mut window, "Focal length", "900", Key::Escape);
+    assert_eq!(window.app().current().camera.unwrap().ptz(), before);
+    // Entered and left: the rounded number in the field is no change.
+    window.harness.get_by_role_and_label(Role::SpinButton, "Pan").click();
+    window.harness.run_steps(3);
+    window.key(Key::Enter);
+    assert_eq!(window.app().current().camera.unwrap().ptz(), before);
+    assert_eq!(undo_name(&window), step);
+    type_number(&mut window, "Focal length", "900", Key::Enter);
+    assert!((window.app().current().camera.unwrap().ptz().focal_px - 900.0).abs() < 1e-9);
+    assert_eq!(undo_name(&window).as_deref(), Some("Set focal length"));
+    window.harness.get_by_label("Solve again");
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().current().camera.unwrap().ptz(), before);
+}
+
+#[test]
+fn a_dragged_number_is_one_step_and_the_camera_follows() {
+    let Some(mut window) = solved() else { return };
+    let before = window.app().current().camera.unwrap().ptz();
+    let at = window.harness.get_by_role_and_label(Role::SpinButton, "Tilt").rect().center();
+    window.press(at);
+    for moved in 1..=6 {
+        window.drag(at + vec2(8.0 * moved as f32, 0.0));
+    }
+    let during = window.app().current().camera.unwrap().ptz();
+    assert!(during.tilt > before.tilt, "{during:?} after {before:?}");
+    window.release(at + vec2(48.0, 0.0));
+    assert_eq!(undo_name(&window).as_deref(), Some("Set tilt"));
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().current().camera.unwrap().ptz(), before);
+}
+
+#[test]
+fn points_are_selected_held_out_and_deleted_in_their_list() {
+    let Some(mut window) = solved() else { return };
+    window.snapshot_of("inspector", egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)));
+    window.harness.get_by_label("Point 1: Penalty area, far left, front corner, no evidence").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.selected, Some(0));
+    window.key(Key::ArrowRight);
+    assert_eq!(undo_name(&window).as_deref(), Some("Nudge Penalty area, far left, front corner"));
+    window.harness.get_by_label("Check point 2").click();
+    window.harness.run_steps(2);
+    assert!(window.app().frame().unwrap().clicks[1].check);
+    assert!(window.app().current().solved().is_none(), "one point is not enough");
+    let accept = window.harness.get_by_label("Accept");
+    assert!(accept.accesskit_node().is_disabled());
+    window.harness.get_by_label("Delete point 2").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
+}
+
+#[test]
+fn details_unfold_and_say_what_two_points_cannot() {
+    let Some(mut window) = solved() else { return };
+    window.harness.get_by_label("Details").click();
+    window.harness.run_steps(3);
+    assert!(window.app().settings.details);
+    window.harness.get_by_label("no evidence: two points always fit");
+    window.harness.get_by_label("18.00 m");
+}
+
+#[test]
+fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
+    let Some(mut window) = solved() else { return };
+    window.key(Key::F2);
+    assert_eq!(window.app().session.panel, Panel::Camera);
+    window.snapshot_of("camera_panel", egui::Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 696.0)));
+    type_number(&mut window, "Position z", "20", Key::Enter);
+    let base = window.app().current().base.unwrap();
+    assert!((base.position_m.z - 20.0).abs() < 1e-12);
+    assert_eq!(window.app().current().camera.unwrap().base().position_m, base.position_m);
+    assert_eq!(undo_name(&window).as_deref(), Some("Move camera"));
+    type_number(&mut window, "Roll", "1.5", Key::Enter);
+    assert!((window.app().current().base.unwrap().angles().roll.degrees() - 1.5).abs() < 1e-9);
+    for _ in 0..2 {
+        chord(&mut window, Modifiers::COMMAND, Key::Z);
+    }
+    assert_eq!(window.app().current().base.unwrap().position_m, truth(0).base().position_m);
+}
+
+#[test]
+fn frames_are_gone_to_and_rejected_by_keys() {
+    let Some(mut window) = Window::open(12, SIZE, 1.0) else { return };
+    window.key(Key::Period);
+    assert_eq!(window.app().session.frame, 1);
+    chord(&mut window, Modifiers::SHIFT, Key::Period);
+    assert_eq!(window.app().session.frame, 11);
+    window.key(Key::Comma);
+    window.key(Key::X);
+    window.type_text("5");
+    assert_eq!(window.app().open().unwrap().frame(10).unwrap().reason, Some(RejectReason::Blur));
+    assert_eq!(window.app().session.frame, 11, "the next one that needs somebody");
+    // Undo goes there first and says so.
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().session.frame, 10);
+    assert_eq!(window.app().open().unwrap().count(FrameStatus::Rejected), 1);
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().open().unwrap().count(FrameStatus::Rejected), 0);
+}
+
+#[test]
+fn the_filmstrip_goes_to_frames_and_filters_them() {
+    let Some(mut window) = Window::open(30, SIZE, 1.0) else { return };
+    window.harness.get_by_label("Frame 3, 0002.png, New").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frame, 2);
+    let laid_out = window.harness.query_all_by_label_contains(".png, New").count();
+    assert!((5..=14).contains(&laid_out), "{laid_out} of 30 frames are laid out");
+    // The shown frame comes into view.
+    chord(&mut window, Modifiers::SHIFT, Key::Period);
+    chord(&mut window, Modifiers::SHIFT, Key::Period);
+    window.harness.run_steps(3);
+    window.harness.get_by_label("Frame 23, 0022.png, New");
+    window.key(Key::X);
+    window.type_text("1");
+    window.harness.get_by_label("Frames shown").click();
+    window.harness.run_steps(3);
+    window.harness.get_by_label_contains("Rejected 1").click();
+    window.harness.run_steps(3);
+    assert_eq!(window.app().session.filter, Filter::Status(FrameStatus::Rejected));
+    assert_eq!(window.harness.query_all_by_label_contains(".png, ").count(), 1);
+}
+
+#[test]
+fn the_palette_finds_a_command_by_typing() {
+    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    chord(&mut window, Modifiers::COMMAND, Key::K);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Palette));
+    window.type_text("fra");
+    window.harness.run_steps(2);
+    window.snapshot_of("palette", egui::Rect::from_min_size(pos2(370.0, 95.0), vec2(540.0, 240.0)));
+    for _ in 0..3 {
+        window.key(Key::Backspace);
+    }
+    window.type_text("camera");
+    window.key(Key::Enter);
+    assert_eq!((window.app().session.dialog.clone(), window.app().session.panel), (None, Panel::Camera));
+    chord(&mut window, Modifiers::COMMAND, Key::K);
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.dialog, None);
+    // The focus is back: plain keys work again.
+    window.key(Key::F2);
+    assert_eq!(window.app().session.panel, Panel::Frame);
+}
+
+#[test]
+fn a_key_is_changed_on_the_sheet_and_a_conflict_is_told() {
+    let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
+    chord(&mut window, Modifiers::SHIFT, Key::Slash);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Keys));
+    window.snapshot_of("keys", egui::Rect::from_min_size(pos2(200.0, 60.0), vec2(880.0, 600.0)));
+    window.harness.get_by_label("Key of Next frame that needs me: N").click();
+    window.harness.run_steps(2);
+    window.key(Key::Period);
+    assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
+    assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
+    let told = &window.app().session.notices.last().unwrap().text;
+    assert!(told.contains("“Next frame” has no key any more"), "{told}");
+    window.harness.get_by_label("Reset all keys").click();
+    window.harness.run_steps(2);
+    assert!(!window.app().settings.keys.is_changed());
+    window.key(Key::Escape);
+    window.key(Key::Period);
+    assert_eq!(window.app().session.frame, 1);
+}
+
+#[test]
+fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
+    let Some(mut window) = solved() else { return };
+    window.snapshot_of("status", egui::Rect::from_min_size(pos2(0.0, 696.0), vec2(1280.0, 24.0)));
+    window.harness.get_by_label("Edit").click();
+    window.harness.run_steps(3);
+    window.snapshot_of("menu", egui::Rect::from_min_size(pos2(30.0, 24.0), vec2(260.0, 250.0)));
+    assert!(window.harness.get_by_label_contains("Redo").accesskit_node().is_disabled());
+    window.harness.get_by_label_contains("Undo Ctrl+Z").click();
+    window.harness.run_steps(3);
+    assert!(window.app().open().unwrap().history.next_redo().is_some());
+}
+
+#[test]
+fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
+    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    window.harness.state_mut().apply([
+        Action::Notify(Level::Info, "Dataset written.".to_owned()),
+        Action::Notify(Level::Warning, "0412.jpg changed since it was labelled.".to_owned()),
+    ]);
+    window.harness.run_steps(4);
+    window.harness.get_by_label("Dataset written.");
+    window.harness.run_steps(30);
+    assert!(window.harness.query_by_label("Dataset written.").is_none());
+    window.harness.get_by_label("Dismiss: 0412.jpg changed since it was labelled.").click();
+    window.harness.run_steps(3);
+    assert!(window.app().session.notices.iter().all(|notice| notice.level == Level::Info));
+}
+
+#[test]
+fn a_comment_is_written_and_an_overlay_colour_chosen() {
+    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    chord(&mut window, Modifiers::COMMAND, Key::M);
+    window.type_text("n is no command here");
+    chord(&mut window, Modifiers::COMMAND, Key::Enter);
+    assert_eq!(window.app().frame().unwrap().comment.as_deref(), Some("n is no command here"));
+    window.key(Key::O);
+    window.harness.get_by_label("Cyan").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().settings.overlay.colour, [90, 225, 255]);
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.dialog, None);
+}
+
+#[test]
+fn nothing_open_invites_and_takes_a_typed_path() {
+    let mut harness = egui_kittest::Harness::builder()
+        .with_size(SIZE)
+        .build_eframe(|creation| Shell::new(creation, None, None).unwrap());
+    harness.run_steps(3);
+    harness.get_by_label("Drop a video, a folder of frames or a project. Or try the demo match (2 minutes).");
+    harness.get_by_label("Path to open").focus();
+    harness.run_steps(2);
+    harness.get_by_label("Path to open").type_text("/no/such/place");
+    harness.run_steps(2);
+    harness.get_by_label("Open").click();
+    let start = std::time::Instant::now();
+    while harness.state().app().session.notices.is_empty() {
+        assert!(start.elapsed().as_secs() < 60, "nobody says that there is no such place");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+        harness.step();
+    }
+    assert!(harness.state().app().session.notices[0].text.contains("/no/such/place"));
+}
+
+#[test]
+fn every_control_has_a_name() {
+    let Some(mut window) = solved() else { return };
+    let unnamed = |window: &Window| window.harness.unnamed_widgets();
+    assert_eq!(unnamed(&window), Vec::<String>::new());
+    window.key(Key::F2);
+    assert_eq!(unnamed(&window), Vec::<String>::new());
+    window.key(Key::O);
+    assert_eq!(unnamed(&window), Vec::<String>::new());
+}
