@@ -4,10 +4,12 @@
 //! the corner convention: (0, 0) is the top-left *corner* of the picture, the first pixel's centre is (0.5, 0.5).
 
 mod angle;
+mod homography;
 mod image;
 pub mod rotation;
 
 pub use angle::Angle;
+pub use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
 
 /// A column of two numbers; the frame and unit stand in the name of the value.

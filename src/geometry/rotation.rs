@@ -17,10 +17,25 @@ pub fn from_rotation_vector(w: Vec3) -> Mat3 {
     *nalgebra::Rotation3::from_scaled_axis(w).matrix()
 }
 
-/// The rotation vector of a rotation matrix, radians.
+/// The rotation vector of a rotation matrix, radians. Sound from no turn at all (where an arc cosine of the trace is NaN by
+/// rounding) to half a turn (where the sine vanishes and the axis is read off the symmetric part).
 #[must_use]
 pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
-    nalgebra::Rotation3::from_matrix_unchecked(*rotation).scaled_axis()
+    let r = rotation;
+    let sine_axis = Vec3::new(r[(2, 1)] - r[(1, 2)], r[(0, 2)] - r[(2, 0)], r[(1, 0)] - r[(0, 1)]) * 0.5;
+    let sine = sine_axis.norm();
+    let cosine = 0.5 * (r.trace() - 1.0);
+    let angle = sine.atan2(cosine);
+    if cosine > -0.9 {
+        return if sine > 0.0 { sine_axis * (angle / sine) } else { Vec3::zeros() };
+    }
+    // R + Rᵀ = 2 cos θ + 2 (1 − cos θ) a aᵀ: its longest column is along the axis.
+    let outer = (r + r.transpose()) * 0.5 - Mat3::identity() * cosine;
+    let longest = (0..3).map(|i| Vec3::from(outer.column(i))).fold(Vec3::zeros(), |longest, column| {
+        if column.norm_squared() > longest.norm_squared() { column } else { longest }
+    });
+    let axis = longest.normalize();
+    axis * if axis.dot(&sine_axis) < 0.0 { -angle } else { angle }
 }
 
 /// The angle between two rotations.
@@ -76,6 +91,16 @@ mod tests {
     fn a_rotation_vector_survives_the_round_trip() {
         let w = Vec3::new(0.3, -1.1, 0.7);
         assert!((rotation_vector(&from_rotation_vector(w)) - w).norm() < 1e-12);
+        for angle in [0.0, 1e-12, 1e-6, 0.3, 2.0, 3.0, 3.14159, std::f64::consts::PI] {
+            for axis in [Vec3::x(), -Vec3::y(), w.normalize(), Vec3::new(-1.0, 1e-3, 0.0).normalize()] {
+                let again = rotation_vector(&from_rotation_vector(axis * angle));
+                // Half a turn about an axis is half a turn about its opposite.
+                let opposite = if angle > 3.1416 - 1e-5 { (again + axis * angle).norm() } else { f64::INFINITY };
+                let error = (again - axis * angle).norm().min(opposite);
+                assert!(error < 1e-7, "{angle} about {axis:?}: {again:?}");
+            }
+        }
+        assert_eq!(rotation_vector(&(Mat3::identity() * (1.0 + 4.0 * f64::EPSILON))), Vec3::zeros());
         assert!((skew(w) * Vec3::x() - w.cross(&Vec3::x())).norm() < 1e-15);
     }
 

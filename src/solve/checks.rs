@@ -140,18 +140,18 @@ fn separation(
     }
     let landmarks = || used.iter().filter(|observation| matches!(observation.target, Target::Landmark(_)));
     let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
-    let mut message =
+    let cost =
         format!("Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.", short(corner));
     let middle = landmarks().fold(Vec2::zeros(), |sum, click| sum + click.image.offset_from(ImagePoint::default()))
         / landmarks().count() as f64;
     let middle = ImagePoint::default().moved(middle);
     let distance_px = GOOD_SEPARATION_PX * scale;
-    if let Some(better) = best_corner_with_click_at(camera, solution, context, middle, distance_px) {
-        message += &format!(" A point at {distance_px:.0} px would give ±{}.", short(better));
-    }
+    let better = best_corner_with_click_at(camera, solution, context, middle, distance_px);
+    let way_out = better
+        .map_or_else(String::new, |better| format!(" A point at {distance_px:.0} px would give ±{}.", short(better)));
     Some(Warning {
         code: WarningCode::Separation,
-        message,
+        message: cost + &way_out,
         clicks: landmarks().map(|observation| observation.click).collect(),
     })
 }

@@ -140,7 +140,7 @@ struct Fit {
 fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<Vec<Fit>, SolveError> {
     let starts = starts(base, used, context)?;
     let refined = |start: Ptz| {
-        let refined = refine(base, start, used.iter(), context.loss, context.prior.as_ref());
+        let refined = refine(base, start, used, context.loss, context.prior.as_ref());
         fit(base, refined.ptz, refined.cost, used, context)
     };
     let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
@@ -153,7 +153,7 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
         let apart = |root: &Ptz| (root.focal_px / kept.candidate.ptz.focal_px).ln().abs();
         let lost = if apart(one) > apart(two) { *one } else { *two };
         if apart(&lost) > SAME_CAMERA {
-            let refined = refine(base, lost, used.iter(), context.loss, Some(&focal_held(lost)));
+            let refined = refine(base, lost, used, context.loss, Some(&focal_held(lost)));
             found.extend(fit(base, refined.ptz, refined.cost, used, context));
         }
     }

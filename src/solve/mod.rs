@@ -3,6 +3,7 @@
 //! [`Observation`] says what a click shows: a landmark, or a line on which it lies. [`FrameSolution`] is what a frame's
 //! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
 
+pub mod base;
 mod checks;
 mod covariance;
 mod error;
@@ -10,6 +11,7 @@ mod frame;
 mod line;
 mod observation;
 mod one_point;
+mod plane_pose;
 mod refine;
 mod solution;
 mod starts;
@@ -22,6 +24,7 @@ pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
 pub use observation::{Observation, Target, WorldCurve};
 pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
+pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
 pub use refine::{Refined, refine};
 pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzPrior, PtzRanges, SolveContext};
 pub use two_point::{

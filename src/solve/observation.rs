@@ -135,6 +135,12 @@ impl WorldCurve {
         &self.nominal
     }
 
+    /// The same curve on ground with another crown.
+    #[must_use]
+    pub(super) const fn with_crown(self, crown_m: f64, width_m: f64) -> Self {
+        Self { crown_m, width_m, ..self }
+    }
+
     /// The point at a parameter and its derivatives; the crown is z = −c (2y / width)² within the field.
     pub(crate) fn at(&self, t: f64) -> CurvePoint {
         let mut at = self.nominal.point_at(t);

@@ -10,7 +10,7 @@ use crate::geometry::{Angle, Mat3, Vec3};
 use nalgebra::SMatrix;
 
 /// What a click counts for whose target has no image, in sigmas.
-const NO_IMAGE_SIGMAS: f64 = 1e3;
+pub(super) const NO_IMAGE_SIGMAS: f64 = 1e3;
 
 /// Iterations at most.
 const MAX_ITERATIONS: usize = 60;
@@ -34,15 +34,15 @@ pub struct Refined {
 
 /// Refines pan, tilt and focal length over all observations (held-out ones as well: leave them out before).
 #[must_use]
-pub fn refine<'a>(
+pub fn refine(
     base: &CameraBase,
     start: Ptz,
-    observations: impl Iterator<Item = &'a Observation> + Clone,
+    observations: &[Observation],
     loss: Loss,
     prior: Option<&PtzPrior>,
 ) -> Refined {
     let mut ptz = start;
-    let mut normal = NormalEquations::at(base, ptz, observations.clone(), loss, prior);
+    let mut normal = NormalEquations::at(base, ptz, observations, loss, prior);
     let mut damping = 1e-6;
     let mut iterations = 0;
     while iterations < MAX_ITERATIONS {
@@ -56,7 +56,7 @@ pub fn refine<'a>(
             break;
         }
         let next = stepped(ptz, step);
-        let tried = NormalEquations::at(base, next, observations.clone(), loss, prior);
+        let tried = NormalEquations::at(base, next, observations, loss, prior);
         let better = tried.cost <= normal.cost;
         if better {
             (ptz, normal) = (next, tried);
@@ -73,8 +73,9 @@ pub fn refine<'a>(
 }
 
 /// The cost of a camera without refining it.
-pub(super) fn cost<'a>(camera: &PtzCamera, observations: impl Iterator<Item = &'a Observation>, loss: Loss) -> f64 {
+pub(super) fn cost(camera: &PtzCamera, observations: &[Observation], loss: Loss) -> f64 {
     observations
+        .iter()
         .map(|observation| loss.of(squared_sigmas(distance_px(camera, observation), observation.sigma_px)).0)
         .sum()
 }
@@ -132,13 +133,7 @@ struct NormalEquations {
 }
 
 impl NormalEquations {
-    fn at<'a>(
-        base: &CameraBase,
-        ptz: Ptz,
-        observations: impl Iterator<Item = &'a Observation>,
-        loss: Loss,
-        prior: Option<&PtzPrior>,
-    ) -> Self {
+    fn at(base: &CameraBase, ptz: Ptz, observations: &[Observation], loss: Loss, prior: Option<&PtzPrior>) -> Self {
         let camera = PtzCamera::new(*base, ptz);
         let mut normal = Self { matrix: Mat3::zeros(), gradient: Vec3::zeros(), cost: 0.0 };
         for observation in observations {

@@ -9,10 +9,10 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImagePoint, Vec3};
 
 /// Pairs of landmarks tried at most, the best separated first.
-const MAX_PAIRS: usize = 64;
+const MAX_PAIRS: usize = 48;
 
 /// Starts that are refined at most.
-const MAX_STARTS: usize = 6;
+const MAX_STARTS: usize = 4;
 
 /// Starts nearer to each other than this (see [`camera_distance`]) lead to one solution.
 const DISTINCT: f64 = 0.05;
@@ -128,7 +128,7 @@ fn focal_sweep(
     let mut scored = Vec::new();
     for focal_px in log_steps(context, 48) {
         if let Ok(ptz) = pan_tilt_from_one_point(base, focal_px, landmark.at, landmark.image) {
-            scored.push((cost(&PtzCamera::new(*base, ptz), observations.iter(), SCORE_LOSS), ptz));
+            scored.push((cost(&PtzCamera::new(*base, ptz), observations, SCORE_LOSS), ptz));
         }
     }
     // Every dip of the sweep is the start of one solution.
@@ -176,7 +176,7 @@ fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveC
     scored.truncate(KEPT);
     scored
         .into_iter()
-        .map(|(_, ptz)| refine(base, ptz, observations.iter(), Loss::Squared, context.prior.as_ref()).ptz)
+        .map(|(_, ptz)| refine(base, ptz, observations, Loss::Squared, context.prior.as_ref()).ptz)
         .filter(Ptz::is_finite)
         .collect()
 }
@@ -189,10 +189,8 @@ fn log_steps(context: &SolveContext, count: usize) -> impl Iterator<Item = f64> 
 
 /// The best-scoring starts, near duplicates left out.
 fn best_distinct(base: &CameraBase, found: Vec<Ptz>, observations: &[Observation]) -> Vec<Ptz> {
-    let mut scored: Vec<(f64, Ptz)> = found
-        .into_iter()
-        .map(|ptz| (cost(&PtzCamera::new(*base, ptz), observations.iter(), SCORE_LOSS), ptz))
-        .collect();
+    let mut scored: Vec<(f64, Ptz)> =
+        found.into_iter().map(|ptz| (cost(&PtzCamera::new(*base, ptz), observations, SCORE_LOSS), ptz)).collect();
     scored.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
     for (_, ptz) in scored {

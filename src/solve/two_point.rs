@@ -86,7 +86,7 @@ pub fn focal_from_two_rays(pixels: [Vec2; 2], rays: [Vec3; 2]) -> Result<OneOrTw
     let sine_squared = r1.cross(&r2).norm_squared();
     let cosine = r1.dot(&r2);
     let angle_deg = sine_squared.sqrt().atan2(cosine).to_degrees();
-    if !(angle_deg >= MIN_RAY_ANGLE_DEG && angle_deg <= 180.0 - MIN_RAY_ANGLE_DEG) {
+    if !(MIN_RAY_ANGLE_DEG..=180.0 - MIN_RAY_ANGLE_DEG).contains(&angle_deg) {
         return Err(TwoPointError::SameRay { angle_deg });
     }
     let (a, b, cross) = (x1.norm_squared(), x2.norm_squared(), x1.perp(&x2));

@@ -1,0 +1,139 @@
+//! Clicks and frames that disagree with the base that all the others agree on.
+
+use super::FrameClicks;
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::field::{FieldModel, LandmarkId, Symmetry};
+use crate::geometry::ImageSize;
+use crate::solve::refine::{distance_px, squared_sigmas};
+use crate::solve::{Loss, Observation, SolveContext, Target, solve_frame};
+
+/// A click farther off than this many sigmas (of clicks as they scatter here) is disputed.
+const DISPUTED_SIGMAS: f64 = 5.0;
+
+/// Another landmark fits if it is within this many sigmas.
+const FITS_SIGMAS: f64 = 2.5;
+
+/// A click that the rest contradicts.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DisputedClick {
+    /// Which frame, from 0.
+    pub frame: usize,
+    /// Which of its clicks, from 0.
+    pub click: usize,
+    /// How far off it is, px; none where what it shows has no image.
+    pub error_px: Option<f64>,
+    /// The landmark that would fit there, if there is one, and how far off that is, px.
+    pub fits_better: Option<(LandmarkId, f64)>,
+}
+
+/// A frame whose names are all taken from the wrong side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MirroredFrame {
+    /// Which frame, from 0.
+    pub frame: usize,
+    /// What mends it: left and right exchanged, near and far, or both.
+    pub symmetry: Symmetry,
+    /// Median error of its clicks as they are named, px.
+    pub median_px: f64,
+    /// Median error with the names exchanged, px.
+    pub median_mirrored_px: f64,
+}
+
+/// The clicks of solved frames that are far off, in order.
+pub(super) fn disputed_clicks(
+    base: &CameraBase,
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    ptz: &[Option<Ptz>],
+    noise_scale: f64,
+) -> Vec<DisputedClick> {
+    let mut found = Vec::new();
+    for (index, (frame, ptz)) in frames.iter().zip(ptz).enumerate() {
+        let Some(ptz) = ptz else { continue };
+        let camera = PtzCamera::new(*base, *ptz);
+        for click in frame.used() {
+            let error_px = distance_px(&camera, click);
+            if squared_sigmas(error_px, click.sigma_px * noise_scale) <= DISPUTED_SIGMAS * DISPUTED_SIGMAS {
+                continue;
+            }
+            let fits_better = better_landmark(&camera, field, click, noise_scale);
+            found.push(DisputedClick { frame: index, click: click.click, error_px, fits_better });
+        }
+    }
+    found
+}
+
+/// The landmark nearest to a click, if it is near enough.
+fn better_landmark(
+    camera: &PtzCamera,
+    field: &FieldModel,
+    click: &Observation,
+    noise_scale: f64,
+) -> Option<(LandmarkId, f64)> {
+    field
+        .landmarks
+        .iter()
+        .filter_map(|landmark| {
+            let projected = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+            Some((landmark.id.clone(), projected.distance_px(click.image)))
+        })
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .filter(|(_, distance_px)| *distance_px < FITS_SIGMAS * click.sigma_px * noise_scale)
+}
+
+/// The frames whose clicks fit well as soon as all names are mirrored, and do not as they are.
+pub(super) fn mirrored_frames(
+    base: &CameraBase,
+    frames: &[FrameClicks],
+    ptz: &[Option<Ptz>],
+    image_size: ImageSize,
+) -> Vec<MirroredFrame> {
+    /// Mirrored, a frame must be this much better.
+    const BETTER: f64 = 0.25;
+    const MIN_CLICKS: usize = 4;
+    let loss = Loss::Cauchy { c: 3.0 };
+    let context = SolveContext::new(image_size);
+    let mut found = Vec::new();
+    for (index, frame) in frames.iter().enumerate() {
+        let clicks: Vec<Observation> = frame.used().copied().collect();
+        if clicks.len() < MIN_CLICKS {
+            continue;
+        }
+        let as_named = median_and_cost(base, ptz[index], &clicks, loss);
+        let mut best: Option<(f64, MirroredFrame)> = None;
+        for symmetry in Symmetry::ALL {
+            let mirrored: Option<Vec<Observation>> = clicks.iter().map(|click| mirrored(click, symmetry)).collect();
+            let Some(mirrored) = mirrored else { continue };
+            let Ok(solved) = solve_frame(base, &mirrored, &context) else { continue };
+            let (median_mirrored_px, cost) = median_and_cost(base, Some(solved.ptz), &mirrored, loss);
+            if cost < BETTER * as_named.1 && best.is_none_or(|(least, _)| cost < least) {
+                let median_px = as_named.0;
+                best = Some((cost, MirroredFrame { frame: index, symmetry, median_px, median_mirrored_px }));
+            }
+        }
+        found.extend(best.map(|(_, mirrored)| mirrored));
+    }
+    found
+}
+
+/// A landmark click under the names of another side; lines stay out of it.
+fn mirrored(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
+    match click.target {
+        Target::Landmark(at) => Some(Observation { target: Target::Landmark(symmetry.apply(at)), ..*click }),
+        Target::Line(_) => None,
+    }
+}
+
+fn median_and_cost(base: &CameraBase, ptz: Option<Ptz>, clicks: &[Observation], loss: Loss) -> (f64, f64) {
+    let camera = ptz.map(|ptz| PtzCamera::new(*base, ptz));
+    let distances: Vec<Option<f64>> =
+        clicks.iter().map(|click| camera.as_ref().and_then(|camera| distance_px(camera, click))).collect();
+    let cost = distances
+        .iter()
+        .zip(clicks)
+        .map(|(distance, click)| loss.of(squared_sigmas(*distance, click.sigma_px)).0)
+        .sum();
+    let mut sorted: Vec<f64> = distances.into_iter().map(|distance| distance.unwrap_or(f64::INFINITY)).collect();
+    sorted.sort_by(f64::total_cmp);
+    (sorted[sorted.len() / 2], cost)
+}

@@ -1,0 +1,200 @@
+//! The whole way from clicks to a base: start, adjustment, choice of the model, what disagrees.
+
+use super::adjust::adjust_base;
+use super::disputes::{disputed_clicks, mirrored_frames};
+use super::model_choice::{CrossValidation, choose, recrowned};
+use super::start::{solve_all, start_base};
+use super::{
+    AdjustOptions, BaseError, BaseModel, CrownModel, DisputedClick, FrameClicks, LensModel, MirroredFrame, ModelScore,
+};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize, Mat3};
+use crate::solve::refine::distance_px;
+
+/// What a person may ask for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseOptions {
+    /// The lens; none: chosen by cross-validation.
+    pub lens: Option<LensModel>,
+    /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
+    pub crown: Option<CrownModel>,
+    /// Also find the principal point.
+    pub principal_point: bool,
+    /// How to adjust.
+    pub adjust: AdjustOptions,
+}
+
+impl Default for BaseOptions {
+    /// Everything chosen by the program, the principal point in the middle.
+    fn default() -> Self {
+        Self { lens: None, crown: None, principal_point: false, adjust: AdjustOptions::default() }
+    }
+}
+
+/// How one frame fits the base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameFit {
+    /// Pan, tilt, focal length.
+    pub ptz: Ptz,
+    /// Median distance of its clicks, px.
+    pub median_px: f64,
+    /// Root mean square distance of its clicks, px.
+    pub rms_px: f64,
+}
+
+/// A base estimated from clicks, with everything needed to judge it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseEstimate {
+    /// The base with its sigma: of the position the larger of the adjustment's and the jackknife's over groups of frames.
+    pub base: CameraBase,
+    /// The crown of the pitch, m.
+    pub crown_m: f64,
+    /// What was left free.
+    pub model: BaseModel,
+    /// The models compared on clicks that they had not seen; one only where it was prescribed.
+    pub scores: Vec<ModelScore>,
+    /// Covariance of the position, m².
+    pub position_covariance: Mat3,
+    /// Each frame's fit; none where its clicks gave no camera.
+    pub frames: Vec<Option<FrameFit>>,
+    /// Median distance of all clicks, px.
+    pub median_px: f64,
+    /// The 90 % quantile of it, px.
+    pub p90_px: f64,
+    /// The same median under the base that was given, if one was.
+    pub previous_median_px: Option<f64>,
+    /// Clicks that disagree, those of mirrored frames left out.
+    pub disputed: Vec<DisputedClick>,
+    /// Frames that are named from the wrong side.
+    pub mirrored: Vec<MirroredFrame>,
+}
+
+/// Estimates the base from the clicks of many frames (one is enough where it has four landmarks).
+///
+/// The observations are those of `field`; its crown is a start, and holds where [`CrownModel::Fixed`] says so.
+/// `previous` is a base to start from as well and to compare with.
+///
+/// # Errors
+/// No frame to start from, no camera that explains half of the clicks, or frames that leave the position open.
+pub fn estimate_base(
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    image_size: ImageSize,
+    principal_point: ImagePoint,
+    previous: Option<&CameraBase>,
+    options: &BaseOptions,
+) -> Result<BaseEstimate, BaseError> {
+    let previous_fit = previous.map(|base| {
+        let ptz = solve_all(base, frames, image_size);
+        (*base, median(&distances(base, frames, &ptz)), ptz)
+    });
+    let (mut base, mut ptz) = match start_base(frames, image_size, principal_point) {
+        Ok(start) => (start.base, start.ptz),
+        Err(error) => previous_fit.as_ref().map(|(base, _, ptz)| (*base, ptz.clone())).ok_or(error)?,
+    };
+    // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
+    let pinhole =
+        BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None };
+    for _ in 0..2 {
+        let adjusted = adjust_base(field, frames, &base, &ptz, image_size.width, &pinhole, &options.adjust);
+        base = adjusted.base;
+        ptz = solve_all(&base, frames, image_size);
+    }
+
+    let models = models(field, principal_point, options);
+    let validation =
+        CrossValidation { field, frames, start: &base, start_ptz: &ptz, image_size, options: &options.adjust };
+    let scores = validation.scores(&models);
+    let solved_frames = ptz.iter().flatten().count();
+    let model = choose(&scores, solved_frames).unwrap_or(pinhole);
+
+    let adjusted = adjust_base(field, frames, &base, &ptz, image_size.width, &model, &options.adjust);
+    let mut base = adjusted.base;
+    if let Some(score) = scores.iter().find(|score| score.model == model) {
+        base.sigma.position_m = base.sigma.position_m.sup(&score.position_spread_m);
+    }
+    let crowned = FieldModel { crown_m: adjusted.crown_m, ..field.clone() };
+    let frames: Vec<FrameClicks> = frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
+    let ptz = solve_all(&base, &frames, image_size);
+    let mut errors = distances(&base, &frames, &ptz);
+    errors.sort_by(f64::total_cmp);
+    let median_px = median(&errors);
+    let limit_px = NO_FIT_PX * image_size.scale_from_1920();
+    if !(median_px < limit_px) {
+        return Err(BaseError::NoFit { median_px });
+    }
+    let sigma_m = adjusted.position_covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
+    if !(sigma_m < MAX_POSITION_SIGMA_M) {
+        return Err(BaseError::Undetermined { sigma_m });
+    }
+    let mirrored = mirrored_frames(&base, &frames, &ptz, image_size);
+    let noise_scale = adjusted.noise_scale.sqrt();
+    let mut disputed = disputed_clicks(&base, &crowned, &frames, &ptz, noise_scale);
+    disputed.retain(|click| mirrored.iter().all(|frame| frame.frame != click.frame));
+    let frame_fits = frames.iter().zip(&ptz).map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?)).collect();
+    Ok(BaseEstimate {
+        base,
+        crown_m: adjusted.crown_m,
+        model,
+        scores,
+        position_covariance: adjusted.position_covariance,
+        frames: frame_fits,
+        median_px,
+        p90_px: errors.get(errors.len() * 9 / 10).copied().unwrap_or(median_px),
+        previous_median_px: previous_fit.map(|fit| fit.1),
+        disputed,
+        mirrored,
+    })
+}
+
+/// Clicks this far off (median, px at 1920 px width) are explained by no camera.
+const NO_FIT_PX: f64 = 25.0;
+
+/// A base whose position is less well known than this is none, m.
+const MAX_POSITION_SIGMA_M: f64 = 20.0;
+
+/// The models to compare, simple ones first.
+fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions) -> Vec<BaseModel> {
+    let lenses = match options.lens {
+        Some(lens) => vec![lens],
+        None => vec![LensModel::Pinhole, LensModel::K1, LensModel::K1Focal],
+    };
+    let crowns = match options.crown {
+        Some(crown) => vec![crown],
+        None => vec![CrownModel::Fixed(field.crown_m), CrownModel::Free],
+    };
+    let principal_point = options.principal_point.then_some(principal_point);
+    let of_crown = |crown| lenses.iter().map(move |&lens| BaseModel { lens, crown, principal_point });
+    crowns.into_iter().flat_map(of_crown).collect()
+}
+
+fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {
+    let observations = frame.observations.iter().map(|click| recrowned(click, from, to)).collect();
+    FrameClicks { observations, start: frame.start }
+}
+
+fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
+    let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
+    errors.sort_by(f64::total_cmp);
+    let squares: f64 = errors.iter().map(|error| error * error).sum();
+    let rms_px = (squares / errors.len() as f64).sqrt();
+    (!errors.is_empty()).then(|| FrameFit { ptz, median_px: median(&errors), rms_px })
+}
+
+/// The distances of all clicks of solved frames, px, in order.
+fn distances(base: &CameraBase, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> Vec<f64> {
+    let mut found = Vec::new();
+    for (frame, ptz) in frames.iter().zip(ptz) {
+        let Some(ptz) = ptz else { continue };
+        let camera = PtzCamera::new(*base, *ptz);
+        found.extend(frame.used().filter_map(|click| distance_px(&camera, click)));
+    }
+    found
+}
+
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY)
+}

@@ -1,0 +1,79 @@
+//! The base from many frames: position, base rotation, lens and crown from the clicks of all of them.
+//!
+//! [`estimate_base`] starts from frames that determine a camera by themselves (homography), adjusts everything together
+//! (bundle adjustment with Schur complement and robust loss), and chooses the model of lens and pitch by
+//! cross-validation.
+
+mod adjust;
+mod disputes;
+mod estimate;
+mod frame_block;
+mod model_choice;
+mod parameters;
+mod start;
+
+pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
+pub use disputes::{DisputedClick, MirroredFrame};
+pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base};
+pub use model_choice::{BaseModel, CrownModel, LensModel, ModelScore};
+pub use start::{BaseStart, start_base};
+
+use super::Observation;
+use crate::camera::Ptz;
+use thiserror::Error;
+
+/// The clicks of one frame of the camera whose base is sought.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameClicks {
+    /// Its clicks; held-out ones take no part.
+    pub observations: Vec<Observation>,
+    /// Its pan, tilt and focal length, if something is known.
+    pub start: Option<Ptz>,
+}
+
+impl FrameClicks {
+    /// The clicks that take part.
+    pub(super) fn used(&self) -> impl Iterator<Item = &Observation> + Clone {
+        self.observations.iter().filter(|observation| !observation.check)
+    }
+
+    /// How many equations they give.
+    #[must_use]
+    pub fn equations(&self) -> usize {
+        self.used().map(|observation| observation.target.equations()).sum()
+    }
+}
+
+/// Why the base cannot be estimated.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BaseError {
+    /// No frame determines a camera by itself.
+    #[error(
+        "no frame has four landmarks on the ground that are not on one line ({frames} frames with clicks, the best has \
+         {most_landmarks}): click four or more on wide frames, left, centre and right"
+    )]
+    NoStart {
+        /// Frames with clicks.
+        frames: usize,
+        /// The largest number of ground landmarks in one of them.
+        most_landmarks: usize,
+    },
+    /// The clicks contradict each other so much that no camera explains half of them.
+    #[error(
+        "no camera explains the clicks: the best one leaves them {median_px:.0} px off (median). Check the names, the \
+         field's size, and that all frames are of one camera"
+    )]
+    NoFit {
+        /// Median distance of the clicks, px.
+        median_px: f64,
+    },
+    /// The frames leave part of the base open.
+    #[error(
+        "the frames leave the camera's position open by {sigma_m:.0} m: click landmarks in frames that look elsewhere, \
+         or zoomed differently"
+    )]
+    Undetermined {
+        /// 1-σ of the position in its worst direction, m.
+        sigma_m: f64,
+    },
+}

@@ -1,0 +1,246 @@
+//! Which lens and which pitch: every model is tried on clicks that it has not seen.
+
+use super::adjust::adjust_base;
+use super::{AdjustOptions, AdjustedBase, FrameClicks};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::solve::refine::{distance_px, refine};
+use crate::solve::{Loss, Observation, Target};
+use rayon::prelude::*;
+use std::fmt;
+
+/// How k₁ depends on the focal length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LensModel {
+    /// None.
+    Pinhole,
+    /// One k₁.
+    K1,
+    /// k₁ linear in the focal length, the slope with a prior.
+    K1Focal,
+}
+
+/// How the pitch is shaped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CrownModel {
+    /// This much higher in the middle, m.
+    Fixed(f64),
+    /// To be found, with a prior.
+    Free,
+}
+
+impl CrownModel {
+    /// The crown, where it is not to be found.
+    #[must_use]
+    pub const fn fixed_m(self) -> Option<f64> {
+        match self {
+            Self::Fixed(crown_m) => Some(crown_m),
+            Self::Free => None,
+        }
+    }
+}
+
+/// What is left free beside position, base rotation and every frame's pan, tilt and focal length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BaseModel {
+    /// The lens.
+    pub lens: LensModel,
+    /// The pitch.
+    pub crown: CrownModel,
+    /// Where set, the principal point is found as well, with a prior around this point.
+    pub principal_point: Option<ImagePoint>,
+}
+
+impl fmt::Display for BaseModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let lens = match self.lens {
+            LensModel::Pinhole => "pinhole",
+            LensModel::K1 => "one k1",
+            LensModel::K1Focal => "k1 linear in f",
+        };
+        let crown = if self.crown == CrownModel::Free { ", crowned pitch" } else { "" };
+        let centre = if self.principal_point.is_some() { ", principal point" } else { "" };
+        f.pad(&format!("{lens}{crown}{centre}"))
+    }
+}
+
+/// How a model does on clicks that it has not seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ModelScore {
+    /// The model.
+    pub model: BaseModel,
+    /// Median error at held-out clicks, px.
+    pub median_px: f64,
+    /// The 90 % quantile of it, px.
+    pub p90_px: f64,
+    /// Root mean square with far-off clicks (wrong names) clipped, px: what the choice goes by.
+    pub clipped_rms_px: f64,
+    /// How many clicks were held out, each once.
+    pub clicks: usize,
+    /// 1-σ of the position by how it moves when a group is held out (jackknife), m.
+    pub position_spread_m: Vec3,
+}
+
+/// Errors beyond this are wrong names, whatever the model, px at 1920 px width.
+const CLIP_PX: f64 = 12.0;
+
+/// A richer model must be better by this share.
+const WORTHWHILE: f64 = 0.005;
+
+/// With few frames a simpler model must be better by this share.
+const CLEARLY_BETTER: f64 = 0.05;
+
+/// With fewer frames clicks are held out instead of frames.
+const MIN_FRAMES: usize = 6;
+
+/// What cross-validation needs beside the model.
+pub(super) struct CrossValidation<'a> {
+    pub field: &'a FieldModel,
+    pub frames: &'a [FrameClicks],
+    pub start: &'a CameraBase,
+    pub start_ptz: &'a [Option<Ptz>],
+    pub image_size: ImageSize,
+    pub options: &'a AdjustOptions,
+}
+
+impl CrossValidation<'_> {
+    /// Scores every model; the order stays.
+    pub fn scores(&self, models: &[BaseModel]) -> Vec<ModelScore> {
+        models.par_iter().map(|model| self.score(model)).collect()
+    }
+
+    /// Holds out groups of frames, or of clicks where frames are few.
+    fn score(&self, model: &BaseModel) -> ModelScore {
+        let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
+        let hold_out =
+            |fold| if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
+        let folds: Vec<Fold> = (0..FOLDS).into_par_iter().map(hold_out).collect();
+        let mut errors: Vec<f64> = folds.iter().flat_map(|fold| fold.errors.iter().copied()).collect();
+        errors.sort_by(f64::total_cmp);
+        let quantile = |share: f64| {
+            let index = (share * (errors.len().saturating_sub(1)) as f64).round() as usize;
+            errors.get(index).copied().unwrap_or(f64::INFINITY)
+        };
+        let clip_px = CLIP_PX * self.image_size.scale_from_1920();
+        let squares: f64 = errors.iter().map(|error| error.min(clip_px).powi(2)).sum();
+        ModelScore {
+            model: *model,
+            median_px: quantile(0.5),
+            p90_px: quantile(0.9),
+            clipped_rms_px: (squares / errors.len().max(1) as f64).sqrt(),
+            clicks: errors.len(),
+            position_spread_m: jackknife(&folds),
+        }
+    }
+
+    /// The base from the frames of the other groups; each frame of this one refined on half of its clicks and judged by the
+    /// other half, both ways.
+    fn held_out_frames(&self, model: &BaseModel, fold: usize) -> Fold {
+        let held_out = |index: usize| index % FOLDS == fold;
+        let ptz: Vec<Option<Ptz>> =
+            self.start_ptz.iter().enumerate().map(|(index, ptz)| ptz.filter(|_| !held_out(index))).collect();
+        let (adjusted, field) = self.adjusted(self.frames, &ptz, model);
+        let mut errors = Vec::new();
+        for (index, frame) in self.frames.iter().enumerate().filter(|(index, _)| held_out(*index)) {
+            let Some(start) = self.start_ptz[index] else { continue };
+            let half = |half: usize| -> Vec<Observation> {
+                frame.used().skip(half).step_by(2).map(|click| recrowned(click, self.field, &field)).collect()
+            };
+            let (even, odd) = (half(0), half(1));
+            for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
+                let refined = refine(&adjusted.base, start, fitted, Loss::default(), None);
+                let camera = PtzCamera::new(adjusted.base, refined.ptz);
+                errors.extend(judged.iter().filter_map(|click| distance_px(&camera, click)));
+            }
+        }
+        Fold { errors, position_m: adjusted.base.position_m }
+    }
+
+    /// Everything from the clicks of the other groups, judged by the clicks of this one.
+    fn held_out_clicks(&self, model: &BaseModel, fold: usize) -> Fold {
+        let part = |(index, frame): (usize, &FrameClicks)| {
+            let held_out = |click: usize| (click + index) % FOLDS == fold;
+            let observations = frame
+                .used()
+                .enumerate()
+                .map(|(i, click)| if held_out(i) { click.held_out() } else { *click })
+                .collect();
+            FrameClicks { observations, start: frame.start }
+        };
+        let frames: Vec<FrameClicks> = self.frames.iter().enumerate().map(part).collect();
+        let ptz: Vec<Option<Ptz>> =
+            frames.iter().zip(self.start_ptz).map(|(frame, ptz)| ptz.filter(|_| frame.equations() >= 3)).collect();
+        let (adjusted, field) = self.adjusted(&frames, &ptz, model);
+        let mut errors = Vec::new();
+        for (frame, ptz) in frames.iter().zip(&adjusted.ptz) {
+            let Some(ptz) = ptz else { continue };
+            let camera = PtzCamera::new(adjusted.base, *ptz);
+            let held_out = frame.observations.iter().filter(|click| click.check);
+            errors.extend(held_out.filter_map(|click| distance_px(&camera, &recrowned(click, self.field, &field))));
+        }
+        Fold { errors, position_m: adjusted.base.position_m }
+    }
+
+    fn adjusted(&self, frames: &[FrameClicks], ptz: &[Option<Ptz>], model: &BaseModel) -> (AdjustedBase, FieldModel) {
+        let adjusted = adjust_base(self.field, frames, self.start, ptz, self.image_size.width, model, self.options);
+        let field = FieldModel { crown_m: adjusted.crown_m, ..self.field.clone() };
+        (adjusted, field)
+    }
+}
+
+/// What one group's holding out gave.
+struct Fold {
+    errors: Vec<f64>,
+    position_m: Vec3,
+}
+
+/// 1-σ of the position, m: the delete-a-group jackknife (Wolter, Introduction to Variance Estimation, chapter 4). Unlike
+/// the covariance it sees what the frames have in common and the model has not.
+fn jackknife(folds: &[Fold]) -> Vec3 {
+    let count = folds.len() as f64;
+    let mean = folds.iter().fold(Vec3::zeros(), |sum, fold| sum + fold.position_m) / count;
+    let squares = folds.iter().fold(Vec3::zeros(), |sum, fold| {
+        let off = fold.position_m - mean;
+        sum + off.component_mul(&off)
+    });
+    (squares * ((count - 1.0) / count)).map(f64::sqrt)
+}
+
+/// Groups into which frames or clicks are dealt.
+const FOLDS: usize = 5;
+
+/// An observation of one field as one of the same field with another crown.
+pub(super) fn recrowned(observation: &Observation, from: &FieldModel, to: &FieldModel) -> Observation {
+    let target = match observation.target {
+        Target::Landmark(mut at) => {
+            at.z += to.ground_z(at.y) - from.ground_z(at.y);
+            Target::Landmark(at)
+        }
+        Target::Line(curve) => Target::Line(curve.with_crown(to.crown_m, to.width_m)),
+    };
+    Observation { target, ..*observation }
+}
+
+/// The best model. With many frames richer ones (later in the list) only where they are worth it; with few frames their
+/// priors know more than the clicks, so simpler ones only where they are clearly better.
+pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<BaseModel> {
+    let worthwhile =
+        |score: &ModelScore, best: &ModelScore, share: f64| score.clipped_rms_px < best.clipped_rms_px * (1.0 - share);
+    if solved_frames < MIN_FRAMES {
+        let mut best = *scores.last()?;
+        for score in scores.iter().rev() {
+            if worthwhile(score, &best, CLEARLY_BETTER) {
+                best = *score;
+            }
+        }
+        return Some(best.model);
+    }
+    let mut best = *scores.first()?;
+    for score in &scores[1..] {
+        if worthwhile(score, &best, WORTHWHILE) {
+            best = *score;
+        }
+    }
+    Some(best.model)
+}

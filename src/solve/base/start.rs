@@ -1,0 +1,134 @@
+//! Where the adjustment starts: a base that many frames agree on, found without knowing anything.
+//!
+//! Every frame with four ground landmarks gives a camera by itself; its position is noisy, a few are nonsense. Each such
+//! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
+//! wins. Wrong names in some frames so cannot spoil the start.
+
+use super::{BaseError, FrameClicks};
+use crate::camera::{BaseAngles, CameraBase, Ptz};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::plane_pose::pose_from_plane;
+use crate::solve::refine::{distance_px, squared_sigmas};
+use crate::solve::{Loss, SolveContext, Target, solve_frame};
+
+/// Frames on which a position is tried.
+const SAMPLE: usize = 12;
+
+/// Positions tried at most.
+const MAX_POSITIONS: usize = 16;
+
+/// Scores positions: a frame with wrong names costs, but not without bound.
+const SCORE_LOSS: Loss = Loss::Cauchy { c: 5.0 };
+
+/// A first base, and what each frame is under it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseStart {
+    /// The base: no distortion.
+    pub base: CameraBase,
+    /// Pan, tilt, focal length of each frame that could be solved with it.
+    pub ptz: Vec<Option<Ptz>>,
+}
+
+/// Finds a first base from the frames' clicks alone.
+///
+/// # Errors
+/// No frame has four ground landmarks that determine a camera.
+pub fn start_base(
+    frames: &[FrameClicks],
+    image_size: ImageSize,
+    principal_point: ImagePoint,
+) -> Result<BaseStart, BaseError> {
+    let mut poses: Vec<(Vec3, Vec3)> = Vec::new();
+    let mut most_landmarks = 0;
+    for frame in frames {
+        let ground = ground_landmarks(frame);
+        most_landmarks = most_landmarks.max(ground.len());
+        let Ok(pose) = pose_from_plane(&ground, principal_point) else { continue };
+        if (1.0..200.0).contains(&pose.position_m.z) && pose.position_m.norm() < 500.0 {
+            poses.push((pose.position_m, pose.cam_from_world.row(0).transpose()));
+        }
+    }
+    if poses.is_empty() {
+        let frames = frames.iter().filter(|frame| frame.equations() > 0).count();
+        return Err(BaseError::NoStart { frames, most_landmarks });
+    }
+    let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
+    let sample = spread(frames.iter().filter(|frame| frame.equations() >= 6), SAMPLE);
+    let mut positions = spread(poses.iter().map(|pose| pose.0), MAX_POSITIONS);
+    positions.push(Vec3::from_fn(|axis, _| median(poses.iter().map(|pose| pose.0[axis]).collect())));
+    let mut best: Option<(f64, CameraBase)> = None;
+    for position_m in positions {
+        for rotation in rotations {
+            let base = CameraBase::new(position_m, rotation, principal_point).in_pan_gauge().0;
+            let cost: f64 = sample.iter().map(|frame| frame_cost(&base, frame, image_size)).sum();
+            if best.is_none_or(|(least, _)| cost < least) {
+                best = Some((cost, base));
+            }
+        }
+    }
+    let Some((_, base)) = best else { return Err(BaseError::NoStart { frames: frames.len(), most_landmarks }) };
+    let ptz = solve_all(&base, frames, image_size);
+    Ok(BaseStart { base, ptz })
+}
+
+/// Each frame's pan, tilt, focal length under a base; what a frame brings along where its clicks give none.
+pub(super) fn solve_all(base: &CameraBase, frames: &[FrameClicks], image_size: ImageSize) -> Vec<Option<Ptz>> {
+    let context = SolveContext::new(image_size);
+    frames.iter().map(|frame| solve_frame(base, &frame.observations, &context).ok().map(|solved| solved.ptz)).collect()
+}
+
+/// Robust cost of a frame under a base, each click counted alike.
+fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> f64 {
+    let solved = solve_frame(base, &frame.observations, &SolveContext::new(image_size)).ok();
+    let camera = solved.map(|solved| crate::camera::PtzCamera::new(*base, solved.ptz));
+    frame
+        .used()
+        .map(|click| {
+            let distance = camera.as_ref().and_then(|camera| distance_px(camera, click));
+            SCORE_LOSS.of(squared_sigmas(distance, click.sigma_px)).0
+        })
+        .sum()
+}
+
+/// The landmarks of a frame on the ground: where they are, and the pixel.
+fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
+    /// A crowned pitch counts as flat here.
+    const GROUND_M: f64 = 0.4;
+    frame
+        .used()
+        .filter_map(|click| match click.target {
+            Target::Landmark(at) if at.z.abs() < GROUND_M => Some((at.xy(), click.image)),
+            _ => None,
+        })
+        .collect()
+}
+
+/// The base rotation whose pan axis is most nearly perpendicular to every camera's x axis (given in `world`): about it, and
+/// then about x, all of them turn without roll. A weak pull to the vertical decides where the cameras do not.
+fn least_roll(x_axes_in_world: impl Iterator<Item = Vec3>) -> Mat3 {
+    let mut spread = Mat3::from_diagonal(&Vec3::new(0.3, 0.3, 0.0));
+    for axis in x_axes_in_world {
+        spread += axis * axis.transpose();
+    }
+    let eigen = spread.symmetric_eigen();
+    let smallest = eigen.eigenvalues.imin();
+    let mut up = Vec3::from(eigen.eigenvectors.column(smallest));
+    if up.z < 0.0 {
+        up = -up;
+    }
+    let right = Vec3::y().cross(&up).normalize();
+    let forward = up.cross(&right);
+    Mat3::from_rows(&[right.transpose(), -up.transpose(), forward.transpose()])
+}
+
+/// At most `count` of the items, evenly spread.
+fn spread<T>(items: impl Iterator<Item = T>, count: usize) -> Vec<T> {
+    let all: Vec<T> = items.collect();
+    let step = all.len().div_ceil(count).max(1);
+    all.into_iter().step_by(step).collect()
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

@@ -1,0 +1,106 @@
+//! Solving one frame: two clicks, many clicks, lines.
+#![allow(missing_docs, clippy::unwrap_used, reason = "a bench says what failed by failing")]
+
+use divan::{Bencher, black_box};
+use std::collections::BTreeMap;
+use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{ImageSize, Vec3};
+use touchline::solve::{Observation, SolveContext, Target, Uncertainty, solve_frame, solve_two_points};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+fn main() {
+    divan::main();
+}
+
+fn camera(k1: f64) -> PtzCamera {
+    let base = CameraBase {
+        distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: k1 * -3.0 },
+        sigma: BaseSigma { position_m: Vec3::new(0.1, 0.2, 0.1), rotation: Vec3::new(1e-3, 1e-3, 0.0) },
+        ..CameraBase::new(Vec3::new(1.0, -62.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    };
+    PtzCamera::new(base, Ptz::from_degrees(28.0, -12.0, 2200.0))
+}
+
+/// Clicks on the first `count` landmarks that the frame shows, one px off.
+fn clicks(camera: &PtzCamera, count: usize) -> Vec<Observation> {
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
+    let names = ["penalty_mark_right", "corner_far_right", "penalty_area_near_right_front"];
+    let others = field.landmarks.iter().map(|landmark| landmark.id.as_str()).filter(|name| !names.contains(name));
+    names
+        .into_iter()
+        .chain(others)
+        .filter_map(|name| {
+            let exact = camera.image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).ok()?;
+            let image = exact.moved(touchline::geometry::Vec2::new(0.6, -0.8));
+            SIZE.contains(image).then(|| Observation::of_landmark(&field, name, image, SIZE, 0).unwrap())
+        })
+        .take(count)
+        .collect()
+}
+
+#[divan::bench(args = [0.0, -0.06])]
+fn two_points_closed_form(bencher: Bencher, k1: f64) {
+    let camera = camera(k1);
+    let clicks = clicks(&camera, 2);
+    let points = clicks.iter().map(|click| match click.target {
+        Target::Landmark(at) => at,
+        Target::Line(_) => unreachable!("all are landmarks"),
+    });
+    let points: Vec<Vec3> = points.collect();
+    bencher.bench_local(|| {
+        solve_two_points(
+            black_box(camera.base()),
+            black_box([points[0], points[1]]),
+            black_box([clicks[0].image, clicks[1].image]),
+        )
+        .unwrap()
+    });
+}
+
+/// Closed form, refinement, covariance with an uncertain base, worst corner, warnings.
+#[divan::bench(args = [0.0, -0.06])]
+fn two_points_frame(bencher: Bencher, k1: f64) {
+    let camera = camera(k1);
+    let (clicks, context) = (clicks(&camera, 2), SolveContext::new(SIZE));
+    bencher.bench_local(|| solve_frame(black_box(camera.base()), black_box(&clicks), &context).unwrap());
+}
+
+#[divan::bench(args = [4, 8, 12])]
+fn many_points_frame(bencher: Bencher, count: usize) {
+    let camera = camera(-0.06);
+    let (clicks, context) = (clicks(&camera, count), SolveContext::new(SIZE));
+    bencher.bench_local(|| solve_frame(black_box(camera.base()), black_box(&clicks), &context).unwrap());
+}
+
+#[divan::bench]
+fn landmark_and_line_frame(bencher: Bencher) {
+    let camera = camera(-0.06);
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
+    let line = field.line("penalty_area_right_far").unwrap();
+    let image = camera.image_from_world(field.world_from_nominal(line.curve.point_at(0.5))).unwrap();
+    let mut clicks = clicks(&camera, 1);
+    clicks.push(Observation::of_line(&field, "penalty_area_right_far", image, SIZE, 1).unwrap());
+    let context = SolveContext::new(SIZE);
+    bencher.bench_local(|| solve_frame(black_box(camera.base()), black_box(&clicks), &context).unwrap());
+}
+
+/// 1-σ of the overlay on a grid of 60 × 40 pixels.
+#[divan::bench]
+fn overlay_sigma_grid(bencher: Bencher) {
+    let camera = camera(-0.06);
+    let uncertainty: Uncertainty =
+        solve_frame(camera.base(), &clicks(&camera, 3), &SolveContext::new(SIZE)).unwrap().uncertainty;
+    bencher.bench_local(|| {
+        let mut sum = 0.0;
+        for column in 0..60 {
+            for row in 0..40 {
+                let pixel =
+                    touchline::geometry::ImagePoint::new(f64::from(column) * 32.0 + 16.0, f64::from(row) * 27.0 + 13.5);
+                sum += uncertainty.overlay_sigma_px(black_box(&camera), pixel).unwrap_or(0.0);
+            }
+        }
+        sum
+    });
+}

@@ -1,0 +1,162 @@
+//! The base from the clicks of many frames, against known truth.
+
+use crate::seeded::{self, normal};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use std::collections::BTreeMap;
+use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::field::{FieldModel, builtin};
+use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline::solve::Observation;
+use touchline::solve::base::{BaseError, BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+fn field(crown_m: f64) -> FieldModel {
+    builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap()
+}
+
+fn true_base(distortion: FocalCurve) -> CameraBase {
+    let angles = BaseAngles { heading: Angle::ZERO, pitch: Angle::from_degrees(-0.4), roll: Angle::from_degrees(0.3) };
+    CameraBase { distortion, ..CameraBase::new(Vec3::new(2.0, -66.0, 19.0), angles.base_from_world(), SIZE.centre()) }
+}
+
+/// Frames that look along the field, with at most `most` clicks each, of 1-σ `noise_px`.
+fn frames(
+    base: CameraBase,
+    field: &FieldModel,
+    count: usize,
+    most: usize,
+    noise_px: f64,
+    rng: &mut Pcg64Mcg,
+) -> (Vec<FrameClicks>, Vec<Ptz>) {
+    let (mut frames, mut truth) = (Vec::new(), Vec::new());
+    while frames.len() < count {
+        let share = (frames.len() as f64 + rng.random_range(0.0..1.0)) / count as f64;
+        let ptz = Ptz::from_degrees(
+            -32.0 + 64.0 * share,
+            rng.random_range(-14.0..-11.0),
+            rng.random_range(1600.0f64.ln()..3400.0f64.ln()).exp(),
+        );
+        let camera = PtzCamera::new(base, ptz);
+        let mut observations: Vec<Observation> = Vec::new();
+        for landmark in &field.landmarks {
+            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+            let image = exact.moved(Vec2::new(normal(rng), normal(rng)) * noise_px);
+            if SIZE.contains(image) && landmark.nominal_m.z == 0.0 {
+                let seen = Observation::of_landmark(field, landmark.id.as_str(), image, SIZE, 0).unwrap();
+                observations.push(Observation { sigma_px: noise_px.max(0.01), ..seen });
+            }
+        }
+        while observations.len() > most {
+            observations.swap_remove(rng.random_range(0..observations.len()));
+        }
+        if observations.len() < 6.min(most) {
+            continue;
+        }
+        for (click, observation) in observations.iter_mut().enumerate() {
+            observation.click = click;
+        }
+        frames.push(FrameClicks { observations, start: None });
+        truth.push(ptz);
+    }
+    (frames, truth)
+}
+
+fn prescribed(lens: LensModel, crown: CrownModel) -> BaseOptions {
+    BaseOptions { lens: Some(lens), crown: Some(crown), ..BaseOptions::default() }
+}
+
+#[test]
+fn exact_clicks_give_the_exact_base() {
+    let mut rng = seeded::rng("exact_clicks_give_the_exact_base");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let (frames, truth) = frames(base, &field, 8, 12, 0.0, &mut rng);
+    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &options).unwrap();
+    assert!((found.base.position_m - base.position_m).norm() < 1e-4, "{:?}", found.base.position_m);
+    let turned = found.base.rotation_from(&base);
+    assert!(turned.norm() < 1e-5, "{turned:?} {:?}", found.base);
+    for (fit, truth) in found.frames.iter().zip(truth) {
+        let ptz = fit.unwrap().ptz;
+        assert!((ptz.pan - truth.pan).abs().degrees() < 1e-4 && (ptz.focal_px - truth.focal_px).abs() < 1e-2);
+    }
+    assert!(found.disputed.is_empty() && found.mirrored.is_empty());
+}
+
+/// (truth − estimate) / stated sigma of the position's three coordinates.
+fn z_scores(found: &CameraBase, truth: &CameraBase) -> Vec3 {
+    (found.position_m - truth.position_m).component_div(&found.sigma.position_m)
+}
+
+#[test]
+fn the_position_is_as_good_as_its_sigma_says() {
+    let mut rng = seeded::rng("the_position_is_as_good_as_its_sigma_says");
+    let field = field(0.12);
+    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2 });
+    let options = prescribed(LensModel::K1Focal, CrownModel::Free);
+    for count in [5, 10, 30] {
+        let (mut squares, trials) = (0.0, 6);
+        for _ in 0..trials {
+            let (frames, _) = frames(base, &field, count, 10, 2.0, &mut rng);
+            let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &options).unwrap();
+            let z = z_scores(&found.base, &base);
+            assert!(z.amax() < 4.0, "{count} frames: {z:?}");
+            squares += z.norm_squared() / f64::from(trials) / 3.0;
+        }
+        assert!((0.3..2.5).contains(&squares), "{count} frames: mean z² {squares:.2}");
+    }
+}
+
+#[test]
+fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
+    let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
+    let field = field(0.1);
+    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 });
+    let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
+    let mut wrong = Vec::new();
+    for (index, frame) in frames.iter_mut().enumerate() {
+        for (click, observation) in frame.observations.iter_mut().enumerate() {
+            if rng.random_bool(0.1) {
+                let far = Vec2::new(rng.random_range(60.0..300.0), rng.random_range(-200.0..200.0));
+                let moved = observation.image.moved(far);
+                observation.image = ImagePoint::new(moved.x.clamp(0.0, 1920.0), moved.y.clamp(0.0, 1080.0));
+                wrong.push((index, click));
+            }
+        }
+    }
+    let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap();
+    assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
+    let named: Vec<(usize, usize)> = found.disputed.iter().map(|click| (click.frame, click.click)).collect();
+    let missed = wrong.iter().filter(|click| !named.contains(click)).count();
+    let false_alarms = named.iter().filter(|click| !wrong.contains(click)).count();
+    assert!(missed <= wrong.len() / 20 && false_alarms <= 1, "{missed} missed, {false_alarms} false of {wrong:?}");
+}
+
+#[test]
+fn what_cannot_be_estimated_says_why() {
+    let mut rng = seeded::rng("what_cannot_be_estimated_says_why");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let estimate = |frames: &[FrameClicks]| {
+        estimate_base(&field, frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap_err()
+    };
+    assert!(matches!(estimate(&[]), BaseError::NoStart { frames: 0, most_landmarks: 0 }));
+    let (three, _) = frames(base, &field, 4, 3, 1.0, &mut rng);
+    let error = estimate(&three);
+    assert!(matches!(error, BaseError::NoStart { frames: 4, most_landmarks: 3 }), "{error}");
+    assert!(error.to_string().contains("click four or more on wide frames"));
+    // Names dealt out at random.
+    let (mut nonsense, _) = frames(base, &field, 5, 8, 1.0, &mut rng);
+    for frame in &mut nonsense {
+        for observation in &mut frame.observations {
+            observation.image = ImagePoint::new(rng.random_range(0.0..1920.0), rng.random_range(0.0..1080.0));
+        }
+    }
+    let error = estimate(&nonsense);
+    assert!(
+        matches!(error, BaseError::NoFit { .. } | BaseError::NoStart { .. } | BaseError::Undetermined { .. }),
+        "{error}"
+    );
+}
