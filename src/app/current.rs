@@ -12,6 +12,8 @@ use crate::project::{
 use crate::solve::{FrameSolution, Judgement, Verdict, judge};
 use std::sync::Arc;
 
+/// How many solved frames of other shots, on either side, tell where a camera usually looks.
+const ELSEWHERE: usize = 20;
 /// How many labelled frames around are asked what was clicked there.
 const REMEMBERED_FRAMES: usize = 3;
 
@@ -137,10 +139,27 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
         named: &named,
         taken: &taken_names(frame, click),
         neighbours: &neighbours,
+        elsewhere: &solved_elsewhere(open, frame_index),
         neighbour_clicks: &remembered_clicks(open, frame_index),
     };
     let candidates = naming::candidates(&scene, at, lines);
     Some(Naming { click, candidates, typed: String::new(), lines, highlighted: 0 })
+}
+
+/// Where this camera looked in other shots: the solved frames nearest by number.
+fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
+    let Some(frame) = open.frame(frame_index) else { return Vec::new() };
+    let wanted = |other: &Frame| other.camera == frame.camera && other.clip != frame.clip && other.ptz.is_some();
+    let mut found = Vec::new();
+    for forward in [false, true] {
+        let mut at = frame_index;
+        for _ in 0..ELSEWHERE {
+            let Some(next) = open.find(at, forward, wanted) else { break };
+            at = next;
+            found.extend(open.frame(at).and_then(|frame| frame.ptz.as_ref()).map(FramePtz::ptz));
+        }
+    }
+    found
 }
 
 fn taken_names(frame: &Frame, except: usize) -> Vec<Target> {

@@ -1,12 +1,12 @@
 //! Which landmark or line a click probably shows.
 //!
 //! Candidates are ranked by the frame's solution where there is one; else by solving with each candidate as the second
-//! point and comparing the camera with the frames around; else by where those frames would put the landmarks; else by
-//! what was clicked near here in the frames around.
+//! point and comparing the camera with the frames around, or with where it looked in other shots; else by where those
+//! frames would put the landmarks; else by what was clicked near here in the frames around.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::markings::{self, MarkingOptions};
 use crate::project::Target;
 use crate::solve::{Observation, PtzRanges, SolveContext, solve_frame};
@@ -51,6 +51,8 @@ pub struct NamingScene<'a> {
     pub taken: &'a [Target],
     /// Cameras of the frames around, nearest first.
     pub neighbours: &'a [Ptz],
+    /// Cameras of solved frames in other shots: where this camera usually looks.
+    pub elsewhere: &'a [Ptz],
     /// Clicks of the nearest labelled frames.
     pub neighbour_clicks: &'a [(Target, ImagePoint)],
 }
@@ -131,6 +133,8 @@ fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandi
             } else if let Some(camera) = &untold {
                 candidate.distance_px = distance(camera);
                 candidate.score = candidate.distance_px.map_or(f64::INFINITY, |px| 2.0 + px / near_px);
+            } else if let Some(px) = usual_distance_px(scene, at, world) {
+                candidate.score = 4.0 + px / near_px;
             } else {
                 candidate.score = remembered(scene, &candidate.target, at).unwrap_or(1e3 + landmark.click_sigma_px);
             }
@@ -186,6 +190,10 @@ fn solve_with(scene: &NamingScene<'_>, base: &CameraBase, last: Observation) -> 
     let solved = solve_frame(base, &observations, &context).ok()?;
     let score = match scene.neighbours.first() {
         Some(neighbour) => motion(neighbour, &solved.ptz, scene.image_size),
+        None if !scene.elsewhere.is_empty() => {
+            let usual = scene.elsewhere.iter().map(|other| motion(other, &solved.ptz, scene.image_size));
+            1.0 + usual.min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
+        }
         None if PtzRanges::for_width(scene.image_size.width).contains(&solved.ptz) => {
             1.0 + unusual(&solved.ptz, scene.image_size)
         }
@@ -210,6 +218,13 @@ fn unusual(ptz: &Ptz, image_size: ImageSize) -> f64 {
     beyond(ptz.tilt.degrees(), -25.0, -3.0) / 5.0
         + beyond(ptz.pan.degrees().abs(), 0.0, 60.0) / 20.0
         + beyond(widths.ln(), 0.8_f64.ln(), 4.0_f64.ln()) * 3.0
+}
+
+/// How near this camera has put a point of the field to this place in other shots, px.
+fn usual_distance_px(scene: &NamingScene<'_>, at: ImagePoint, world: Vec3) -> Option<f64> {
+    let base = scene.base?;
+    let images = scene.elsewhere.iter().filter_map(|ptz| PtzCamera::new(*base, *ptz).image_from_world(world).ok());
+    images.map(|image| image.distance_px(at)).min_by(f64::total_cmp)
 }
 
 /// How near the same name was clicked in the frames around, px / 100.

@@ -153,6 +153,24 @@ fn the_names_offered_for_the_second_click_put_the_right_one_first_beside_a_solve
 }
 
 #[test]
+fn in_a_new_shot_the_names_follow_where_the_camera_usually_looks() {
+    let mut bench = Bench::new(document(6, true));
+    for _ in 0..4 {
+        bench.place("centre_mark");
+        bench.place("halfway_far");
+        bench.command(Command::Accept);
+    }
+    assert_eq!(bench.app.session.frame, 4, "the first frame of the second shot");
+    bench.click(bench.image_of("halfway_far"));
+    let Mode::Naming(naming) = &bench.app.session.mode else { panic!("one click of a new shot is never certain") };
+    assert!(naming.offered().iter().take(2).any(|name| name.target.as_str() == "halfway_far"), "{naming:?}");
+    bench.act(Action::Name { click: 0, target: Target::Landmark("halfway_far".into()) });
+    bench.click(bench.image_of("centre_circle_halfway_near"));
+    let Mode::Naming(naming) = &bench.app.session.mode else { panic!("a camera of another shot vouches for no name") };
+    assert_eq!(naming.offered()[0].target.as_str(), "centre_circle_halfway_near");
+}
+
+#[test]
 fn a_drag_is_one_step_and_escape_is_none() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
