@@ -114,7 +114,7 @@ impl Document {
             if image.is_some() {
                 frame.image = image;
             }
-            if let (Some(path), true) = (video, frame.video.is_some())
+            if let Some(path) = video
                 && let Some(video) = &mut frame.video
             {
                 video.path = path;

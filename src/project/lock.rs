@@ -1,13 +1,30 @@
 //! One program writes a document; a second one is told.
 
 use super::Location;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
 
-/// Held while a document is open for writing; the system frees it when the program ends, however it ends.
+/// How often the lock is tried again when its holder takes the file away in between.
+const ATTEMPTS: usize = 10;
+
+/// Held while a document is open for writing; the system frees it when the program ends, however it ends. Its file goes
+/// with it, unless the program was killed.
 #[derive(Debug)]
 pub(super) struct Lock {
+    path: PathBuf,
     _file: File,
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        // Elsewhere an open file cannot be taken away, and one that stays does no harm.
+        if cfg!(unix)
+            && let Err(error) = fs::remove_file(&self.path)
+        {
+            log::warn!("{}: {error}", self.path.display());
+        }
+    }
 }
 
 /// Why a document opens read-only.
@@ -44,16 +61,36 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     {
         return Err(ReadOnly::NotWritable { reason: "the file is write-protected".to_owned() });
     }
-    let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(location.lock());
-    let mut file = options.map_err(|error| not_writable(&error))?;
-    match file.try_lock() {
-        Ok(()) => {
-            write_holder(&mut file).map_err(|error| not_writable(&error))?;
-            Ok(Lock { _file: file })
+    let path = location.lock();
+    for _ in 0..ATTEMPTS {
+        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+        let mut file = options.map_err(|error| not_writable(&error))?;
+        match file.try_lock() {
+            Ok(()) if is_at(&file, &path) => {
+                write_holder(&mut file).map_err(|error| not_writable(&error))?;
+                return Ok(Lock { path, _file: file });
+            }
+            // The last holder took the file away between opening and locking it.
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => return Err(ReadOnly::OpenElsewhere { holder: read_holder(&mut file) }),
+            Err(TryLockError::Error(error)) => return Err(not_writable(&error)),
         }
-        Err(TryLockError::WouldBlock) => Err(ReadOnly::OpenElsewhere { holder: read_holder(&mut file) }),
-        Err(TryLockError::Error(error)) => Err(not_writable(&error)),
     }
+    Err(ReadOnly::OpenElsewhere { holder: "another process".to_owned() })
+}
+
+/// Whether the open file is still the one at this path.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let id = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
+    matches!((file.metadata(), fs::metadata(path)), (Ok(open), Ok(there)) if id(&open) == id(&there))
+}
+
+/// Whether the open file is still the one at this path: an open file cannot be taken away here.
+#[cfg(not(unix))]
+fn is_at(_file: &File, _path: &Path) -> bool {
+    true
 }
 
 fn write_holder(file: &mut File) -> io::Result<()> {

@@ -81,7 +81,7 @@ impl Recovery {
     }
 }
 
-/// A document that this program alone may write.
+/// A document that this program alone may write. When it is closed, a journal without edits goes.
 #[derive(Debug)]
 pub struct Store {
     location: Location,
@@ -346,5 +346,16 @@ impl Store {
         self.behind = false;
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(journal_io)
+    }
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        let path = self.location.journal();
+        if !self.behind
+            && let Err(error) = fs::remove_file(&path)
+        {
+            log::warn!("{}: {error}", path.display());
+        }
     }
 }

@@ -5,6 +5,7 @@
 use super::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::fmt::Write as _;
 use thiserror::Error;
 
 /// The width that a line of the document may have, in bytes.
@@ -87,8 +88,7 @@ fn on_one_line(value: &Value, limit: usize, text: &mut String) -> bool {
             }
             text.push_str(" }");
         }
-        Value::String(string) => push_string(string, text),
-        plain => text.push_str(&plain.to_string()),
+        plain => push(plain, text),
     }
     text.len() <= limit
 }
@@ -129,5 +129,10 @@ fn new_line(comma: bool, indent: usize, text: &mut String) {
 }
 
 fn push_string(string: &str, text: &mut String) {
-    text.push_str(&Value::from(string).to_string());
+    push(&Value::from(string), text);
+}
+
+fn push(value: &Value, text: &mut String) {
+    // Writing to a string cannot fail.
+    let _ = write!(text, "{value}");
 }

@@ -230,6 +230,27 @@ fn creating_overwrites_nothing_and_replacing_keeps_a_backup() {
     assert_eq!(read(&path).unwrap().1.frames.len(), 5);
 }
 
+#[test]
+fn closing_leaves_only_what_is_needed() {
+    let (_folder, path) = new_project(1);
+    let names = || {
+        let mut names: Vec<_> =
+            fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(), ["project.json"]);
+    let (mut project, document) = opened(&path);
+    assert_eq!(names(), ["project.json", "project.json.journal", "project.json.lock"]);
+    let after = click(&mut project.store, &document, 1);
+    drop(project);
+    assert_eq!(names(), ["project.json", "project.json.journal"], "an edit that is not yet in the document");
+    let (mut project, _) = opened(&path);
+    project.store.save(&after).unwrap();
+    drop(project);
+    assert_eq!(names(), ["project.json", "project.json.bak"]);
+}
+
 fn saver(store: Store, document: &Document, options: SaverOptions) -> Saver {
     Saver::start(store, document.clone(), options, Arc::new(|| {})).unwrap()
 }
