@@ -80,7 +80,7 @@ fn field(args: &NewArgs) -> anyhow::Result<FieldSpec> {
     let mut field = FieldSpec::new(&args.field);
     if field.is_file() {
         let path = std::path::absolute(&args.field)?;
-        field.template = path.to_str().context("the template's path is not UTF-8; rename it")?.to_owned();
+        path.to_str().context("the template's path is not UTF-8; rename it")?.clone_into(&mut field.template);
     }
     field.params = args.set.iter().cloned().collect();
     field.model(Path::new(""))?;

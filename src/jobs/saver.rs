@@ -28,7 +28,7 @@ pub struct SaverOptions {
 
 impl Default for SaverOptions {
     fn default() -> Self {
-        Self { save_every: Duration::from_secs(60), retry_after: Duration::from_secs(2) }
+        Self { save_every: Duration::from_mins(1), retry_after: Duration::from_secs(2) }
     }
 }
 
@@ -155,12 +155,10 @@ impl Saver {
     fn send_waiting(&mut self) {
         if let Some((edit, revision)) = self.waiting.take() {
             use TrySendError::{Disconnected, Full};
-            match self.orders.try_send(Order::Edit(edit, revision)) {
-                Err(Full(Order::Edit(edit, revision)) | Disconnected(Order::Edit(edit, revision))) => {
-                    self.waiting = Some((edit, revision));
-                    return;
-                }
-                _ => {}
+            let sent = self.orders.try_send(Order::Edit(edit, revision));
+            if let Err(Full(Order::Edit(edit, revision)) | Disconnected(Order::Edit(edit, revision))) = sent {
+                self.waiting = Some((edit, revision));
+                return;
             }
         }
         if let Some(save) = self.waiting_save

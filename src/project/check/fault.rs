@@ -23,7 +23,7 @@ impl fmt::Display for Problem {
 }
 
 /// A size as messages write it.
-fn size(size: &ImageSize) -> String {
+fn size(size: ImageSize) -> String {
     format!("{} × {} px", size.width, size.height)
 }
 
@@ -79,7 +79,7 @@ pub enum Fault {
         camera: String,
     },
     /// The frame and its camera disagree about the size of the picture.
-    #[error("{} where its camera has {}; give it a camera of its own size", size(frame), size(camera))]
+    #[error("{} where its camera has {}; give it a camera of its own size", size(*frame), size(*camera))]
     CameraSize {
         /// The frame's.
         frame: ImageSize,
@@ -119,7 +119,7 @@ pub enum Fault {
         name: String,
     },
     /// A click outside the picture.
-    #[error("click {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .click + 1, size(picture))]
+    #[error("click {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .click + 1, size(*picture))]
     ClickOutside {
         /// The click.
         click: usize,
@@ -162,7 +162,7 @@ pub enum Fault {
         missing: bool,
     },
     /// The picture has another size than the document says.
-    #[error("the picture is {}, the document says {}; it is not the one that was labelled", size(actual), size(stated))]
+    #[error("the picture is {}, the document says {}; it is not the one that was labelled", size(*actual), size(*stated))]
     PictureSize {
         /// The file's.
         actual: ImageSize,
