@@ -3,8 +3,9 @@
 use super::session::{Filter, Level, PictureView};
 use super::{Chord, Command, OverlayStyle};
 use crate::camera::Ptz;
+use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
-use crate::project::{Camera, Document, Edit, FieldSpec, RejectReason, Target};
+use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
 use std::path::PathBuf;
 
 /// What changes state; the window, the jobs and the tests all speak this.
@@ -107,6 +108,23 @@ pub enum Action {
     /// The frame's clicks decide again, instead of numbers by hand.
     SolveAgain,
 
+    /// The base of a camera was estimated, or why it was not.
+    BaseEstimated(Result<Box<EstimatedBase>, String>),
+    /// A frame takes part in the estimation of its camera's base, or is left out.
+    UseForBase {
+        /// Which frame.
+        frame: usize,
+        /// It takes part.
+        used: bool,
+    },
+    /// The names of a frame's clicks are exchanged for those of the other side.
+    MirrorNames {
+        /// Which frame.
+        frame: usize,
+        /// Left for right, near for far, or both.
+        symmetry: Symmetry,
+    },
+
     /// The overlay's style.
     SetOverlayStyle(OverlayStyle),
     /// A command gets a key.
@@ -202,6 +220,17 @@ pub enum Effect {
     CancelOpening,
     /// Open a fresh copy of the demo match.
     OpenDemo,
+    /// Estimate the base of a camera and report [`Action::BaseEstimated`].
+    EstimateBase {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Which camera.
+        camera: CameraId,
+    },
+    /// Give up what is being estimated.
+    CancelEstimate,
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].
     LoadCamera(PathBuf),
     /// Ask for a path.

@@ -49,6 +49,10 @@ pub enum Command {
     ShowFieldMap,
     Compare,
     CameraPanel,
+    EstimateBase,
+    UseEstimatedBase,
+    DropEstimatedBase,
+    UseForBase,
     LoadCamera,
     Palette,
     Keys,
@@ -62,13 +66,14 @@ pub enum Group {
     File,
     Edit,
     Frame,
+    Camera,
     View,
     Help,
 }
 
 impl Group {
     /// Every menu, in order.
-    pub const ALL: [Self; 5] = [Self::File, Self::Edit, Self::Frame, Self::View, Self::Help];
+    pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::Frame, Self::Camera, Self::View, Self::Help];
 
     /// The menu's title.
     #[must_use]
@@ -77,6 +82,7 @@ impl Group {
             Self::File => "File",
             Self::Edit => "Edit",
             Self::Frame => "Frame",
+            Self::Camera => "Camera",
             Self::View => "View",
             Self::Help => "Help",
         }
@@ -142,8 +148,12 @@ rows! {
     ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
     ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
     Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
-    CameraPanel, "camera_panel", View, "Camera", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
-    LoadCamera, "load_camera", File, "Load a camera…", "Take the camera base from another project or dataset.", [];
+    CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
+    EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
+    UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];
+    DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];
+    UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "This frame's points take no part in the estimation of the base, or take part again.", [];
+    LoadCamera, "load_camera", Camera, "Load a camera…", "Take the camera base from another project or dataset.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];

@@ -1,13 +1,15 @@
 //! What follows from the document and the session for the frame that is shown: derived, never stored.
 
 use super::OpenProject;
+use super::base::WithProposal;
 use super::naming::{self, NamingScene};
 use super::session::{Mode, Naming, Session};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldError, FieldModel};
 use crate::geometry::ImagePoint;
 use crate::project::{
-    CalibrationError, Click, Frame, FramePtz, SolutionSource, Target, calibrate, observations, solved_neighbours,
+    CalibrationError, Click, Frame, FramePtz, SolutionSource, Target, calibrate, camera_alone, observations,
+    solved_neighbours,
 };
 use crate::solve::{FrameSolution, Judgement, Verdict, judge};
 use std::sync::Arc;
@@ -30,8 +32,11 @@ pub struct Current {
     pub judgement: Option<Judgement>,
     /// The camera as the frame has it pointed: what the overlay draws.
     pub camera: Option<PtzCamera>,
-    /// The camera as it would be with what is being placed or named: drawn dashed.
+    /// The camera as it would be with what is being placed or named; while no base is known, the camera that four landmarks
+    /// of this frame give by themselves. Drawn dashed.
     pub preview: Option<PtzCamera>,
+    /// The frame with an estimated base that waits for a decision.
+    pub proposal: Option<WithProposal>,
     /// Numbers by hand hold, and not what the clicks say.
     pub by_hand: bool,
 }
@@ -62,10 +67,16 @@ impl Current {
         let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
         let camera = open.document.pointed(frame).or_else(from_clicks);
         let preview = match &field {
-            Ok(field) => preview(open, session, frame, field, base.as_ref()),
+            // Without a base the frame's own landmarks show what they can.
+            Ok(field) => match &base {
+                Some(base) => preview(open, session, frame, field, base),
+                None => camera_alone(&open.document, frame, field),
+            },
             Err(_) => None,
         };
-        Self { field: Some(field), base, solution, judgement, camera, preview, by_hand }
+        let found = session.base.proposed();
+        let proposal = found.and_then(|found| WithProposal::derive(open, index, found));
+        Self { field: Some(field), base, solution, judgement, camera, preview, proposal, by_hand }
     }
 
     /// The field, if its template and parameters are valid.
@@ -93,9 +104,8 @@ fn preview(
     session: &Session,
     frame: &Frame,
     field: &FieldModel,
-    base: Option<&CameraBase>,
+    base: &CameraBase,
 ) -> Option<PtzCamera> {
-    let base = base?;
     let (click, replaced) = match &session.mode {
         Mode::Placing(target) => (Click::new(target.clone(), session.hover?), None),
         Mode::Naming(naming) => {
@@ -130,7 +140,8 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
         .map(|solved| solved.ptz)
         .or_else(|| named.is_empty().then(|| frame.ptz.as_ref().map(FramePtz::ptz)).flatten())
         .zip(base)
-        .map(|(ptz, base)| PtzCamera::new(base, ptz));
+        .map(|(ptz, base)| PtzCamera::new(base, ptz))
+        .or_else(|| if base.is_none() { camera_alone(&open.document, &others, &field) } else { None });
     let scene = NamingScene {
         field: &field,
         image_size: frame.image_size,

@@ -1,14 +1,10 @@
 //! The next step in words: what the status row says.
 
+use super::base::{BaseWork, WIDE_FRAMES};
 use super::session::{Mode, needs_me, reason_label};
 use super::{App, Command};
-use crate::project::{CalibrationError, CameraId, Frame, FrameStatus, SolutionSource, Target};
+use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource};
 use crate::solve::{SolveError, Verdict};
-
-/// So many wide frames, left, centre and right, tell where a camera stands.
-const WIDE_FRAMES: usize = 3;
-/// A wide frame has at least so many landmarks.
-const WIDE_LANDMARKS: usize = 4;
 
 /// The next step, and what brings one there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,17 +32,19 @@ pub fn next_step(app: &App) -> Guidance {
     if let Some(opening) = &app.session.opening {
         return Guidance::say(opening.clone());
     }
-    let Some(open) = app.open() else {
+    if app.open().is_none() {
         return Guidance::say("Open a video, a folder of frames or a project, or drop one here.");
     };
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
     begun(app)
+        .or_else(|| estimated(app))
         .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))
-        .or_else(|| settled(app, frame))
         .or_else(|| unnamed(frame))
-        .or_else(|| no_base(&open.document.frames, &frame.camera, app))
+        .or_else(|| no_base(app, frame).filter(|_| frame.status == FrameStatus::Reference))
+        .or_else(|| settled(app, frame))
+        .or_else(|| no_base(app, frame))
         .unwrap_or_else(|| clicks(app, frame))
 }
 
@@ -101,20 +99,53 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
     Some(Guidance::say(text).offer("Name point", Command::RenameClick))
 }
 
-fn no_base<F: std::ops::Deref<Target = Frame>>(frames: &[F], camera: &CameraId, app: &App) -> Option<Guidance> {
-    if app.current().base.is_some() {
+/// A base that is being estimated, or was found and waits for a decision.
+fn estimated(app: &App) -> Option<Guidance> {
+    match &app.session.base {
+        BaseWork::Estimating(text) => Some(Guidance::say(text.clone()).offer("Stop", Command::DropEstimatedBase)),
+        BaseWork::Proposed(_) => {
+            let text = match app.current().base {
+                Some(_) => "These are the lines with the estimated base. Hold B for the one you have.",
+                None => "These are the lines with the estimated base. Step through the frames and look.",
+            };
+            Some(
+                Guidance::say(text)
+                    .offer("Use it", Command::UseEstimatedBase)
+                    .offer("Discard", Command::DropEstimatedBase),
+            )
+        }
+        BaseWork::Idle | BaseWork::Applied(_) => None,
+    }
+}
+
+/// Until the base is known: what is still needed for it.
+fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
+    if app.current().base.is_some() || frame.status == FrameStatus::Rejected {
         return None;
     }
-    let is_wide = |frame: &Frame| {
-        let landmarks = frame.clicks.iter().filter(|click| matches!(click.target, Some(Target::Landmark(_))));
-        frame.camera == *camera && landmarks.count() >= WIDE_LANDMARKS
+    let ready = app.base_readiness();
+    if ready.is_enough() {
+        let text = format!("{} frames tell where the camera stands. More only help.", ready.wide);
+        return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
+    }
+    let here = frame.landmark_clicks();
+    let text = match LANDMARKS_ALONE.saturating_sub(here) {
+        missing @ 1..LANDMARKS_ALONE => {
+            format!(
+                "{here} of {LANDMARKS_ALONE} landmarks here; {missing} more, spread over the picture. {}",
+                ready.told()
+            )
+        }
+        0 => format!("This frame has what it takes. Now one that looks elsewhere. {}", ready.told()),
+        _ => format!("Two clicks need a known camera. {}", ready.told()),
     };
-    let done = frames.iter().filter(|frame| is_wide(frame)).take(WIDE_FRAMES).count();
-    let text = format!(
-        "Two clicks need a known camera. On {WIDE_FRAMES} wide frames (left, centre, right) click {WIDE_LANDMARKS} or \
-         more landmarks. Done: {done} of {WIDE_FRAMES}."
-    );
-    Some(Guidance::say(text).offer("Load a camera", Command::LoadCamera).offer("Enter it", Command::CameraPanel))
+    let mut guidance = Guidance::say(text).offer("Load a camera", Command::LoadCamera);
+    guidance = if ready.wide == 0 {
+        guidance.offer("Enter it", Command::CameraPanel)
+    } else {
+        guidance.offer("Estimate already", Command::EstimateBase)
+    };
+    Some(guidance)
 }
 
 /// How far the clicks have come.

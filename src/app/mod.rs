@@ -5,6 +5,7 @@
 //! the shown frame: derived, never stored. [`drawing`] is what is then drawn, as plain data.
 
 mod action;
+pub mod base;
 mod command;
 mod current;
 pub mod drawing;

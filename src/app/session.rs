@@ -1,6 +1,7 @@
 //! What the window shows and what has been begun: not saved, not undone.
 
 use super::Command;
+use super::base::BaseWork;
 use super::naming::NameCandidate;
 use crate::geometry::ImagePoint;
 use crate::project::{FrameStatus, RejectReason, Target};
@@ -39,6 +40,8 @@ pub struct Session {
     pub notices: Vec<Notice>,
     /// How far what was done is on disk.
     pub saving: Saving,
+    /// What is being done about the camera's base.
+    pub base: BaseWork,
     /// A document is being read.
     pub opening: Option<String>,
     /// The window may close once everything is on disk.

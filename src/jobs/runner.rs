@@ -4,7 +4,10 @@ use super::opening::{Ready, Watch, camera_with_base, open_anything};
 use super::{Background, BackgroundReport, Saver, SaverOptions, SaverReport, Wake, demo};
 use crate::app::session::Level;
 use crate::app::{Action, Effect, Question};
-use crate::project::{Document, Location, Store, document_to_string, write_atomically};
+use crate::project::{
+    BaseProblem, CameraId, Document, EstimatedBase, Location, Store, document_to_string, write_atomically,
+};
+use crate::solve::base::BaseOptions;
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -25,11 +28,22 @@ enum Outcome {
     Action(Action),
 }
 
+/// What a task is about.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    /// It opens a document.
+    Opening,
+    /// It estimates a base.
+    Estimate,
+    /// Anything that runs to its end.
+    Other,
+}
+
 /// Something under way.
 struct Task {
     background: Background<String, Result<Outcome, String>>,
-    /// It opens a document: the user may give it up.
-    opens: bool,
+    /// What it is about: the user may give some up.
+    kind: Kind,
     /// Nobody waits for its result any more.
     given_up: bool,
 }
@@ -52,18 +66,20 @@ impl Runner {
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
-            Effect::Open(path) => self.begin("open", true, move |watch| {
+            Effect::Open(path) => self.begin("open", Kind::Opening, move |watch| {
                 open_anything(&path, watch).map(|ready| Outcome::Opened(Box::new(ready)))
             }),
-            Effect::OpenDemo => self.begin("open the demo", true, move |watch| {
+            Effect::OpenDemo => self.begin("open the demo", Kind::Opening, move |watch| {
                 open_anything(&demo::fresh_copy()?, watch).map(|ready| Outcome::Opened(Box::new(ready)))
             }),
-            Effect::CancelOpening => {
-                for task in self.tasks.iter_mut().filter(|task| task.opens) {
-                    task.given_up = true;
-                    task.background.stop();
-                }
+            Effect::CancelOpening => self.give_up(Kind::Opening),
+            Effect::EstimateBase { document, folder, camera } => {
+                self.begin("base", Kind::Estimate, move |_| {
+                    let found = estimate(&document, &folder, &camera);
+                    Ok(Outcome::Action(Action::BaseEstimated(found)))
+                });
             }
+            Effect::CancelEstimate => self.give_up(Kind::Estimate),
             Effect::Journal { edit, revision } => match &mut self.saver {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
@@ -73,15 +89,15 @@ impl Runner {
                     saver.save();
                 }
             }
-            Effect::SaveCopy { document, from, folder } => self.begin("copy", false, move |_| {
+            Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
                 save_copy(&document, &from, &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
             }),
-            Effect::Export { document, from, file } => self.begin("export", false, move |_| {
+            Effect::Export { document, from, file } => self.begin("export", Kind::Other, move |_| {
                 export(&document, &from, &file)?;
                 Ok(Outcome::Action(Action::Exported(file)))
             }),
-            Effect::LoadCamera(path) => self.begin("camera", false, move |_| {
+            Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
@@ -103,6 +119,9 @@ impl Runner {
                     BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
                     BackgroundReport::Done(Ok(Outcome::Action(action))) => actions.push(action),
                     BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
+                    BackgroundReport::Panicked(message) if task.kind == Kind::Estimate => {
+                        actions.push(Action::BaseEstimated(Err(format!("a mistake in this program: {message}"))));
+                    }
                     BackgroundReport::Panicked(message) => {
                         actions.push(Action::Failed(format!("a mistake in this program: {message}")));
                     }
@@ -136,6 +155,14 @@ impl Runner {
         !self.tasks.is_empty()
     }
 
+    /// Nobody waits any more for what tasks of a kind are at.
+    fn give_up(&mut self, kind: Kind) {
+        for task in self.tasks.iter_mut().filter(|task| task.kind == kind) {
+            task.given_up = true;
+            task.background.stop();
+        }
+    }
+
     fn start_saver(&mut self, ready: Ready) -> Result<Action, String> {
         if let Some(store) = ready.store {
             let document = ready.opened.document.clone();
@@ -148,7 +175,7 @@ impl Runner {
     fn begin(
         &mut self,
         name: &str,
-        opens: bool,
+        kind: Kind,
         task: impl FnOnce(Watch<'_>) -> Result<Outcome, String> + Send + 'static,
     ) {
         let background = Background::spawn(name, self.wake.clone(), move |reporter| {
@@ -158,7 +185,7 @@ impl Runner {
             })
         });
         match background {
-            Ok(background) => self.tasks.push(Task { background, opens, given_up: false }),
+            Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
             Err(error) => {
                 self.reports.push(Action::Failed(format!("the system starts no thread for “{name}”: {error}")));
             }
@@ -184,6 +211,11 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
 /// The time of day as the window shows it: "12:03:41".
 fn clock(at: jiff::civil::Time) -> String {
     format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
+}
+
+fn estimate(document: &Document, folder: &Path, camera: &CameraId) -> Result<Box<EstimatedBase>, String> {
+    let problem = BaseProblem::of(document, camera, folder).map_err(|error| error.to_string())?;
+    problem.estimate(document, &BaseOptions::default()).map(Box::new).map_err(|error| error.to_string())
 }
 
 /// Writes a document into another folder; an existing project there is not touched.

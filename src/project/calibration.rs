@@ -20,7 +20,7 @@ pub enum CalibrationError {
     },
     /// Position and base rotation are not known yet.
     #[error(
-        "camera {camera:?} has no position or base rotation: load a camera, or enter them in the camera panel (F2)"
+        "camera {camera:?} has no position or base rotation: estimate them from clicks on a few wide frames, or load a camera (F2)"
     )]
     NoBase {
         /// The frame's camera.

@@ -67,6 +67,19 @@ impl FieldSpec {
         Path::new(&self.template).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
     }
 
+    /// How much the middle is higher than the touchlines, m.
+    #[must_use]
+    pub fn crown_m(&self) -> f64 {
+        self.params.get(CROWN).copied().unwrap_or(0.0)
+    }
+
+    /// Sets the crown; a flat field that says nothing of it stays as it is.
+    pub fn set_crown_m(&mut self, crown_m: f64) {
+        if crown_m != self.crown_m() {
+            self.params.insert(CROWN.to_owned(), crown_m);
+        }
+    }
+
     /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
     ///
     /// # Errors

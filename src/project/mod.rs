@@ -6,6 +6,7 @@
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
 mod atomic;
+mod base_estimation;
 mod calibration;
 mod camera;
 mod check;
@@ -28,6 +29,9 @@ mod store;
 mod write;
 
 pub use atomic::write_atomically;
+pub use base_estimation::{
+    BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone,
+};
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use check::{Fault, Problem, check_pictures, check_values};

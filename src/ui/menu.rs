@@ -48,6 +48,7 @@ const fn tip(group: Group) -> &'static str {
         Group::File => "Open, save, export.",
         Group::Edit => "Undo, and what is done to a point.",
         Group::Frame => "Go from frame to frame, accept and reject.",
+        Group::Camera => "Where the camera stands: estimate it, load it, enter it.",
         Group::View => "What is shown and how large.",
         Group::Help => "Commands, keys, about this program.",
     }
@@ -90,6 +91,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::CameraPanel => app.session.panel == RightPanel::Camera,
         Command::PlaceOnLine => app.session.next_on_line,
+        Command::UseForBase => app.frame().is_some_and(crate::project::Frame::is_left_out_of_base),
         _ => false,
     }
 }

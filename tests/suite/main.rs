@@ -13,6 +13,7 @@ mod bad_documents;
 mod bad_fields;
 mod bad_images;
 mod bad_videos;
+mod base_in_app;
 mod base_truth;
 mod cli_documents;
 mod data;

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, needs_me};
 use crate::app::{Chord, Command};
-use crate::project::FrameStatus;
+use crate::project::{Frame, FrameStatus};
 
 /// One step of the zoom keys.
 const ZOOM_STEP: f64 = 1.25;
@@ -41,6 +41,10 @@ impl App {
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
             }
+            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
+            C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
+            C::EstimateBase if self.is_read_only() => Some("The document is open to look at only."),
+            C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot | C::Compare if self.current.other_root().is_none() => {
                 Some("Only one focal length fits these points.")
             }
@@ -149,6 +153,13 @@ impl App {
                     Panel::Camera => Panel::Frame,
                 };
             }
+            C::EstimateBase => self.estimate_base(),
+            C::UseEstimatedBase => self.use_base(),
+            C::DropEstimatedBase => self.drop_base(),
+            C::UseForBase => {
+                let used = self.frame().is_some_and(Frame::is_left_out_of_base);
+                self.use_for_base(self.session.frame, used);
+            }
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::About => self.session.dialog = Some(Dialog::About),
@@ -158,7 +169,7 @@ impl App {
     pub(super) fn hold(&mut self, command: Command, down: bool) {
         match command {
             Command::HideOverlay => self.session.held.hide_overlay = down,
-            Command::Compare => self.session.held.compare = down && self.current.other_root().is_some(),
+            Command::Compare => self.session.held.compare = down && self.why_not(command).is_none(),
             _ => {}
         }
     }
@@ -170,6 +181,10 @@ impl App {
         }
         if self.session.opening.take().is_some() {
             self.effects.push(Effect::CancelOpening);
+            return;
+        }
+        if self.session.mode == Mode::Idle && self.session.base.is_open() {
+            self.drop_base();
             return;
         }
         match &self.session.mode {

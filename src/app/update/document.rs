@@ -13,6 +13,7 @@ impl App {
     }
 
     pub(super) fn opened(&mut self, opened: Opened) {
+        self.effects.push(Effect::CancelEstimate);
         let panel = self.session.panel;
         self.session = Session::default();
         self.session.panel = panel;

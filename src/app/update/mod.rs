@@ -1,5 +1,6 @@
 //! The only place that changes state: an action in, effects out.
 
+mod base;
 mod clicks;
 mod commands;
 mod document;
@@ -55,8 +56,13 @@ impl App {
 
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
+        let before = self.base_readiness();
+        let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
         self.current = Current::derive(self.open.as_mut(), &self.session);
+        if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
+            self.tell_when_enough(before);
+        }
         std::mem::take(&mut self.effects)
     }
 
@@ -93,6 +99,9 @@ impl App {
             Action::EndEdit => self.end_edit(),
             Action::AbortEdit => self.abort(),
             Action::SolveAgain => self.solve_again(),
+            Action::BaseEstimated(found) => self.base_estimated(found),
+            Action::UseForBase { frame, used } => self.use_for_base(frame, used),
+            Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::SetOverlayStyle(style) => {
                 self.settings.overlay = style;
                 self.effects.push(Effect::SaveSettings);

@@ -1,9 +1,12 @@
 //! What stands still: the camera's position, base rotation, lens, masks, and the field it looks at. The overlay follows
 //! while a number is dragged, so that a base can be fitted by hand.
 
+mod estimate;
+mod evidence;
 mod field;
 mod masks;
 mod numbers;
+mod stand;
 
 use super::{Panel, theme};
 use crate::app::{Action, Command};
@@ -29,6 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
+            estimate::show(panel, ui, &camera);
             if camera.base().is_some() {
                 numbers::position(panel, ui, &camera);
                 numbers::rotation(panel, ui, &camera);
@@ -80,8 +84,8 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(
         Label::new(
-            "Not known yet. Two clicks need a known camera: load one from another project of this stand, or start from \
-             a usual place and drag the numbers until the lines fit.",
+            "Not known yet. Two clicks need a known camera: have it estimated, load one from another project of this stand, \
+             or start from a usual place and drag the numbers until the lines fit.",
         )
         .wrap(),
     );

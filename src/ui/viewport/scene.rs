@@ -41,7 +41,12 @@ impl Overlay {
         }
         if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
             let disputed = frame.solution.as_ref().map(|solution| solution.disputed.as_slice()).unwrap_or_default();
-            let camera = shown_camera(app);
+            let proposal = app.current().proposal.as_ref().filter(|_| !app.session.held.compare);
+            let field = proposal.map_or(field, |proposal| &proposal.field);
+            let camera = match proposal {
+                Some(proposal) => proposal.camera,
+                None => shown_camera(app),
+            };
             let preview = app.current().preview.as_ref();
             let style = app.settings.overlay;
             let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };

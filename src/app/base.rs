@@ -1,0 +1,120 @@
+//! Finding out where the camera stands: what the frames give so far, what is being estimated, what was found.
+
+use super::OpenProject;
+use crate::camera::PtzCamera;
+use crate::field::FieldModel;
+use crate::project::{CameraId, EstimatedBase, Frame, LANDMARKS_ALONE, calibrate, solved_neighbours};
+use std::sync::Arc;
+
+/// So many wide frames, left, centre and right, tell where a camera stands.
+pub const WIDE_FRAMES: usize = 3;
+
+/// What is being done about a base.
+#[derive(Debug, Default)]
+pub enum BaseWork {
+    /// Nothing.
+    #[default]
+    Idle,
+    /// It is being estimated, in words.
+    Estimating(String),
+    /// Found and shown, but not taken over.
+    Proposed(Box<EstimatedBase>),
+    /// Taken over; its tables stay to be worked with.
+    Applied(Box<EstimatedBase>),
+}
+
+impl BaseWork {
+    /// What was found last, taken over or not.
+    #[must_use]
+    pub fn found(&self) -> Option<&EstimatedBase> {
+        match self {
+            Self::Proposed(found) | Self::Applied(found) => Some(found),
+            Self::Idle | Self::Estimating(_) => None,
+        }
+    }
+
+    /// Something is being estimated or waits for a decision.
+    #[must_use]
+    pub const fn is_open(&self) -> bool {
+        matches!(self, Self::Estimating(_) | Self::Proposed(_))
+    }
+
+    /// What was found and waits for a decision.
+    #[must_use]
+    pub fn proposed(&self) -> Option<&EstimatedBase> {
+        match self {
+            Self::Proposed(found) => Some(found),
+            _ => None,
+        }
+    }
+}
+
+/// How much the frames of a camera say about its base.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BaseReadiness {
+    /// Frames that take part: at least one named click.
+    pub frames: usize,
+    /// Their clicks.
+    pub clicks: usize,
+    /// Those that determine a camera by themselves: four or more landmarks.
+    pub wide: usize,
+    /// Frames that somebody left out.
+    pub left_out: usize,
+}
+
+impl BaseReadiness {
+    /// What the frames of a camera give.
+    #[must_use]
+    pub fn of<'a>(frames: impl Iterator<Item = &'a Frame>, camera: &CameraId) -> Self {
+        let mut found = Self::default();
+        for frame in frames.filter(|frame| frame.camera == *camera) {
+            let clicks = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
+            if frame.is_left_out_of_base() {
+                found.left_out += 1;
+            } else if frame.is_used_for_base() && clicks > 0 {
+                found.frames += 1;
+                found.clicks += clicks;
+                found.wide += usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
+            }
+        }
+        found
+    }
+
+    /// Enough for a good base.
+    #[must_use]
+    pub const fn is_enough(&self) -> bool {
+        self.wide >= WIDE_FRAMES
+    }
+
+    /// What is to be done, and how far it is done.
+    #[must_use]
+    pub fn told(&self) -> String {
+        format!(
+            "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks. Done: {} of \
+             {WIDE_FRAMES}.",
+            self.wide.min(WIDE_FRAMES)
+        )
+    }
+}
+
+/// The shown frame as it would be with a base that waits for a decision.
+#[derive(Clone, Debug)]
+pub struct WithProposal {
+    /// The field with the crown that was found.
+    pub field: Arc<FieldModel>,
+    /// The frame's camera; none where its clicks do not give one.
+    pub camera: Option<PtzCamera>,
+}
+
+impl WithProposal {
+    pub(super) fn derive(open: &OpenProject, index: usize, found: &EstimatedBase) -> Option<Self> {
+        let frame = open.frame(index).filter(|frame| frame.camera == found.camera)?;
+        let mut document = open.document.clone();
+        found.write_camera(&mut document);
+        let field = document.field_of(frame).model(&open.folder).ok()?;
+        let base = document.camera_of(frame)?.base_for(frame)?;
+        let solved = calibrate(&document, frame, &field, solved_neighbours(&document, index));
+        let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));
+        Some(Self { field: Arc::new(field), camera })
+    }
+}

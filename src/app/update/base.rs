@@ -1,0 +1,159 @@
+//! Estimating where the camera stands, looking at what was found, taking it over.
+
+use super::App;
+use crate::app::Command;
+use crate::app::action::Effect;
+use crate::app::base::{BaseReadiness, BaseWork};
+use crate::app::session::{Level, Panel};
+use crate::field::{FieldModel, Symmetry};
+use crate::project::{Click, EstimatedBase, Frame, Step, Target};
+
+impl App {
+    /// What the frames of the shown frame's camera say about its base.
+    #[must_use]
+    pub fn base_readiness(&self) -> BaseReadiness {
+        let (Some(open), Some(camera)) = (self.open(), self.camera_id()) else { return BaseReadiness::default() };
+        BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), camera)
+    }
+
+    /// Has the base estimated in the background.
+    pub(super) fn estimate_base(&mut self) {
+        let ready = self.base_readiness();
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
+        if ready.wide == 0 && self.current.base.is_none() {
+            self.session.notify(Level::Info, format!("Not enough to go by yet. {}", ready.told()));
+            return;
+        }
+        self.effects.push(Effect::EstimateBase {
+            document: open.document.clone(),
+            folder: open.folder.clone(),
+            camera,
+        });
+        let text = format!("Estimating the base from {} frames, {} clicks…", ready.frames, ready.clicks);
+        self.session.base = BaseWork::Estimating(text);
+        self.session.panel = Panel::Camera;
+    }
+
+    /// Gives up what is being estimated or what was found.
+    pub(super) fn drop_base(&mut self) {
+        if matches!(self.session.base, BaseWork::Estimating(_)) {
+            self.effects.push(Effect::CancelEstimate);
+        }
+        if !matches!(self.session.base, BaseWork::Applied(_)) {
+            self.session.base = BaseWork::Idle;
+        }
+    }
+
+    pub(super) fn base_estimated(&mut self, found: Result<Box<EstimatedBase>, String>) {
+        if !matches!(self.session.base, BaseWork::Estimating(_)) {
+            return;
+        }
+        match found {
+            Ok(found) => {
+                let text = told(&found);
+                self.session.base = BaseWork::Proposed(found);
+                self.session.notify_with(Level::Info, text, Some(("Use it", Command::UseEstimatedBase)));
+            }
+            Err(message) => {
+                self.session.base = BaseWork::Idle;
+                self.session.notify(Level::Warning, format!("No base: {message}."));
+            }
+        }
+    }
+
+    /// Takes over what was found: one step of undo.
+    pub(super) fn use_base(&mut self) {
+        let BaseWork::Proposed(found) = std::mem::take(&mut self.session.base) else { return };
+        if !self.begin_step(Step::on_document("Estimate base")) {
+            self.session.base = BaseWork::Proposed(found);
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
+        let folder = open.folder.clone();
+        match found.write_to(&mut open.document, &folder) {
+            Ok(()) => {
+                self.commit();
+                self.session.notices.retain(|notice| {
+                    notice.offer.is_none_or(|(_, command)| {
+                        !matches!(command, Command::UseEstimatedBase | Command::EstimateBase)
+                    })
+                });
+                self.session.base = BaseWork::Applied(found);
+            }
+            Err(error) => {
+                self.abort();
+                self.session.notify(Level::Warning, format!("The base was not taken over: {error}."));
+            }
+        }
+    }
+
+    /// A frame takes part in the estimation, or does not.
+    pub(super) fn use_for_base(&mut self, index: usize, used: bool) {
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
+        if frame.is_left_out_of_base() != used {
+            return;
+        }
+        let name = if used { "Put frame back" } else { "Leave frame out" };
+        if self.begin_step(Step::on_frame(name, index)) {
+            if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
+                frame.set_used_for_base(used);
+            }
+            self.commit();
+        }
+    }
+
+    /// Exchanges the names of a frame's clicks: left for right, near for far, or both.
+    pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
+        self.go_to(index);
+        let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else { return };
+        if self.begin("Exchange names") {
+            if let Some(frame) = self.frame_mut() {
+                mirror(frame, &field, symmetry);
+            }
+            self.clicks_changed();
+            self.commit();
+            if let BaseWork::Proposed(found) | BaseWork::Applied(found) = &mut self.session.base {
+                found.estimate.mirrored.retain(|mirrored| mirrored.frame != index);
+            }
+        }
+    }
+
+    /// Tells once that the frames now suffice.
+    pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
+        if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
+            let text = "These frames are enough to find out where the camera stands.";
+            self.session.notify_with(Level::Info, text, Some(("Estimate the base", Command::EstimateBase)));
+        }
+    }
+}
+
+/// The outcome in one sentence, with what it was before.
+fn told(found: &EstimatedBase) -> String {
+    let estimate = &found.estimate;
+    let frames = estimate.frames.iter().flatten().count();
+    let before = estimate
+        .previous_median_px
+        .filter(|px| px.is_finite())
+        .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
+        .unwrap_or_default();
+    format!("Base found from {frames} frames: points fit to {:.1} px, median{before}.", estimate.median_px)
+}
+
+fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {
+    for Click { target, .. } in &mut frame.clicks {
+        let twin = match target {
+            Some(Target::Landmark(id)) => field
+                .landmark(id.as_str())
+                .and_then(|known| symmetry.landmark_twin(field, known))
+                .map(|twin| Target::Landmark(twin.id.clone())),
+            Some(Target::Line(id)) => field
+                .line(id.as_str())
+                .and_then(|known| symmetry.line_twin(field, known))
+                .map(|twin| Target::Line(twin.id.clone())),
+            None => None,
+        };
+        if twin.is_some() {
+            *target = twin;
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Finding out where the camera stands: what is needed, the estimation, what was found.
+
+use super::{evidence, section};
+use crate::app::base::{BaseReadiness, BaseWork};
+use crate::app::{Action, Command};
+use crate::project::{Camera, EstimatedBase};
+use crate::ui::{Panel, theme};
+use egui::{Button, Frame, Grid, Label, Margin, RichText, Spinner, Ui};
+
+/// Shows what the frames say about the base.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    section(ui, "BASE FROM THE FRAMES");
+    match &panel.app.session.base {
+        BaseWork::Estimating(text) => {
+            ui.horizontal(|ui| {
+                ui.add(Spinner::new().size(14.0));
+                ui.add(Label::new(text.as_str()).wrap());
+            });
+            command(panel, ui, "Stop", Command::DropEstimatedBase);
+        }
+        BaseWork::Proposed(found) => {
+            proposed(panel, ui, found);
+            evidence::show(panel, ui, found);
+        }
+        BaseWork::Applied(found) if found.camera == camera.id => {
+            summary(ui, found);
+            start(panel, ui, camera);
+            evidence::show(panel, ui, found);
+        }
+        BaseWork::Applied(_) | BaseWork::Idle => {
+            start(panel, ui, camera);
+            evidence::frames_of_document(panel, ui, camera);
+        }
+    }
+}
+
+/// What is still needed, and the button.
+fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let ready = panel.app.base_readiness();
+    if camera.base().is_none() {
+        let text = if ready.is_enough() {
+            format!("{} frames tell where the camera stands. More only help.", ready.wide)
+        } else {
+            ready.told()
+        };
+        ui.add(Label::new(text).wrap());
+    }
+    ui.add_space(theme::SPACE);
+    let says = match (&panel.app.session.base, camera.base()) {
+        (BaseWork::Applied(_), _) => "Estimate again",
+        (_, Some(_)) => "Estimate from these frames",
+        (_, None) => "Estimate the base",
+    };
+    ui.horizontal_wrapped(|ui| {
+        let main = Button::new(RichText::new(says).strong());
+        let main = if ready.is_enough() { main.fill(theme::ACCENT_GROUND) } else { main };
+        let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
+        let button = ui.add_enabled(possible, main);
+        let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
+        if button.on_hover_text(tip).on_disabled_hover_text(ready.told()).clicked() {
+            panel.actions.push(Action::Command(Command::EstimateBase));
+        }
+        ui.label(RichText::new(counted(&ready)).color(theme::WEAK));
+    });
+}
+
+fn counted(ready: &BaseReadiness) -> String {
+    let plural = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let left_out = if ready.left_out > 0 { format!(", {} left out", ready.left_out) } else { String::new() };
+    format!("{}, {}{left_out}", plural(ready.frames, "frame"), plural(ready.clicks, "point"))
+}
+
+/// What was found, and the decision.
+fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    let card = Frame::new().fill(theme::RAISED).corner_radius(6).inner_margin(Margin::same(8));
+    card.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        summary(ui, found);
+        ui.add_space(theme::SPACE);
+        if panel.app.current().base.is_some() {
+            let key = panel.app.settings.keys.shown(Command::Compare);
+            let text = format!("The picture shows the new base. Hold {key} for the one you have.");
+            ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+        }
+        ui.horizontal(|ui| {
+            let says = RichText::new("Use this base").strong().color(theme::STRONG);
+            let button = ui.add(Button::new(says).fill(theme::ACCENT_GROUND));
+            if button.on_hover_text(panel.app.settings.keys.tooltip(Command::UseEstimatedBase)).clicked() {
+                panel.actions.push(Action::Command(Command::UseEstimatedBase));
+            }
+            command(panel, ui, "Discard", Command::DropEstimatedBase);
+        });
+    });
+}
+
+fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
+    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+        panel.actions.push(Action::Command(command));
+    }
+}
+
+/// The numbers of an estimate with their 1-σ.
+fn summary(ui: &mut Ui, found: &EstimatedBase) {
+    let estimate = &found.estimate;
+    let (position, sigma) = (estimate.base.position_m, estimate.base.sigma.position_m);
+    Grid::new("estimate").num_columns(2).min_col_width(84.0).spacing([8.0, 2.0]).show(ui, |ui| {
+        let mut row = |name: &str, value: String, tip: &str| {
+            ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
+            ui.label(RichText::new(value).color(theme::STRONG)).on_hover_text(tip);
+            ui.end_row();
+        };
+        let fit = format!("{:.1} px median, {:.1} px 90 %", estimate.median_px, estimate.p90_px);
+        row("Points fit", fit, "How far all points are from where the base has them.");
+        if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
+            row("Before", format!("{before:.1} px median"), "The same points with the base as it was.");
+        }
+        let metres = |value: f64, sigma: f64| format!("{value:.2} ± {sigma:.2} m");
+        row("x along", metres(position.x, sigma.x), "Along the field's length from its centre, with its 1-σ.");
+        row("y across", metres(position.y, sigma.y), "Across the field from its centre, with its 1-σ.");
+        row("Height", metres(position.z, sigma.z), "Above the field's centre, with its 1-σ.");
+        row("Crown", format!("{:.2} m", estimate.crown_m), "How much the middle is higher than the touchlines.");
+    });
+}

@@ -1,0 +1,300 @@
+//! What speaks for a base and against it: models, frames, landmarks, points that disagree. A click goes there.
+
+use super::section;
+use super::stand;
+use crate::app::Action;
+use crate::field::Symmetry;
+use crate::project::{Camera, EstimatedBase, Frame, Target};
+use crate::solve::base::{DisputedClick, MirroredFrame};
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{
+    Align2, Button, Color32, CornerRadius, FontId, Grid, Label, Rect, Response, RichText, Role, Sense, Ui, WidgetInfo,
+    pos2, vec2,
+};
+
+/// The height of a bar's row, points.
+const ROW: f32 = 20.0;
+/// The column of the bars, points.
+const BAR: f32 = 72.0;
+/// The column of the numbers, points.
+const NUMBER: f32 = 52.0;
+/// More landmarks than this are not looked at one by one.
+const LANDMARKS_SHOWN: usize = 12;
+
+/// Shows everything that an estimate says.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    disagreements(panel, ui, found);
+    stand::show(panel, ui, found);
+    models(ui, found);
+    frames(panel, ui, found);
+    landmarks(panel, ui, found);
+}
+
+/// The models that were compared; the chosen one is marked.
+fn models(ui: &mut Ui, found: &EstimatedBase) {
+    section(ui, "MODELS, AT POINTS HELD OUT");
+    Grid::new("models").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
+        for head in ["", "median", "90 %"] {
+            ui.label(RichText::new(head).small().color(theme::WEAK));
+        }
+        ui.end_row();
+        for score in &found.estimate.scores {
+            let chosen = score.model == found.estimate.model;
+            let colour = if chosen { theme::STRONG } else { theme::WEAK };
+            let mark = if chosen { "✔" } else { "   " };
+            let tip = "Each model was tried on points that it had not seen; the marked one was taken.";
+            ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
+            ui.label(RichText::new(format!("{:.2} px", score.median_px)).color(colour));
+            ui.label(RichText::new(format!("{:.2} px", score.p90_px)).color(colour));
+            ui.end_row();
+        }
+    });
+}
+
+/// Each frame's median as a bar, the worst first.
+fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    section(ui, "FRAMES, MEDIAN");
+    let mut fits: Vec<(usize, Option<f64>)> = found
+        .frames
+        .iter()
+        .zip(&found.estimate.frames)
+        .map(|(&index, fit)| (index, fit.map(|fit| fit.median_px)))
+        .collect();
+    fits.sort_by(|a, b| b.1.unwrap_or(f64::INFINITY).total_cmp(&a.1.unwrap_or(f64::INFINITY)));
+    list(panel, ui, &fits, 3.0 * found.estimate.median_px);
+    left_out(panel, ui, &found.camera);
+}
+
+/// The frames that would take part, as the document has them.
+pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let Some(open) = panel.app.open() else { return };
+    let takes_part = |frame: &Frame| {
+        frame.camera == camera.id && frame.is_used_for_base() && frame.clicks.iter().any(|click| click.target.is_some())
+    };
+    let rms = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.rms_px);
+    let frames: Vec<(usize, Option<f64>)> = open
+        .document
+        .frames
+        .iter()
+        .enumerate()
+        .filter(|(_, frame)| takes_part(frame))
+        .map(|(index, frame)| (index, rms(frame)))
+        .collect();
+    if !frames.is_empty() {
+        section(ui, "FRAMES, RMS");
+        list(panel, ui, &frames, f64::INFINITY);
+    }
+    left_out(panel, ui, &camera.id);
+}
+
+fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
+    let largest = frames.iter().filter_map(|(_, px)| *px).fold(0.0, f64::max);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    for &(index, px) in frames {
+        let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else { continue };
+        let name = short_name(frame);
+        let landmarks = frame.landmark_clicks();
+        let value = px.map_or_else(|| format!("{landmarks} pts"), |px| format!("{px:.1} px"));
+        let bar = Bar {
+            name: &name,
+            value: &value,
+            share: px.map_or(0.0, |px| px / largest.max(1e-9)),
+            colour: if px.is_some_and(|px| px > loud_px) { theme::CAUTION } else { theme::ACCENT },
+            selected: index == panel.app.session.frame,
+            tail: theme::SYMBOL.x,
+        };
+        let (rect, response) = bar.show(ui);
+        let response = response.on_hover_text(format!("{}: {landmarks} landmarks. Click to go there.", frame.name()));
+        if response.clicked() {
+            panel.actions.push(Action::GoTo(index));
+        }
+        let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
+        ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
+            let leave = symbol::button(ui, Symbol::Cross, &format!("Leave {name} out"), theme::WEAK);
+            if leave.on_hover_text("Leave this frame out of the estimation.").clicked() {
+                panel.actions.push(Action::UseForBase { frame: index, used: false });
+            }
+        });
+    }
+}
+
+/// The frames that somebody left out, to be put back.
+fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::project::CameraId) {
+    let Some(open) = panel.app.open() else { return };
+    let frames = open.document.frames.iter().enumerate();
+    let out: Vec<(usize, String)> = frames
+        .filter(|(_, frame)| frame.camera == *camera && frame.is_left_out_of_base())
+        .map(|(index, frame)| (index, short_name(frame)))
+        .collect();
+    for (index, name) in out {
+        ui.horizontal(|ui| {
+            if ui.add(Button::new(RichText::new(&name).color(theme::WEAK)).frame(false)).clicked() {
+                panel.actions.push(Action::GoTo(index));
+            }
+            ui.label(RichText::new("left out").small().color(theme::WEAK));
+            let back = ui.add(Button::new("Put back").small());
+            if back.on_hover_text("This frame takes part in the estimation again.").clicked() {
+                panel.actions.push(Action::UseForBase { frame: index, used: true });
+            }
+        });
+    }
+}
+
+/// Each landmark's median as a bar, the worst first.
+fn landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    section(ui, "LANDMARKS, MEDIAN");
+    let largest = found.landmarks.iter().map(|fit| fit.median_px).fold(1e-9, f64::max);
+    ui.spacing_mut().item_spacing.y = 0.0;
+    for fit in found.landmarks.iter().take(LANDMARKS_SHOWN) {
+        let name = panel.app.label(&Target::Landmark(fit.id.clone()));
+        let value = format!("{:.1} px", fit.median_px);
+        let loud = fit.median_px > 3.0 * found.estimate.median_px;
+        let bar = Bar {
+            name: &name,
+            value: &value,
+            share: fit.median_px / largest,
+            colour: if loud { theme::CAUTION } else { theme::ACCENT },
+            selected: false,
+            tail: 0.0,
+        };
+        let (_, response) = bar.show(ui);
+        let tip = format!("{name}: {} points, the worst {:.1} px off. Click to go there.", fit.clicks, fit.worst_px);
+        if response.on_hover_text(tip).clicked() {
+            panel.actions.extend([Action::GoTo(fit.worst.0), Action::Select(Some(fit.worst.1))]);
+        }
+    }
+    if let Some(more) = found.landmarks.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
+        ui.label(RichText::new(format!("{more} more, all better")).small().color(theme::WEAK));
+    }
+}
+
+/// Frames and points that the others contradict, each with its way out.
+fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    let open: Vec<&DisputedClick> =
+        found.estimate.disputed.iter().filter(|disputed| is_unsettled(panel, disputed)).collect();
+    if open.is_empty() && found.estimate.mirrored.is_empty() {
+        return;
+    }
+    section(ui, &format!("DISAGREE  {}", open.len() + found.estimate.mirrored.len()));
+    for mirrored in &found.estimate.mirrored {
+        mirrored_frame(panel, ui, mirrored);
+    }
+    for disputed in open {
+        disputed_click(panel, ui, disputed);
+    }
+}
+
+/// Whether a disputed click is still there under the name that was disputed.
+fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
+    let click = panel.app.open().and_then(|open| open.frame(disputed.frame)?.clicks.get(disputed.click));
+    let better = disputed.fits_better.as_ref().map(|(id, _)| Target::Landmark(id.clone()));
+    click.is_some_and(|click| !click.check && click.target.is_some() && (better.is_none() || click.target != better))
+}
+
+fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
+    let Some(name) = panel.app.open().and_then(|open| open.frame(mirrored.frame)).map(short_name) else { return };
+    let (sides, tip) = match mirrored.symmetry {
+        Symmetry::MirrorX => {
+            ("left and right", "Every left name of this frame becomes the right one, and the other way.")
+        }
+        Symmetry::MirrorY => ("near and far", "Every near name of this frame becomes the far one, and the other way."),
+        Symmetry::Turn180 => ("both sides", "Every name of this frame becomes that of the opposite corner."),
+    };
+    let text = format!(
+        "{name} looks mirrored ({sides}): {:.0} px as named, {:.1} px exchanged.",
+        mirrored.median_px, mirrored.median_mirrored_px
+    );
+    remark(ui, &text, |ui| {
+        if ui.add(Button::new("Go there").small()).clicked() {
+            panel.actions.push(Action::GoTo(mirrored.frame));
+        }
+        if ui.add(Button::new(format!("Exchange {sides}")).small()).on_hover_text(tip).clicked() {
+            panel.actions.push(Action::MirrorNames { frame: mirrored.frame, symmetry: mirrored.symmetry });
+        }
+    });
+}
+
+fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) {
+    let Some(frame) = panel.app.open().and_then(|open| open.frame(disputed.frame)) else { return };
+    let target = frame.clicks.get(disputed.click).and_then(|click| click.target.clone());
+    let what = target.map(|target| panel.app.label(&target)).unwrap_or_default();
+    let off = disputed.error_px.map_or_else(|| "out of sight".to_owned(), |px| format!("{px:.0} px off"));
+    let better = disputed.fits_better.as_ref().map(|(id, px)| (Target::Landmark(id.clone()), *px));
+    let hint = better
+        .as_ref()
+        .map(|(target, px)| format!(" “{}” would fit to {px:.1} px.", panel.app.label(target)))
+        .unwrap_or_default();
+    let text = format!("Point {} of {}, {what}: {off}.{hint}", disputed.click + 1, short_name(frame));
+    remark(ui, &text, |ui| {
+        let go = [Action::GoTo(disputed.frame), Action::Select(Some(disputed.click))];
+        if ui.add(Button::new("Go there").small()).clicked() {
+            panel.actions.extend(go.clone());
+        }
+        if let Some((target, _)) = better
+            && ui.add(Button::new("Rename").small()).on_hover_text("Give this point the name that fits.").clicked()
+        {
+            panel.actions.extend(go);
+            panel.actions.push(Action::Name { click: disputed.click, target });
+        }
+    });
+}
+
+fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
+    ui.horizontal_top(|ui| {
+        symbol::show(ui, Symbol::Warning, theme::CAUTION);
+        ui.vertical(|ui| {
+            ui.add(Label::new(text).wrap());
+            ui.horizontal(ways_out);
+        });
+    });
+    ui.add_space(theme::SPACE);
+}
+
+/// A name, a bar and a number in a row that can be clicked.
+struct Bar<'a> {
+    name: &'a str,
+    value: &'a str,
+    /// The bar's length, 0 to 1.
+    share: f64,
+    colour: Color32,
+    selected: bool,
+    /// Room for a button at the end, points.
+    tail: f32,
+}
+
+impl Bar<'_> {
+    fn show(&self, ui: &mut Ui) -> (Rect, Response) {
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
+        response.widget_info(|| {
+            WidgetInfo::selected(Role::Button, true, self.selected, format!("{}: {}", self.name, self.value))
+        });
+        if !ui.is_rect_visible(rect) {
+            return (rect, response);
+        }
+        let painter = ui.painter();
+        if self.selected || response.hovered() {
+            let ground = if self.selected { theme::ACCENT_GROUND } else { theme::RAISED };
+            painter.rect_filled(rect, CornerRadius::same(4), ground);
+        }
+        let right = rect.right() - self.tail - 2.0;
+        let number = pos2(right, rect.center().y);
+        painter.text(number, Align2::RIGHT_CENTER, self.value, FontId::proportional(12.0), theme::TEXT);
+        let bar_left = right - NUMBER - BAR;
+        let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
+        let galley = painter.layout_no_wrap(self.name.to_owned(), FontId::proportional(12.0), theme::TEXT);
+        let place = pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0);
+        painter.with_clip_rect(name.intersect(ui.clip_rect())).galley(place, galley, theme::TEXT);
+        let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(BAR, 6.0));
+        painter.rect_filled(track, CornerRadius::same(2), theme::LINE);
+        let filled = Rect::from_min_size(track.min, vec2(BAR * self.share.clamp(0.0, 1.0) as f32, track.height()));
+        painter.rect_filled(filled, CornerRadius::same(2), self.colour);
+        (rect, response)
+    }
+}
+
+/// What a list calls a frame: the last part of its name.
+fn short_name(frame: &Frame) -> String {
+    let name = frame.name();
+    name.rsplit(['/', '\\']).next().unwrap_or(&name).to_owned()
+}

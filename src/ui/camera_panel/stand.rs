@@ -1,0 +1,113 @@
+//! The stadium from above and from the side: where the camera stands, how surely, and where its frames look.
+
+use super::section;
+use crate::field::FieldModel;
+use crate::geometry::Vec3;
+use crate::project::EstimatedBase;
+use crate::ui::{Panel, theme};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
+use nalgebra::{Matrix2, SymmetricEigen, Vector2};
+
+/// The view's height, points.
+const HEIGHT: f32 = 176.0;
+/// Of which the side view takes the right part, points wide.
+const SIDE: f32 = 64.0;
+/// The ellipse is drawn at least this large, enlarged by a round number that is told.
+const VISIBLE: f64 = 14.0;
+/// The frames' directions are drawn at least this long, m.
+const LOOK_M: f64 = 45.0;
+
+/// Shows both views.
+pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
+    let Some(field) = panel.app.current().field().cloned() else { return };
+    section(ui, "WHERE IT STANDS");
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
+    let position = found.estimate.base.position_m;
+    let told =
+        format!("From above: the camera at x {:.1}, y {:.1}, height {:.1} m", position.x, position.y, position.z);
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, 4.0, theme::BACKDROP);
+    let top = Rect::from_min_max(rect.min, pos2(rect.right() - SIDE, rect.bottom()));
+    let side = Rect::from_min_max(pos2(rect.right() - SIDE, rect.top()), rect.max);
+    from_above(&painter, top.shrink(8.0), &field, found, panel.app.session.frame);
+    from_the_side(&painter, side.shrink2(vec2(6.0, 8.0)), found);
+    let tip = "The position with its 1-σ ellipse, and where each frame looks. The shown frame is bright. Frames that look in \
+               many directions tell the position best.";
+    response.on_hover_text(tip);
+}
+
+fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &EstimatedBase, shown: usize) {
+    let estimate = &found.estimate;
+    let position = estimate.base.position_m;
+    let (half_length, half_width) = (field.length_m / 2.0, field.width_m / 2.0);
+    let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
+    let (near, far) = ((position.y - 8.0).min(-half_width), (position.y + 8.0).max(half_width));
+    let scale = (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
+    let middle = ((left + right) / 2.0, (near + far) / 2.0);
+    let at = |point: Vec3| -> Pos2 {
+        rect.center() + vec2(((point.x - middle.0) * scale) as f32, (-(point.y - middle.1) * scale) as f32)
+    };
+    for line in &field.lines {
+        let points: Vec<Pos2> = (0..=24).map(|step| at(line.curve.point_at(f64::from(step) / 24.0))).collect();
+        painter.add(Shape::line(points, Stroke::new(1.0, Color32::from_rgb(70, 92, 76))));
+    }
+    let heading = estimate.base.angles().heading;
+    for (index, fit) in found.frames.iter().zip(&estimate.frames) {
+        let Some(fit) = fit else { continue };
+        let direction = (heading + fit.ptz.pan).radians();
+        // To the middle line, or straight on where it looks along the field.
+        let reach_m = (position.y.abs() / direction.cos().abs().max(0.2)).max(LOOK_M);
+        let end = position + Vec3::new(direction.sin(), direction.cos(), 0.0) * reach_m;
+        let (width, colour) = if *index == shown {
+            (1.5, theme::STRONG)
+        } else {
+            (1.0, Color32::from_rgba_unmultiplied(64, 146, 255, 90))
+        };
+        painter.line_segment([at(position), at(end)], Stroke::new(width, colour));
+    }
+    let covariance = estimate.position_covariance.fixed_view::<2, 2>(0, 0).into_owned();
+    let times = enlargement(covariance, scale);
+    let outline = ellipse(covariance).into_iter().map(|offset| {
+        let grown = offset * times;
+        at(position + Vec3::new(grown.x, grown.y, 0.0))
+    });
+    painter.add(Shape::closed_line(outline.collect(), Stroke::new(1.5, theme::CAUTION)));
+    painter.circle_filled(at(position), 3.0, theme::STRONG);
+    let text = if times > 1.0 { format!("1-σ × {times:.0}") } else { "1-σ".to_owned() };
+    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), theme::CAUTION);
+}
+
+/// The height over the ground with its 1-σ.
+fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
+    let (height, sigma) = (found.estimate.base.position_m.z, found.estimate.base.sigma.position_m.z);
+    let ground = rect.bottom() - 14.0;
+    let scale = f64::from(ground - rect.top() - 16.0) / (height + sigma).max(1.0);
+    let x = rect.center().x;
+    let at = |z: f64| ground - (z * scale) as f32;
+    painter.line_segment([pos2(rect.left(), ground), pos2(rect.right(), ground)], Stroke::new(1.0, theme::LINE));
+    painter.line_segment([pos2(x, ground), pos2(x, at(height))], Stroke::new(1.0, theme::WEAK));
+    painter.line_segment([pos2(x, at(height - sigma)), pos2(x, at(height + sigma))], Stroke::new(3.0, theme::CAUTION));
+    painter.circle_filled(pos2(x, at(height)), 3.0, theme::STRONG);
+    let text = format!("{height:.1} m");
+    painter.text(pos2(x, rect.bottom()), Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), theme::TEXT);
+}
+
+/// The 1-σ ellipse of a covariance as offsets, m.
+fn ellipse(covariance: Matrix2<f64>) -> Vec<Vector2<f64>> {
+    const CORNERS: u32 = 48;
+    let axes = SymmetricEigen::new(covariance);
+    let radii = axes.eigenvalues.map(|value| value.max(0.0).sqrt());
+    let corner = |step: u32| {
+        let angle = f64::from(step) / f64::from(CORNERS) * std::f64::consts::TAU;
+        axes.eigenvectors * Vector2::new(radii.x * angle.cos(), radii.y * angle.sin())
+    };
+    (0..CORNERS).map(corner).collect()
+}
+
+/// By which round number the ellipse is enlarged to be seen at a scale (points per m).
+fn enlargement(covariance: Matrix2<f64>, scale: f64) -> f64 {
+    let radius_m = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
+    let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
+    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].iter().find(seen).copied().unwrap_or(100.0)
+}

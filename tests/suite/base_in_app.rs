@@ -1,0 +1,272 @@
+//! A base from scratch in the application: clicks, the guidance that counts them, the estimate, the decision, undo.
+
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
+use touchline::app::base::BaseWork;
+use touchline::app::guidance::next_step;
+use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::{FieldModel, Symmetry, builtin};
+use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::jobs::Runner;
+use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, document_to_string};
+
+const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+fn field() -> FieldModel {
+    builtin("soccer").unwrap().default_model().unwrap()
+}
+
+fn truth(frame: usize) -> PtzCamera {
+    let angles = BaseAngles { pitch: Angle::from_degrees(-0.4), ..BaseAngles::default() };
+    let base = CameraBase::new(Vec3::new(2.0, -63.0, 19.0), angles.base_from_world(), SIZE.centre());
+    let pan = [-28.0, 0.0, 27.0, -14.0, 14.0, 5.0][frame % 6];
+    PtzCamera::new(base, Ptz::from_degrees(pan, -12.0, 1300.0 + 60.0 * frame as f64))
+}
+
+/// The landmarks on the ground that a frame shows, well inside.
+fn visible(frame: usize) -> Vec<(Target, ImagePoint)> {
+    let field = field();
+    let inside = |at: &ImagePoint| at.x > 20.0 && at.x < 1260.0 && at.y > 20.0 && at.y < 700.0;
+    let on_ground = field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0);
+    on_ground
+        .filter_map(|landmark| {
+            let at = truth(frame).image_from_world(field.landmark_in_world(landmark)).ok().filter(inside)?;
+            Some((Target::Landmark(landmark.id.clone()), at))
+        })
+        .collect()
+}
+
+/// A project whose first `clicked` of `frames` frames have points, off by up to a px.
+fn document(frames: usize, clicked: usize) -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    for index in 0..frames {
+        let mut frame = Frame::from_image(&format!("{index}.png"), "main".into(), SIZE);
+        if index < clicked {
+            frame.status = FrameStatus::Draft;
+            frame.clicks = visible(index)
+                .into_iter()
+                .enumerate()
+                .map(|(number, (target, at))| {
+                    let (dx, dy) = (f64::from((number * 7 % 5) as u8) - 2.0, f64::from((number * 3 % 5) as u8) - 2.0);
+                    Click::new(target, ImagePoint::new(at.x + 0.4 * dx, at.y + 0.4 * dy))
+                })
+                .collect();
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+struct Desk {
+    app: App,
+    runner: Runner,
+    woken: Receiver<()>,
+}
+
+impl Desk {
+    fn on(document: Document) -> Self {
+        let (wake, woken) = channel();
+        // Nobody listens once the test has seen enough.
+        let runner = Runner::new(Arc::new(move || {
+            let _ = wake.send(());
+        }));
+        let mut desk = Self { app: App::new(Settings::default()), runner, woken };
+        desk.act(Action::Opened(Box::new(Opened {
+            document,
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        })));
+        desk
+    }
+
+    fn act(&mut self, action: Action) {
+        for effect in self.app.update(action) {
+            // There is no disk behind this project.
+            if !matches!(effect, Effect::Journal { .. }) {
+                self.runner.carry_out(effect);
+            }
+        }
+    }
+
+    fn command(&mut self, command: Command) {
+        self.act(Action::Command(command));
+    }
+
+    fn estimate(&mut self) {
+        self.command(Command::EstimateBase);
+        while matches!(self.app.session.base, BaseWork::Estimating(_)) {
+            self.woken.recv_timeout(Duration::from_mins(1)).unwrap();
+            for action in self.runner.poll() {
+                self.act(action);
+            }
+        }
+    }
+
+    fn document(&self) -> &Document {
+        &self.app.open().unwrap().document
+    }
+
+    fn base(&self) -> Option<CameraBase> {
+        self.document().cameras[0].base()
+    }
+}
+
+#[test]
+fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
+    let mut desk = Desk::on(document(5, 4));
+    let before = document_to_string(desk.document()).unwrap();
+    assert!(next_step(&desk.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
+    desk.estimate();
+    let found = desk.app.session.base.proposed().unwrap();
+    assert_eq!(found.frames, [0, 1, 2, 3]);
+    assert!(found.estimate.median_px < 2.0, "{}", found.estimate.median_px);
+    assert!(!found.landmarks.is_empty());
+    assert_eq!(document_to_string(desk.document()).unwrap(), before, "nothing is changed before it is decided");
+    assert!(desk.app.current().proposal.as_ref().unwrap().camera.is_some(), "but the picture shows it");
+    assert!(next_step(&desk.app).offers.contains(&("Use it", Command::UseEstimatedBase)));
+
+    desk.command(Command::UseEstimatedBase);
+    let (base, sigma) = (desk.base().unwrap(), desk.base().unwrap().sigma.position_m);
+    let miss = base.position_m - truth(0).base().position_m;
+    assert!(miss.norm() < 1.0, "{miss:?}");
+    assert!(sigma.iter().all(|sigma| *sigma > 0.0), "{sigma:?}");
+    for frame in &desk.document().frames[..4] {
+        assert!(frame.is_solved_by_clicks(), "{}", frame.name());
+    }
+    assert!(desk.document().frames[4].ptz.is_none());
+    desk.command(Command::Undo);
+    assert_eq!(document_to_string(desk.document()).unwrap(), before);
+    desk.command(Command::Redo);
+    assert_eq!(desk.base(), Some(base));
+}
+
+#[test]
+fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
+    let mut desk = Desk::on(document(4, 4));
+    desk.command(Command::EstimateBase);
+    desk.command(Command::DropEstimatedBase);
+    assert!(matches!(desk.app.session.base, BaseWork::Idle));
+    desk.estimate();
+    assert!(desk.app.session.base.proposed().is_some());
+    desk.command(Command::Cancel);
+    assert!(matches!(desk.app.session.base, BaseWork::Idle));
+    assert!(desk.base().is_none());
+}
+
+#[test]
+fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
+    let mut desk = Desk::on(document(4, 4));
+    desk.estimate();
+    desk.command(Command::UseEstimatedBase);
+    let mut off = (*desk.document().cameras[0]).clone();
+    off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
+    desk.act(Action::EditCamera(Box::new(off)));
+    desk.estimate();
+    let estimate = &desk.app.session.base.proposed().unwrap().estimate;
+    assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
+    assert_eq!(desk.app.why_not(Command::Compare), None);
+    desk.act(Action::Hold(Command::Compare, true));
+    assert!(desk.app.session.held.compare);
+    desk.act(Action::Hold(Command::Compare, false));
+    assert!(!desk.app.session.held.compare);
+}
+
+#[test]
+fn a_frame_is_left_out_and_put_back() {
+    let mut desk = Desk::on(document(4, 4));
+    desk.act(Action::UseForBase { frame: 1, used: false });
+    let text = document_to_string(desk.document()).unwrap();
+    assert!(text.contains("\"use_for_base\": false"), "{text}");
+    assert_eq!((desk.app.base_readiness().frames, desk.app.base_readiness().left_out), (3, 1));
+    desk.estimate();
+    assert_eq!(desk.app.session.base.proposed().unwrap().frames, [0, 2, 3]);
+    desk.command(Command::DropEstimatedBase);
+    desk.act(Action::UseForBase { frame: 1, used: true });
+    assert!(!document_to_string(desk.document()).unwrap().contains("use_for_base"));
+    desk.command(Command::UseForBase);
+    assert!(desk.document().frames[0].is_left_out_of_base(), "the command is about the shown frame");
+}
+
+#[test]
+fn a_mirrored_frame_is_found_and_mended_in_one_step() {
+    let mut document = document(6, 6);
+    let field = field();
+    for click in &mut document.frames[2].clicks {
+        let Some(Target::Landmark(id)) = &click.target else { continue };
+        let twin = Symmetry::MirrorX.landmark_twin(&field, field.landmark(id.as_str()).unwrap()).unwrap();
+        click.target = Some(Target::Landmark(twin.id.clone()));
+    }
+    let mut desk = Desk::on(document);
+    desk.estimate();
+    let mirrored = desk.app.session.base.proposed().unwrap().estimate.mirrored.clone();
+    assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
+    desk.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
+    assert_eq!(desk.app.session.frame, 2);
+    let names: Vec<_> = desk.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
+    let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
+    assert_eq!(names, right);
+    assert!(desk.app.session.base.found().unwrap().estimate.mirrored.is_empty());
+}
+
+#[test]
+fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
+    let mut desk = Desk::on(document(3, 0));
+    assert!(next_step(&desk.app).text.starts_with("Two clicks need a known camera."));
+    let (landmarks, last) = {
+        let mut landmarks = visible(0);
+        let last = landmarks.pop().unwrap();
+        (landmarks, last)
+    };
+    for (count, (target, at)) in landmarks.into_iter().enumerate() {
+        desk.act(Action::Pick(target));
+        desk.act(Action::Press { at, on: None });
+        desk.act(Action::Release);
+        if count == 1 {
+            assert!(next_step(&desk.app).text.starts_with("2 of 4 landmarks here"), "{}", next_step(&desk.app).text);
+        }
+    }
+    assert!(next_step(&desk.app).text.ends_with("Done: 1 of 3."));
+    assert!(desk.app.current().preview.is_some(), "the lines show what four landmarks tell");
+    desk.act(Action::Press { at: last.1, on: None });
+    desk.act(Action::Release);
+    assert_eq!(desk.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
+}
+
+#[test]
+fn too_little_is_said_and_changes_nothing() {
+    let mut desk = Desk::on(document(3, 0));
+    desk.estimate();
+    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough to go by yet.")));
+    let mut contradicting = document(3, 3);
+    for frame in &mut contradicting.frames {
+        let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();
+        let count = names.len();
+        for (index, click) in frame.clicks.iter_mut().enumerate() {
+            click.target.clone_from(&names[(index * 5 + 3) % count]);
+        }
+    }
+    let mut desk = Desk::on(contradicting);
+    let before = document_to_string(desk.document()).unwrap();
+    desk.estimate();
+    assert!(desk.app.session.base.found().is_none(), "{:?}", desk.app.session.base);
+    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
+    assert_eq!(document_to_string(desk.document()).unwrap(), before);
+}
+
+#[test]
+fn real_frames_from_their_clicks_alone() {
+    let Some(data) = crate::data::shared_data() else { return };
+    let (_, document, _) = touchline::project::read(&data.join("scouting-d82e7a/clicks.json")).unwrap();
+    let mut desk = Desk::on(document);
+    desk.estimate();
+    let estimate = &desk.app.session.base.proposed().unwrap().estimate;
+    assert!(estimate.median_px < 3.5, "{}", estimate.median_px);
+    desk.command(Command::UseEstimatedBase);
+    let solved = desk.document().frames.iter().filter(|frame| frame.is_solved_by_clicks()).count();
+    assert!(solved * 10 >= desk.document().frames.len() * 9, "{solved} of {}", desk.document().frames.len());
+}
