@@ -202,7 +202,7 @@ mod tests {
     use crate::app::{Action, Opened, Settings};
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use crate::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-    use crate::project::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution};
+    use crate::project::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
