@@ -34,7 +34,7 @@ pub fn next_step(app: &App) -> Guidance {
     }
     if app.open().is_none() {
         return Guidance::say("Open a video, a folder of frames or a project, or drop one here.");
-    };
+    }
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };

@@ -118,6 +118,8 @@ fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
     let Some(mut window) = solved() else { return };
     window.key(Key::F2);
     assert_eq!(window.app().session.panel, Panel::Camera);
+    window.harness.hover_at(pos2(1020.0, 40.0));
+    window.harness.run_steps(3);
     window.snapshot_of("camera_panel", egui::Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 696.0)));
     type_number(&mut window, "Position z", "20", Key::Enter);
     let base = window.app().current().base.unwrap();

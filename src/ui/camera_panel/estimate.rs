@@ -29,7 +29,6 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         }
         BaseWork::Applied(_) | BaseWork::Idle => {
             start(panel, ui, camera);
-            evidence::frames_of_document(panel, ui, camera);
         }
     }
 }
@@ -46,12 +45,9 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         ui.add(Label::new(text).wrap());
     }
     ui.add_space(theme::SPACE);
-    let says = match (&panel.app.session.base, camera.base()) {
-        (BaseWork::Applied(_), _) => "Estimate again",
-        (_, Some(_)) => "Estimate from these frames",
-        (_, None) => "Estimate the base",
-    };
-    ui.horizontal_wrapped(|ui| {
+    let again = matches!(panel.app.session.base, BaseWork::Applied(_));
+    let says = if again { "Estimate again" } else { "Estimate the base" };
+    ui.horizontal(|ui| {
         let main = Button::new(RichText::new(says).strong());
         let main = if ready.is_enough() { main.fill(theme::ACCENT_GROUND) } else { main };
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);

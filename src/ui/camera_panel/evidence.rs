@@ -89,8 +89,14 @@ pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        rows_of_frames(panel, ui, frames, loud_px);
+    });
+}
+
+fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
     let largest = frames.iter().filter_map(|(_, px)| *px).fold(0.0, f64::max);
-    ui.spacing_mut().item_spacing.y = 0.0;
     for &(index, px) in frames {
         let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else { continue };
         let name = short_name(frame);
@@ -144,8 +150,14 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::project::CameraI
 /// Each landmark's median as a bar, the worst first.
 fn landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "LANDMARKS, MEDIAN");
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        rows_of_landmarks(panel, ui, found);
+    });
+}
+
+fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let largest = found.landmarks.iter().map(|fit| fit.median_px).fold(1e-9, f64::max);
-    ui.spacing_mut().item_spacing.y = 0.0;
     for fit in found.landmarks.iter().take(LANDMARKS_SHOWN) {
         let name = panel.app.label(&Target::Landmark(fit.id.clone()));
         let value = format!("{:.1} px", fit.median_px);

@@ -41,6 +41,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             numbers::lens(panel, ui, &camera);
             numbers::sigma(panel, ui, &camera);
+            if panel.app.session.base.found().is_none() {
+                evidence::frames_of_document(panel, ui, &camera);
+            }
             field::show(panel, ui);
             masks::show(panel, ui, &camera);
         });

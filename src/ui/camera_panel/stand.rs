@@ -44,7 +44,7 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
     let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
     let (near, far) = ((position.y - 8.0).min(-half_width), (position.y + 8.0).max(half_width));
     let scale = (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
-    let middle = ((left + right) / 2.0, (near + far) / 2.0);
+    let middle = (f64::midpoint(left, right), f64::midpoint(near, far));
     let at = |point: Vec3| -> Pos2 {
         rect.center() + vec2(((point.x - middle.0) * scale) as f32, (-(point.y - middle.1) * scale) as f32)
     };
