@@ -140,6 +140,10 @@ pub enum Action {
     /// A message from outside.
     Notify(Level, String),
 
+    /// A path has to be typed, for want of a file dialog.
+    TypePath(Question),
+    /// The path that was asked for.
+    Answer(Question, PathBuf),
     /// A document, folder or video is to be opened.
     Open(PathBuf),
     /// How far the opening has come, in words.

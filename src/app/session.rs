@@ -1,8 +1,8 @@
 //! What the window shows and what has been begun: not saved, not undone.
 
-use super::Command;
 use super::base::BaseWork;
 use super::naming::NameCandidate;
+use super::{Command, Question};
 use crate::geometry::ImagePoint;
 use crate::project::{FrameStatus, RejectReason, Target};
 
@@ -207,6 +207,8 @@ pub enum Dialog {
     OverlayStyle,
     /// A comment on the frame.
     Comment(String),
+    /// A path, where the system has no file dialog.
+    Path(Question),
 }
 
 /// How the picture lies in its canvas.

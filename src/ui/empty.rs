@@ -26,6 +26,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         if let Some(opening) = &panel.app.session.opening {
             ui.spinner();
             ui.label(RichText::new(opening).color(theme::ACCENT));
+            if ui.button("Give up").on_hover_text("Give up opening. (Esc)").clicked() {
+                panel.actions.push(Action::Command(Command::Cancel));
+            }
             return;
         }
         ui.allocate_ui_with_layout(vec2(WIDTH, 36.0), Layout::left_to_right(Align::Center), |ui| {

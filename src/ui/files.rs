@@ -1,17 +1,20 @@
 //! The system's file dialogs, on a thread of their own so that the window never waits.
 
-use crate::app::session::Level;
 use crate::app::{Action, Question};
 use crate::jobs::{Background, BackgroundReport, Wake};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Image, video and document files as the dialogs filter them.
 const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];
 
+/// No hand cancels a dialog this fast: there was none. A missing dialog says "cancelled" within milliseconds.
+const NO_DIALOG: Duration = Duration::from_millis(150);
+
 /// At most one file dialog.
 pub struct Files {
     wake: Wake,
-    open: Option<(Question, Background<(), Option<PathBuf>>)>,
+    open: Option<(Question, Instant, Background<(), Option<PathBuf>>)>,
 }
 
 impl Files {
@@ -27,20 +30,18 @@ impl Files {
         }
         let dialog = dialog(question, near);
         let task = Background::spawn("file dialog", self.wake.clone(), move |_| pick(question, dialog));
-        self.open = task.ok().map(|task| (question, task));
+        self.open = task.ok().map(|task| (question, Instant::now(), task));
     }
 
-    /// What was chosen, once it has been; cancelling says nothing, a dialog that could not open says so.
-    pub fn poll(&mut self) -> Option<Result<(Question, PathBuf), Action>> {
-        let (question, task) = self.open.as_mut()?;
-        let (question, report) = (*question, task.poll()?);
+    /// What was chosen, once it has been. Cancelling says nothing; where no dialog could open the path is typed instead.
+    pub fn poll(&mut self) -> Option<Action> {
+        let (question, since, task) = self.open.as_mut()?;
+        let (question, waited, report) = (*question, since.elapsed(), task.poll()?);
         self.open = None;
         match report {
-            BackgroundReport::Done(path) => path.map(|path| Ok((question, path))),
-            BackgroundReport::Panicked(message) => {
-                let text = format!("The system's file dialog failed: {message}. Type the path instead.");
-                Some(Err(Action::Notify(Level::Warning, text)))
-            }
+            BackgroundReport::Done(Some(path)) => Some(Action::Answer(question, path)),
+            BackgroundReport::Done(None) => (waited < NO_DIALOG).then_some(Action::TypePath(question)),
+            BackgroundReport::Panicked(_) => Some(Action::TypePath(question)),
             BackgroundReport::Progress(()) => None,
         }
     }

@@ -96,10 +96,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     }
     if let Some(dialog) = &app.session.dialog {
         let opens_it = command.is_some_and(|command| opens(command, dialog));
-        if stroke.key == Key::Escape || opens_it && focus != Focus::Text {
-            return Some(Action::CloseDialog);
-        }
-        if opens_it && stroke.modifiers.command {
+        if stroke.key == Key::Escape || opens_it && (focus != Focus::Text || stroke.modifiers.command) {
             return Some(Action::CloseDialog);
         }
         if *dialog != Dialog::OverlayStyle {
@@ -208,21 +205,32 @@ fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
         && (chord.ctrl, chord.alt, chord.shift) == (modifiers.command, modifiers.alt, modifiers.shift)
 }
 
-/// A key whose Shift depends on the layout.
-fn is_sign(key: Key) -> bool {
-    !matches!(key, Key::Comma | Key::Period) && key.symbol_or_name().chars().count() == 1 && digit(key).is_none() && {
-        let sign = key.symbol_or_name();
-        sign.chars().all(|c| c.is_ascii_punctuation() || c == '−')
-    }
+/// A key whose Shift depends on the layout: a plus needs it here and not there.
+const fn is_sign(key: Key) -> bool {
+    matches!(
+        key,
+        Key::Plus
+            | Key::Minus
+            | Key::Equals
+            | Key::Questionmark
+            | Key::Exclamationmark
+            | Key::Slash
+            | Key::Backslash
+            | Key::Pipe
+            | Key::Colon
+            | Key::Semicolon
+            | Key::Quote
+            | Key::Backtick
+            | Key::OpenBracket
+            | Key::CloseBracket
+            | Key::OpenCurlyBracket
+            | Key::CloseCurlyBracket
+    )
 }
 
 /// The key that a chord names.
 pub fn key_of(chord: &Chord) -> Option<Key> {
     Key::from_name(&chord.key)
-}
-
-fn digit(key: Key) -> Option<usize> {
-    key.name().parse().ok()
 }
 
 fn opens(command: Command, dialog: &Dialog) -> bool {

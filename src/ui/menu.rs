@@ -1,6 +1,6 @@
 //! The top row: menus, what is open, and whether it is safe on disk.
 
-use super::{Panel, theme};
+use super::{Panel, symbol, theme};
 use crate::app::session::{Panel as RightPanel, Saving};
 use crate::app::{Action, App, Command, Group};
 use crate::project::{PROJECT_FILE, PROJECT_SUFFIX};
@@ -175,10 +175,15 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 /// What goes on in the background.
-fn jobs(panel: &Panel<'_>, ui: &mut Ui) {
+fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.opening {
         ui.label(RichText::new(opening).color(theme::ACCENT)).on_hover_text("The window stays usable meanwhile.");
         ui.add(egui::Spinner::new().size(12.0));
+        let key = panel.app.settings.keys.shown(Command::Cancel);
+        let give_up = symbol::button(ui, symbol::Symbol::Cross, "Give up opening", theme::WEAK);
+        if give_up.on_hover_text(format!("Give up opening. ({key})")).clicked() {
+            panel.actions.push(Action::Command(Command::Cancel));
+        }
     }
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {

@@ -129,14 +129,8 @@ impl Shell {
     fn take_in(&mut self, ctx: &egui::Context) {
         let actions = self.runner.poll();
         self.apply(actions);
-        match self.files.poll() {
-            Some(Ok((question, path))) => {
-                let effects = self.app.answer(question, path);
-                self.carry_out(effects);
-            }
-            Some(Err(action)) => self.apply([action]),
-            None => {}
-        }
+        let answer = self.files.poll();
+        self.apply(answer);
         let dropped: Vec<_> =
             ctx.input(|input| input.raw.dropped_files.iter().map(|file| file.path().to_path_buf()).collect());
         self.apply(dropped.into_iter().take(1).map(Action::Open));

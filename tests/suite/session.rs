@@ -44,7 +44,7 @@ impl Headless {
     }
 
     fn answer(&mut self, question: Question, path: &Path) {
-        for effect in self.app.answer(question, path.to_path_buf()) {
+        for effect in self.app.update(Action::Answer(question, path.to_path_buf())) {
             self.runner.carry_out(effect);
         }
     }

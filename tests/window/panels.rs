@@ -5,7 +5,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Filter, Level, Panel};
-use touchline::app::{Action, Command};
+use touchline::app::{Action, Command, Question};
 use touchline::project::{FrameStatus, RejectReason};
 use touchline::ui::Shell;
 
@@ -294,4 +294,16 @@ fn every_control_has_a_name() {
     assert_eq!(unnamed(&window), Vec::<String>::new());
     window.key(Key::O);
     assert_eq!(unnamed(&window), Vec::<String>::new());
+}
+
+#[test]
+fn without_a_file_dialog_the_path_is_typed() {
+    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    let file = window.folder.path().join("out.json");
+    window.harness.state_mut().apply([Action::TypePath(Question::ExportTo)]);
+    window.harness.run_steps(3);
+    window.type_text(&file.display().to_string());
+    window.key(Key::Enter);
+    assert_eq!(window.app().session.dialog, None);
+    window.wait_for(|_| file.exists());
 }

@@ -42,8 +42,9 @@ impl App {
         }
     }
 
-    /// Takes what the shell asked for.
-    pub fn answer(&mut self, question: Question, path: PathBuf) -> Vec<Effect> {
+    /// Takes the path that was asked for.
+    pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
+        self.session.dialog = None;
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
             (Question::CopyTo, Some(open)) => {
@@ -63,7 +64,6 @@ impl App {
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
             (_, None) => {}
         }
-        std::mem::take(&mut self.effects)
     }
 
     pub(super) fn saved(&mut self, revision: u64, at: String, whole: bool) {

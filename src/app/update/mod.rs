@@ -12,7 +12,7 @@ pub use commands::MAX_SCALE;
 
 use super::action::{Action, Effect};
 use super::current::Current;
-use super::session::{Level, Mode, Saving, Session};
+use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
 use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate, solved_neighbours};
 use crate::solve::SolveError;
@@ -118,6 +118,8 @@ impl App {
             Action::CloseDialog => self.session.dialog = None,
             Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
             Action::Notify(level, text) => self.session.notify(level, text),
+            Action::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),
+            Action::Answer(question, path) => self.answer(question, path),
             Action::Open(path) => self.open_path(path),
             Action::Progress(text) => {
                 if self.session.opening.is_some() {

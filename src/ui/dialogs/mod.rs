@@ -1,4 +1,4 @@
-//! What lies over the window when asked for: palette, keys, about, overlay style, comment. Escape closes each of them,
+//! What lies over the window when asked for: palette, keys, about, overlay style, comment, path. Escape closes each of them,
 //! and so does a click beside it.
 
 mod about;
@@ -7,6 +7,7 @@ mod fuzzy;
 mod keys;
 mod overlay_style;
 mod palette;
+mod path;
 
 pub use keys::captures_keys;
 
@@ -25,6 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::About) => about::show(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::Path(question)) => path::show(panel, ctx, question),
     }
 }
 

@@ -1,0 +1,51 @@
+//! A path by typing, where the system has no file dialog.
+
+use super::{has_just_opened, sheet};
+use crate::app::{Action, Question};
+use crate::ui::{Panel, theme};
+use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
+use std::path::PathBuf;
+
+/// What is asked, what the button says, and an example.
+const fn words(question: Question) -> (&'static str, &'static str, &'static str) {
+    match question {
+        Question::Project => ("Open a project or dataset", "Open", "/matches/final/project.json"),
+        Question::Folder => ("Open a folder of frames", "Open", "/matches/final/frames"),
+        Question::Video => ("Open a video", "Open", "/matches/final.mp4"),
+        Question::CopyTo => ("Save a copy into a new folder", "Save copy", "/matches/final-copy"),
+        Question::ExportTo => ("Export the dataset to a file", "Export", "/matches/final.json"),
+        Question::CameraFrom => ("Load a camera from a project or dataset", "Load", "/matches/other/project.json"),
+    }
+}
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
+    let memory = Id::unique("path asked for");
+    let opened = has_just_opened(ctx, "path");
+    let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
+    let mut typed = known.filter(|_| !opened).unwrap_or_default();
+    let (title, does, example) = words(question);
+    sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
+        ui.label(RichText::new("This system shows no file dialog; type or paste the path.").color(theme::WEAK));
+        let field = TextEdit::singleline(&mut typed).hint_text(example).desired_width(f32::INFINITY);
+        let response = ui.add(field).accessible_name("Path").on_hover_text("A path on this machine; Enter takes it.");
+        if opened {
+            response.request_focus();
+        }
+        let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+        ui.add_space(theme::SPACE);
+        let row = vec2(ui.available_width(), 24.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            let path = typed.trim();
+            let take = ui.add_enabled(!path.is_empty(), Button::new(does).fill(theme::ACCENT_GROUND));
+            let take = take.on_hover_text("Take this path. (Enter)").on_disabled_hover_text("Type a path first.");
+            if (take.clicked() || entered) && !path.is_empty() {
+                panel.actions.push(Action::Answer(question, PathBuf::from(path)));
+            }
+            if ui.button("Cancel").on_hover_text("Leave everything as it is. (Esc)").clicked() {
+                panel.actions.push(Action::CloseDialog);
+            }
+        });
+    });
+    ctx.data_mut(|data| data.insert_temp(memory, typed));
+}
