@@ -10,6 +10,7 @@ mod fields;
 mod messages;
 mod new;
 mod output;
+mod refine_base;
 mod render;
 mod solve;
 mod synth;
@@ -38,6 +39,7 @@ enum Command {
     Export(export::ExportArgs),
     Fields(fields::FieldsArgs),
     New(new::NewArgs),
+    RefineBase(refine_base::RefineBaseArgs),
     Render(render::RenderArgs),
     Solve(solve::SolveArgs),
     Synth(synth::SynthArgs),
@@ -80,6 +82,7 @@ pub fn run() -> Next {
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::New(args) => new::new(&args, messages),
+        Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Render(args) => render::render(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Synth(args) => synth::synth(&args, messages),

@@ -28,6 +28,7 @@ mod program;
 mod published_figures;
 mod real_base;
 mod real_frames;
+mod refine_base_command;
 mod render_command;
 mod seeded;
 mod session;

@@ -1,0 +1,136 @@
+//! `touchline refine-base`: from clicks alone to a base, as a script sees it.
+
+use crate::program::touchline;
+use crate::seeded::{self, normal};
+use std::fs;
+use std::path::Path;
+use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string, read};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+fn truth() -> CameraBase {
+    let angles = BaseAngles { pitch: Angle::from_degrees(-0.5), ..BaseAngles::default() };
+    CameraBase {
+        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 },
+        ..CameraBase::new(Vec3::new(1.5, -64.0, 18.0), angles.base_from_world(), SIZE.centre())
+    }
+}
+
+/// Ten frames from left to right, 1.5 px of noise, a camera of which only the picture's size is known.
+fn document(name: &str) -> Document {
+    let mut rng = seeded::rng(name);
+    let field = builtin("soccer").unwrap().model(&std::collections::BTreeMap::new(), 0.15).unwrap();
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    for index in 0..10 {
+        let share = f64::from(index) / 9.0;
+        let camera = PtzCamera::new(truth(), Ptz::from_degrees(-30.0 + 60.0 * share, -12.5, 1700.0 + 900.0 * share));
+        let mut frame = Frame::from_image(&format!("images/{index}.png"), "main".into(), SIZE);
+        frame.status = FrameStatus::Draft;
+        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+            let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+            let image = exact.moved(Vec2::new(normal(&mut rng), normal(&mut rng)) * 1.5);
+            if SIZE.contains(image) {
+                frame.clicks.push(Click::landmark(landmark.id.clone(), image));
+            }
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn write(document: &Document, folder: &Path) {
+    fs::write(folder.join("doc.json"), document_to_string(document).unwrap()).unwrap();
+}
+
+#[test]
+fn a_camera_is_found_from_clicks_alone_and_every_frame_solved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document("a_camera_is_found_from_clicks_alone_and_every_frame_solved");
+    // One frame was named from the wrong side, one landmark of another is wrong, one frame is rejected.
+    for click in &mut document.frames[4].clicks {
+        let exchanged = click.target.as_ref().unwrap().as_str().replace("near", "FAR").replace("far", "near");
+        *click = Click::landmark(exchanged.replace("FAR", "far").as_str().into(), click.image);
+    }
+    let wrong = document.frames[8]
+        .clicks
+        .iter()
+        .position(|click| click.target.as_ref().unwrap().as_str() == "goal_area_far_right_front");
+    let wrong = wrong.unwrap();
+    let image = document.frames[8].clicks[wrong].image;
+    document.frames[8].clicks[wrong] = Click::landmark("penalty_mark_right".into(), image);
+    document.frames[8]
+        .clicks
+        .retain(|click| click.image == image || click.target.as_ref().unwrap().as_str() != "penalty_mark_right");
+    let wrong = document.frames[8].clicks.iter().position(|click| click.image == image).unwrap();
+    document.frames[9].status = FrameStatus::Rejected;
+    write(&document, folder.path());
+
+    let ran = touchline(folder.path(), "refine-base doc.json -o out/refined.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for line in
+        ["main: position (", "k1 linear in f, crowned pitch: ", "main: all clicks ", "1 cameras estimated, 10 frames"]
+    {
+        assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
+    }
+    assert!(ran.stderr.contains("images/4.png: The names look mirrored: "), "{}", ran.stderr);
+    assert!(ran.stderr.contains("goal_area_far_right_front would fit"), "{}", ran.stderr);
+
+    let (_, refined, _) = read(&folder.path().join("out/refined.json")).unwrap();
+    let base = refined.cameras[0].base().unwrap();
+    let z = (base.position_m - truth().position_m).component_div(&base.sigma.position_m);
+    assert!(z.amax() < 4.0 && base.sigma.position_m.amax() < 1.0, "{base:?}");
+    assert!((refined.field.params["crown_m"] - 0.15).abs() < 0.1);
+    let marked = refined.frames[4].solution.as_ref().unwrap();
+    assert!(marked.warnings.iter().any(|warning| warning.code == "mirrored"));
+    let disputed = refined.frames[8].solution.as_ref().unwrap();
+    assert_eq!(disputed.disputed, [wrong]);
+    let warning = disputed.warnings.iter().find(|warning| warning.code == "wrong_line").unwrap();
+    assert!(warning.clicks == [wrong] && warning.message.contains("goal_area_far_right_front. Rename it?"));
+    for (frame, before) in refined.frames.iter().zip(&document.frames) {
+        assert_eq!((frame.status, &frame.clicks), (before.status, &before.clicks));
+    }
+    let printed = touchline(&folder.path().join("out"), "refine-base ../doc.json");
+    assert_eq!(printed.stdout, fs::read_to_string(folder.path().join("out/refined.json")).unwrap(), "same bytes");
+    assert_eq!(touchline(folder.path(), "refine-base doc.json -o out/refined.json").code, 2, "it exists");
+    // From its own result on it says what it was before.
+    let again =
+        touchline(folder.path(), "refine-base out/refined.json -o again.json --distortion k1-focal --crown 0.15");
+    assert!(again.code == 0 && again.stderr.contains(" px before; crown 0.15 m"), "{}", again.stderr);
+}
+
+#[test]
+fn what_is_missing_is_said_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document("what_is_missing_is_said_in_one_line");
+    for frame in &mut document.frames {
+        frame.clicks.truncate(2);
+    }
+    write(&document, folder.path());
+    let ran = touchline(folder.path(), "refine-base doc.json -o refined.json");
+    assert_eq!((ran.code, ran.stdout.as_str()), (2, ""));
+    assert!(ran.stderr.contains("camera \"main\": no frame has four landmarks on the ground"), "{}", ran.stderr);
+    assert_eq!(ran.stderr.lines().count(), 1, "{}", ran.stderr);
+    assert!(!folder.path().join("refined.json").exists());
+    let usage = touchline(folder.path(), "refine-base doc.json --crown high");
+    assert!(usage.code == 2 && usage.stderr.contains("auto or a number of metres"), "{}", usage.stderr);
+    document.frames[0].clicks = vec![Click::landmark("nowhere".into(), SIZE.centre())];
+    write(&document, folder.path());
+    let ran = touchline(folder.path(), "refine-base doc.json");
+    assert!(ran.code == 2 && ran.stderr.contains("has no landmark \"nowhere\""), "{}", ran.stderr);
+}
+
+#[test]
+fn real_clicks_give_a_real_camera() {
+    let Some(data) = crate::data::shared_data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let clicks = data.join("scouting-d82e7a/clicks.json").canonicalize().unwrap();
+    let ran = touchline(folder.path(), &format!("refine-base {} -o out.json", clicks.display()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
+    assert!(refined.frames.iter().all(|frame| frame.ptz.is_some()));
+    assert!((refined.cameras[0].position_m.unwrap() - Vec3::new(2.9, -65.0, 20.4)).norm() < 0.6);
+}
