@@ -1,6 +1,6 @@
 //! The window: panels as functions of the state.
 //!
-//! A panel reads the [`App`](crate::app::App) and pushes [`Action`](crate::app::Action)s; only the shell hands them to
+//! A panel reads the [`App`] and pushes [`Action`]s; only the shell hands them to
 //! `App::update` and carries effects out. Everything that can be tested without widgets lives in `app`.
 
 mod camera_panel;
