@@ -112,3 +112,25 @@ impl Lighting {
         super::colour::mix(low, high, smooth_step(0.0, 0.5, height))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+
+    #[test]
+    fn a_low_sun_leaves_a_part_of_the_pitch_in_shadow_and_haze_does_not() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let spread = |daylight| {
+            let lighting = Lighting::new(daylight, &field);
+            let at = |x: f64, y: f64| lighting.on_ground(Vec3::new(x, y, 0.0)).y;
+            (at(40.0, 25.0), at(-40.0, -25.0))
+        };
+        let (sun, shadow) = spread(Daylight::LowSun);
+        assert!(sun > 2.0 * shadow && shadow > 0.1, "{sun} {shadow}");
+        for even in [Daylight::Hazy, Daylight::Floodlit] {
+            let (one, other) = spread(even);
+            assert!(one == other && (0.6..1.3).contains(&one), "{one} {other}");
+        }
+    }
+}

@@ -87,3 +87,33 @@ impl Operator {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::PtzCamera;
+    use crate::field::builtin;
+    use crate::synthetic::{Preset, StadiumOptions, stadium};
+
+    #[test]
+    fn the_operator_keeps_the_ball_in_view_and_moves_smoothly() {
+        let size = ImageSize::new(1280, 720);
+        let scene = stadium(&StadiumOptions::new(builtin("soccer").unwrap().default_model().unwrap(), 21));
+        let shoot = ShootOptions { step_s: 0.04, ..Preset::Paper.shoot() };
+        let base = shoot.main_camera(size);
+        let path = camera_path(&scene, &base, size, &shoot, 3000);
+        let sees_ball = |step: &&PathStep| {
+            let ball = scene.play.ball(step.time_s);
+            PtzCamera::new(base, step.ptz).image_from_world(ball).is_ok_and(|image| size.contains(image))
+        };
+        let seen = path.iter().filter(sees_ball).count();
+        assert!(seen > 2800, "the ball is in {seen} of 3000 frames");
+        for pair in path.windows(2) {
+            let (pan, tilt) = (pair[1].ptz.pan - pair[0].ptz.pan, pair[1].ptz.tilt - pair[0].ptz.tilt);
+            assert!(pan.degrees().abs() < 1.0 && tilt.degrees().abs() < 0.4, "{pan} {tilt} at {} s", pair[1].time_s);
+            // The motion that is stated is the motion that is made.
+            let stated = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * shoot.step_s);
+            assert!((stated - pan).degrees().abs() < 0.02, "{stated} for {pan}");
+        }
+    }
+}

@@ -217,3 +217,52 @@ fn drawn_clicks_are_named_seen_and_as_noisy_as_asked() {
     let sigma = (squares / f64::from(count)).sqrt();
     assert!(count > 200 && (sigma - 1.5).abs() < 0.15, "σ {sigma} over {count}");
 }
+
+/// Features of a picture: where they are and what they look like.
+#[cfg(feature = "opencv")]
+fn sift(picture: &RgbImage, count: i32) -> (Vec<ImagePoint>, opencv::core::Mat) {
+    use opencv::core::{KeyPoint, Mat, Vector, no_array};
+    use opencv::features2d::SIFT;
+    use opencv::prelude::*;
+    let grey = image::DynamicImage::from(picture.clone()).into_luma8();
+    let (rows, columns) = (grey.height() as i32, grey.width() as i32);
+    let view = Mat::new_rows_cols_with_bytes::<u8>(rows, columns, grey.as_raw()).unwrap();
+    let mut detector = SIFT::create(count, 3, 0.04, 10.0, 1.6).unwrap();
+    let (mut keypoints, mut descriptors) = (Vector::<KeyPoint>::new(), Mat::default());
+    detector.detect_and_compute(&view, &no_array(), &mut keypoints, &mut descriptors, false).unwrap();
+    // OpenCV's SIFT lies a quarter of a pixel beside its own convention of pixel centres.
+    let place =
+        |keypoint: KeyPoint| ImagePoint::new(f64::from(keypoint.pt().x) + 0.25, f64::from(keypoint.pt().y) + 0.25);
+    (keypoints.iter().map(place).collect(), descriptors)
+}
+
+#[cfg(feature = "opencv")]
+#[test]
+fn features_of_the_stadium_are_found_again_in_another_frame() {
+    use opencv::core::{DMatch, NORM_L2, Vector};
+    use opencv::features2d::BFMatcher;
+    use opencv::prelude::*;
+    let scene = scene(5);
+    let base = Preset::Paper.shoot().main_camera(FULL);
+    let take = |pan: f64, focal_px: f64, time_s: f64| {
+        let camera = PtzCamera::new(base, Ptz::from_degrees(pan, -11.5, focal_px));
+        let options = FrameOptions { time_s, noise_levels: 1.5, noise_seed: time_s as u64, ..FrameOptions::default() };
+        (camera, scene.render(&camera, FULL, &options).image)
+    };
+    let ((from, before), (to, after)) = (take(8.0, 1900.0, 10.0), take(12.0, 2150.0, 14.0));
+    let ((places, what), (other_places, other_what)) = (sift(&before, 2000), sift(&after, 2000));
+    let mut pairs = Vector::<Vector<DMatch>>::new();
+    BFMatcher::new(NORM_L2, false).unwrap().knn_train_match_def(&what, &other_what, &mut pairs, 2).unwrap();
+    let (mut matched, mut right) = (0, 0);
+    for pair in pairs.iter() {
+        let (best, second) = (pair.get(0).unwrap(), pair.get(1).unwrap());
+        if best.distance < 0.8 * second.distance {
+            matched += 1;
+            let ray = from.ray_from_image(places[best.query_idx as usize]).unwrap();
+            let found = other_places[best.train_idx as usize];
+            right += usize::from(to.image_from_ray(ray).is_ok_and(|image| image.distance_px(found) < 2.0));
+        }
+    }
+    println!("{} features, {matched} matched, {right} of them right", places.len());
+    assert!(places.len() >= 1500 && right >= 150 && right * 10 >= matched * 6, "{matched} matched, {right} right");
+}
