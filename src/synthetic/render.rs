@@ -141,24 +141,26 @@ impl Stadium {
     }
 
     /// The shadows of everything that throws one: the lamps' and, round the feet, the sky's.
-    fn shadows(&self, props: &[Placed], camera: &PtzCamera, image_size: ImageSize) -> Vec<Shadow> {
+    fn shadows<'a>(&self, props: &'a [Placed], camera: &PtzCamera, image_size: ImageSize) -> Vec<Shadow<'a>> {
         let mut shadows = Vec::new();
         for prop in props.iter().filter(|prop| prop.prop.throws_shadow) {
             let (centre, radius) = prop.prop.bounds();
             for (lamp, towards) in self.lighting.lamps.iter().map(|lamp| lamp.towards).enumerate() {
+                // The shadow of a point of this height above the middle of the prop's foot.
                 let falls = |height: f64| {
-                    centre + (Vec3::z() * (height - centre.z) - towards * (height / towards.z)).xy().push(0.0)
+                    let away = towards * (height / towards.z);
+                    Vec3::new(centre.x - away.x, centre.y - away.y, 0.0)
                 };
-                let ends = [0.0, centre.z + radius].map(|height| falls(height).xy().push(0.0));
+                let ends = [falls(0.0), falls(centre.z + radius)];
                 if let Some((columns, rows)) = area(&ends, radius, camera, image_size) {
-                    shadows.push(Shadow { prop: prop.prop.clone(), lamp, columns, rows });
+                    shadows.push(Shadow { prop: &prop.prop, lamp, columns, rows });
                 }
             }
         }
         shadows
     }
 
-    fn darken(&self, shadow: &Shadow, caster: &RayCaster<'_>, sights: &[Sight], row: &mut [Pixel], y: usize) {
+    fn darken(&self, shadow: &Shadow<'_>, caster: &RayCaster<'_>, sights: &[Sight], row: &mut [Pixel], y: usize) {
         let lamp = &self.lighting.lamps[shadow.lamp];
         for x in shadow.columns.clone() {
             if sights[x].surface != GRASS {
@@ -274,14 +276,14 @@ impl Placed {
 }
 
 /// The shadow of one prop in one lamp's light.
-struct Shadow {
-    prop: Prop,
+struct Shadow<'a> {
+    prop: &'a Prop,
     lamp: usize,
     columns: Range<usize>,
     rows: Range<usize>,
 }
 
-impl Shadow {
+impl Shadow<'_> {
     /// From a place on the ground to the nearest stick that touches it, m.
     fn foot_distance_m(&self, point: Vec3) -> f64 {
         self.prop
