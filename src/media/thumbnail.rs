@@ -2,8 +2,11 @@
 
 use super::Picture;
 use crate::geometry::ImageSize;
+use std::iter::StepBy;
 use std::ops::Range;
 
+/// How many pixels in each direction make a pixel of a thumbnail.
+const SAMPLES: u32 = 4;
 const BLACK: [u8; 4] = [0, 0, 0, 255];
 
 /// The size of a thumbnail in the filmstrip, px.
@@ -25,30 +28,27 @@ pub fn letterboxed(picture: &Picture, size: ImageSize) -> Picture {
     Picture::new(size, rgba).unwrap_or_else(|_| Picture::filled(size, BLACK))
 }
 
-/// The mean of the pixels that one pixel of a smaller picture covers.
+/// The mean of the pixels that one pixel of a smaller picture covers: of all of them up to [`SAMPLES`] in each
+/// direction, else of about as many, evenly spread.
 fn mean_below(picture: &Picture, small: ImageSize, x: u32, y: u32) -> [u8; 4] {
-    let size = picture.size();
-    let columns = span(x, small.width, size.width);
-    let mut sum = [0_u64; 3];
+    let mut sum = [0_u32; 3];
     let mut count = 0;
-    for row in span(y, small.height, size.height) {
-        let start = row * size.width as usize;
-        let pixels = picture.rgba().get(4 * (start + columns.start)..4 * (start + columns.end)).unwrap_or_default();
-        for pixel in pixels.chunks_exact(4) {
-            for (total, &channel) in sum.iter_mut().zip(pixel) {
-                *total += u64::from(channel);
-            }
+    for row in covered(y, small.height, picture.size().height) {
+        for column in covered(x, small.width, picture.size().width) {
+            let [red, green, blue, _] = picture.pixel(column, row).unwrap_or(BLACK);
+            sum = [sum[0] + u32::from(red), sum[1] + u32::from(green), sum[2] + u32::from(blue)];
             count += 1;
         }
     }
-    let mean = sum.map(|total| ((total + count / 2) / count.max(1)) as u8);
-    [mean[0], mean[1], mean[2], 255]
+    let [red, green, blue] = sum.map(|total| ((total + count / 2) / count.max(1)) as u8);
+    [red, green, blue, 255]
 }
 
-/// The pixels of a row of `large` that pixel `at` of a row of `small` covers: at least one.
-fn span(at: u32, small: u32, large: u32) -> Range<usize> {
-    let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as usize;
-    edge(at)..edge(at + 1).max(edge(at) + 1)
+/// The places in a row of `large` px that pixel `at` of a row of `small` px covers: at least one.
+fn covered(at: u32, small: u32, large: u32) -> StepBy<Range<u32>> {
+    let edge = |at: u32| (u64::from(at) * u64::from(large) / u64::from(small.max(1))) as u32;
+    let (start, end) = (edge(at), edge(at + 1).max(edge(at) + 1));
+    (start..end).step_by(((end - start) / SAMPLES).max(1) as usize)
 }
 
 /// The largest size of the shape of `inner` that fits into `outer`, at most `inner` itself.
