@@ -1,5 +1,6 @@
 //! What a worker and its owner share: the agenda, the frame being read, and the reports that wait to be fetched.
 
+use super::agenda::next_place;
 use crate::media::{CountProgress, FrameRef, MediaError, Notice, Picture};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -32,6 +33,8 @@ pub(super) struct Desk {
 struct State {
     agenda: VecDeque<FrameRef>,
     reading: Option<Reading>,
+    /// Where the reader stands, as far as is known.
+    last_read: Option<FrameRef>,
     reports: VecDeque<WorkReport>,
     stop: bool,
 }
@@ -114,7 +117,9 @@ impl Desk {
                 return None;
             }
             // The agenda may have been emptied in the meantime.
-            if let Some(frame) = state.agenda.pop_front() {
+            let place = next_place(&state.agenda, state.last_read.as_ref());
+            if let Some(frame) = place.and_then(|place| state.agenda.remove(place)) {
+                state.last_read = Some(frame.clone());
                 state.reading = Some(Reading { frame: frame.clone(), is_wanted: true });
                 return Some(frame);
             }

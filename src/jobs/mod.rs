@@ -5,6 +5,7 @@
 //! next, never by queueing behind stale work. A panic in a job becomes a report that the user sees. Dropping the handle
 //! stops and joins the thread.
 
+mod agenda;
 mod background;
 mod decoder;
 mod demo;
