@@ -49,7 +49,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let says = if again { "Estimate again" } else { "Estimate the base" };
     ui.horizontal(|ui| {
         let main = Button::new(RichText::new(says).strong());
-        let main = if ready.is_enough() { main.fill(theme::ACCENT_GROUND) } else { main };
+        let main = if ready.is_enough() && camera.base().is_none() { main.fill(theme::ACCENT_GROUND) } else { main };
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
         let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);

@@ -8,6 +8,7 @@ use crate::project::{Camera, EstimatedBase, Frame, Target};
 use crate::solve::base::{DisputedClick, MirroredFrame};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align2, Button, Color32, CornerRadius, FontId, Grid, Label, Rect, Response, RichText, Role, Sense, Ui, WidgetInfo,
     pos2, vec2,
@@ -16,9 +17,9 @@ use egui::{
 /// The height of a bar's row, points.
 const ROW: f32 = 20.0;
 /// The column of the bars, points.
-const BAR: f32 = 72.0;
+const BAR: f32 = 56.0;
 /// The column of the numbers, points.
-const NUMBER: f32 = 52.0;
+const NUMBER: f32 = 48.0;
 /// More landmarks than this are not looked at one by one.
 const LANDMARKS_SHOWN: usize = 12;
 
@@ -42,7 +43,7 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
         for score in &found.estimate.scores {
             let chosen = score.model == found.estimate.model;
             let colour = if chosen { theme::STRONG } else { theme::WEAK };
-            let mark = if chosen { "✔" } else { "   " };
+            let mark = if chosen { "•" } else { "  " };
             let tip = "Each model was tried on points that it had not seen; the marked one was taken.";
             ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
             ui.label(RichText::new(format!("{:.2} px", score.median_px)).color(colour));
@@ -294,9 +295,10 @@ impl Bar<'_> {
         painter.text(number, Align2::RIGHT_CENTER, self.value, FontId::proportional(12.0), theme::TEXT);
         let bar_left = right - NUMBER - BAR;
         let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
-        let galley = painter.layout_no_wrap(self.name.to_owned(), FontId::proportional(12.0), theme::TEXT);
-        let place = pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0);
-        painter.with_clip_rect(name.intersect(ui.clip_rect())).galley(place, galley, theme::TEXT);
+        let mut line = LayoutJob::simple_singleline(self.name.to_owned(), FontId::proportional(12.0), theme::TEXT);
+        line.wrap = TextWrapping::truncate_at_width(name.width() - 4.0);
+        let galley = painter.layout_job(line);
+        painter.galley(pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0), galley, theme::TEXT);
         let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(BAR, 6.0));
         painter.rect_filled(track, CornerRadius::same(2), theme::LINE);
         let filled = Rect::from_min_size(track.min, vec2(BAR * self.share.clamp(0.0, 1.0) as f32, track.height()));

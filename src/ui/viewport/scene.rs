@@ -47,7 +47,7 @@ impl Overlay {
                 Some(proposal) => proposal.camera,
                 None => shown_camera(app),
             };
-            let preview = app.current().preview.as_ref();
+            let preview = app.current().preview.as_ref().filter(|_| proposal.is_none());
             let style = app.settings.overlay;
             let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
             let scene = OverlayScene {
