@@ -48,6 +48,7 @@ pub enum Command {
     ShowMasks,
     ShowFieldMap,
     Compare,
+    Uncertainty,
     CameraPanel,
     EstimateBase,
     UseEstimatedBase,
@@ -148,6 +149,7 @@ rows! {
     ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
     ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
     Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
+    Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];

@@ -3,6 +3,7 @@
 use super::OpenProject;
 use super::base::WithProposal;
 use super::naming::{self, NamingScene};
+use super::next_click::{NextClick, next_clicks};
 use super::session::{Mode, Naming, Session};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldError, FieldModel};
@@ -37,6 +38,8 @@ pub struct Current {
     pub preview: Option<PtzCamera>,
     /// The frame with an estimated base that waits for a decision.
     pub proposal: Option<WithProposal>,
+    /// Where a further click would gain most, the best first.
+    pub next_clicks: Vec<NextClick>,
     /// Numbers by hand hold, and not what the clicks say.
     pub by_hand: bool,
 }
@@ -76,7 +79,13 @@ impl Current {
         };
         let found = session.base.proposed();
         let proposal = found.and_then(|found| WithProposal::derive(open, index, found));
-        Self { field: Some(field), base, solution, judgement, camera, preview, proposal, by_hand }
+        let next_clicks = match (&field, &camera, &solution) {
+            (Ok(field), Some(camera), Some(Ok(solved))) => {
+                next_clicks(field, camera, solved, &frame.clicks, frame.image_size)
+            }
+            _ => Vec::new(),
+        };
+        Self { field: Some(field), base, solution, judgement, camera, preview, proposal, next_clicks, by_hand }
     }
 
     /// The field, if its template and parameters are valid.

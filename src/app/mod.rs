@@ -13,10 +13,12 @@ pub mod field_map;
 pub mod guidance;
 mod keymap;
 pub mod naming;
+pub mod next_click;
 mod open_project;
 pub mod overlay;
 pub mod session;
 mod settings;
+pub mod uncertainty;
 mod update;
 
 pub use action::{Action, Effect, Opened, Question};

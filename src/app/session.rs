@@ -2,6 +2,7 @@
 
 use super::base::BaseWork;
 use super::naming::NameCandidate;
+use super::uncertainty::UncertaintyView;
 use super::{Command, Question};
 use crate::geometry::ImagePoint;
 use crate::project::{FrameStatus, RejectReason, Target};
@@ -34,6 +35,8 @@ pub struct Session {
     pub view: PictureView,
     /// Commands that act while their key is down.
     pub held: Held,
+    /// How the uncertainty is shown.
+    pub uncertainty: UncertaintyView,
     /// The masks are shown and can be drawn.
     pub masks: bool,
     /// Messages, the latest last.

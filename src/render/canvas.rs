@@ -1,6 +1,7 @@
 //! What one canvas keeps between `prepare` and `paint`: its view, its vertices, its list of draws.
 
 use super::fill::{FillVertex, append_triangles};
+use super::heat::{self, HeatInstance};
 use super::layer::Layer;
 use super::marker::MarkerInstance;
 use super::picture::{PictureCache, PictureInstance};
@@ -47,6 +48,7 @@ struct GroupTarget {
 #[derive(Debug)]
 enum Draw {
     Picture { bind_group: wgpu::BindGroup, bytes: Range<u64> },
+    Heat { bind_group: wgpu::BindGroup, bytes: Range<u64> },
     Fill { bytes: Range<u64>, vertices: u32 },
     Group { target: usize, bytes: Range<u64> },
     Markers { bytes: Range<u64>, instances: u32 },
@@ -123,6 +125,12 @@ impl Canvas {
                         self.draws.push(Draw::Picture { bind_group, bytes: append(&mut bytes, &[instance]) });
                     }
                 }
+                Layer::Heat(map, opacity) => {
+                    if let Some(bind_group) = heat::bind(gpu, &pipelines.group_layout, map) {
+                        let instance = HeatInstance::new(map.image_size, opacity.clamp(0.0, 1.0));
+                        self.draws.push(Draw::Heat { bind_group, bytes: append(&mut bytes, &[instance]) });
+                    }
+                }
                 Layer::Drawing(drawing) => self.append_drawing(drawing, &mut bytes, &mut groups),
             }
         }
@@ -196,6 +204,10 @@ impl Canvas {
                 Draw::Picture { bind_group, bytes } => {
                     pass.set_bind_group(1, bind_group, &[]);
                     (&pipelines.picture, bytes, 4, 1)
+                }
+                Draw::Heat { bind_group, bytes } => {
+                    pass.set_bind_group(1, bind_group, &[]);
+                    (&pipelines.heat, bytes, 4, 1)
                 }
                 Draw::Group { target, bytes } => {
                     let Some(target) = self.targets.get(*target) else { continue };

@@ -1,6 +1,7 @@
 //! What a canvas shows, from the bottom up.
 
 use crate::app::drawing::Drawing;
+use crate::app::uncertainty::HeatMap;
 use crate::media;
 use std::sync::Arc;
 
@@ -26,6 +27,8 @@ pub struct Picture {
 pub enum Layer {
     /// A frame.
     Picture(Picture),
+    /// Colours over a frame that say how far the lines are to be trusted, at an opacity from 0 to 1.
+    Heat(Arc<HeatMap>, f32),
     /// Lines, areas and markers over it.
     Drawing(Arc<Drawing>),
 }

@@ -7,6 +7,7 @@
 
 mod canvas;
 mod fill;
+mod heat;
 mod layer;
 mod marker;
 mod mipmap;

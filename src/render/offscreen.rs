@@ -146,7 +146,7 @@ impl Offscreen {
         let mut picture = target.read_back(&self.device)?;
         let labels = layers.iter().flat_map(|layer| match layer {
             Layer::Drawing(drawing) => drawing.labels.as_slice(),
-            Layer::Picture(_) => &[],
+            Layer::Picture(_) | Layer::Heat(..) => &[],
         });
         write_labels(&mut picture, view, labels)?;
         Ok(picture)

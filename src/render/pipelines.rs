@@ -2,9 +2,10 @@
 
 use super::canvas::{GROUP_ATTRIBUTES, GroupInstance};
 use super::fill::{FILL_ATTRIBUTES, FillVertex};
+use super::heat::{HEAT_ATTRIBUTES, HeatInstance};
 use super::marker::{MARKER_ATTRIBUTES, MarkerInstance};
 use super::picture::{PICTURE_ATTRIBUTES, PictureInstance};
-use super::shaders::{COMPOSITE, FILL, MARKER, PICTURE, STROKE, Shader};
+use super::shaders::{COMPOSITE, FILL, HEAT, MARKER, PICTURE, STROKE, Shader};
 use super::stroke::{SEGMENT_ATTRIBUTES, Segment};
 use wgpu::VertexStepMode::{Instance, Vertex};
 
@@ -18,6 +19,7 @@ pub(super) struct Pipelines {
     pub group_layout: wgpu::BindGroupLayout,
     pub picture: wgpu::RenderPipeline,
     pub fill: wgpu::RenderPipeline,
+    pub heat: wgpu::RenderPipeline,
     pub rim: wgpu::RenderPipeline,
     pub core: wgpu::RenderPipeline,
     pub composite: wgpu::RenderPipeline,
@@ -74,6 +76,18 @@ impl Pipelines {
                     layouts: &[&view_layout],
                     buffer: vertex_buffer::<FillVertex>(Vertex, &FILL_ATTRIBUTES),
                     topology: wgpu::PrimitiveTopology::TriangleList,
+                    format,
+                },
+            ),
+            heat: pipeline(
+                device,
+                &Parts {
+                    shader: HEAT,
+                    vertex_entry: "vs_heat",
+                    fragment_entry: "fs_heat",
+                    layouts: &[&view_layout, &group_layout],
+                    buffer: vertex_buffer::<HeatInstance>(Instance, &HEAT_ATTRIBUTES),
+                    topology: strip,
                     format,
                 },
             ),

@@ -20,10 +20,11 @@ macro_rules! on_canvas {
 
 pub(super) const PICTURE: Shader = on_canvas!("picture.wgsl");
 pub(super) const FILL: Shader = on_canvas!("fill.wgsl");
+pub(super) const HEAT: Shader = on_canvas!("heat.wgsl");
 pub(super) const STROKE: Shader = on_canvas!("stroke.wgsl");
 pub(super) const COMPOSITE: Shader = on_canvas!("composite.wgsl");
 pub(super) const MARKER: Shader = on_canvas!("marker.wgsl");
 pub(super) const MIPMAP: Shader = Shader { name: "mipmap.wgsl", wgsl: include_str!("../../shaders/mipmap.wgsl") };
 
 /// Every shader of the program, for those who want to check them.
-pub const SHADERS: &[Shader] = &[PICTURE, FILL, STROKE, COMPOSITE, MARKER, MIPMAP];
+pub const SHADERS: &[Shader] = &[PICTURE, FILL, HEAT, STROKE, COMPOSITE, MARKER, MIPMAP];

@@ -11,9 +11,9 @@ use touchline::app::overlay::{OverlayScene, Standing, field_overlay};
 use touchline::app::session::PictureView;
 use touchline::app::{App, OverlayStyle};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::field::{FieldModel, builtin};
+use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::project::{Camera, Document, FieldSpec, Frame, document_to_string};
+use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::ui::Shell;
 
@@ -87,6 +87,26 @@ impl Window {
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
         Some(Self::on(folder, size, pixels_per_point))
+    }
+
+    /// Opens a project of plain frames whose camera is not known, with exact points on every landmark of each.
+    pub fn open_clicked(frames: usize, size: [f32; 2]) -> Option<Self> {
+        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+        let folder = tempfile::tempdir().unwrap();
+        write_project(folder.path(), frames, &mut offscreen);
+        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        let camera = &mut document.cameras[0];
+        (camera.position_m, camera.base_from_world) = (None, None);
+        for (index, frame) in document.frames.iter_mut().enumerate() {
+            let seen = |landmark: &Landmark| {
+                let at = truth(index).image_from_world(field().landmark_in_world(landmark)).ok()?;
+                (SIZE.contains(at) && landmark.nominal_m.z == 0.0).then(|| Click::landmark(landmark.id.clone(), at))
+            };
+            frame.clicks = field().landmarks.iter().filter_map(seen).collect();
+            frame.status = FrameStatus::Draft;
+        }
+        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        Some(Self::on(folder, size, 1.0))
     }
 
     /// Opens a project that is there.

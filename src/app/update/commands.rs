@@ -160,6 +160,7 @@ impl App {
                 let used = self.frame().is_some_and(Frame::is_left_out_of_base);
                 self.use_for_base(self.session.frame, used);
             }
+            C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
             C::About => self.session.dialog = Some(Dialog::About),

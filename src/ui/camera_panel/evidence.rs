@@ -63,8 +63,8 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         .map(|(&index, fit)| (index, fit.map(|fit| fit.median_px)))
         .collect();
     fits.sort_by(|a, b| b.1.unwrap_or(f64::INFINITY).total_cmp(&a.1.unwrap_or(f64::INFINITY)));
-    list(panel, ui, &fits, 3.0 * found.estimate.median_px);
     left_out(panel, ui, &found.camera);
+    list(panel, ui, &fits, 3.0 * found.estimate.median_px);
 }
 
 /// The frames that would take part, as the document has them.

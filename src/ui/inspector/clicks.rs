@@ -176,7 +176,9 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
     if click.check {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else { return quiet("–") };
         return match (check.error_px, check.z_score) {
-            (Some(px), Some(z)) => Residual { text: format!("{px:.1} px"), ..loud(px, if z > 3.0 { 0.0 } else { px }) },
+            (Some(px), Some(z)) => {
+                Residual { text: format!("{px:.1} px  {z:.1} σ"), ..loud(px, if z > 3.0 { 0.0 } else { px }) }
+            }
             (Some(px), None) => loud(px, px),
             (None, _) => quiet("out of sight"),
         };

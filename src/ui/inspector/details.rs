@@ -1,7 +1,7 @@
 //! What is folded by default: uncertainties, residuals, the second root, the camera, every warning.
 
 use crate::app::{Action, App, Command};
-use crate::project::Solution;
+use crate::project::{Solution, Target};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -37,6 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         uncertainty(ui, solved);
         evidence(ui, solved);
         residuals(ui, solved);
+        next_clicks(panel, ui);
         other_root(panel, ui, solved);
         warnings(ui, solved.warnings.iter().map(|warning| warning.message.as_str()));
     } else if let Some(solution) = app.frame().and_then(|frame| frame.solution.as_ref()) {
@@ -55,9 +56,17 @@ fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
     })
 }
 
+/// The widest a value may be, points.
+const VALUE: f32 = 172.0;
+
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
     ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
-    ui.label(RichText::new(value.into()).color(theme::TEXT)).on_hover_text(tip);
+    // A value that is too long for the panel must not widen it.
+    let value = Label::new(RichText::new(value.into()).color(theme::TEXT)).truncate();
+    ui.scope(|ui| {
+        ui.set_max_width(VALUE.min(ui.max_rect().width()));
+        ui.add(value).on_hover_text(tip);
+    });
     ui.end_row();
 }
 
@@ -134,6 +143,31 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
 /// With its sign and two digits; what rounds to nothing is +0.00.
 fn signed(px: f64) -> String {
     format!("{:+.2}", if px.abs() < 0.005 { 0.0 } else { px })
+}
+
+/// The landmarks that would gain most; a click on one places it next.
+fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
+    /// More would not be read.
+    const SHOWN: usize = 4;
+    let next: Vec<_> = panel.app.current().next_clicks.iter().take(SHOWN).cloned().collect();
+    if next.is_empty() {
+        return;
+    }
+    theme::title(ui, "NEXT POINT");
+    for next in next {
+        let target = Target::Landmark(next.id.clone());
+        let label = panel.app.label(&target);
+        let tip = format!(
+            "{label}: the worst corner would be ±{:.1} px, {}. Click here, then its place in the picture.",
+            next.worst_corner_px,
+            next.gain()
+        );
+        let button = Button::new(RichText::new(format!("{label}: {}", next.gain())).color(theme::TEXT));
+        if ui.add(button.frame(false).truncate()).on_hover_text(tip).clicked() {
+            panel.actions.push(Action::Pick(target));
+        }
+    }
+    ui.add_space(theme::SPACE);
 }
 
 fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {

@@ -43,7 +43,11 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         ));
     }
     if session.held.compare {
-        return Some("The other solution".to_owned());
+        let shown = if has_proposal(panel) { "The base you have" } else { "The other solution" };
+        return Some(shown.to_owned());
+    }
+    if has_proposal(panel) {
+        return Some("The estimated base, not taken over yet".to_owned());
     }
     if frame.status == FrameStatus::Rejected {
         let reason = frame.reason.map_or("", reason_label);
@@ -52,6 +56,10 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
     }
     (session.next_on_line && session.mode == Mode::Idle)
         .then(|| format!("The next click is a point on a line. {} changes that.", keys.shown(Command::PlaceOnLine)))
+}
+
+fn has_proposal(panel: &Panel<'_>) -> bool {
+    panel.app.current().proposal.is_some()
 }
 
 /// Points without a name draw the eye, gently.

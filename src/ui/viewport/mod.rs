@@ -8,6 +8,7 @@ mod labels;
 mod placement;
 mod pointer;
 mod scene;
+mod trust;
 mod wheel;
 
 use super::{Panel, PictureState, canvas, loupe, masks, naming, theme};
@@ -164,11 +165,14 @@ fn show_frame(
     let overlay = Overlay::new(panel.app, hold, placement.scale);
     let brightness = if panel.app.session.masks { BELOW_MASKS } else { 1.0 };
     let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });
-    let layers = std::iter::once(picture.clone()).chain(overlay.layers()).collect();
+    let trust = trust::layer(panel.app);
+    let layers = std::iter::once(picture.clone()).chain(trust).chain(overlay.layers()).collect();
     let painter = ui.painter_at(rect);
     canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), layers);
     labels::paint(&painter, placement, overlay.labels());
+    trust::propose(panel, ui, &painter, placement);
     hints::over_picture(panel, ui, placement);
+    trust::legend(panel, &painter, placement);
     cursor(panel, ui, placement, hold);
     masks::show(panel, ui, placement);
     if let Mode::Dragging { click, .. } = panel.app.session.mode {

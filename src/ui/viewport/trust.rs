@@ -1,0 +1,175 @@
+//! How far the lines are to be trusted, over the picture: band or heat map with its legend, and where to click next.
+
+use super::labels::colour;
+use super::placement::Placement;
+use crate::app::App;
+use crate::app::next_click::NextClick;
+use crate::app::session::Mode;
+use crate::app::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
+use crate::camera::PtzCamera;
+use crate::geometry::ImagePoint;
+use crate::project::FrameStatus;
+use crate::render::Layer;
+use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
+use crate::ui::{Panel, theme};
+use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
+use std::sync::Arc;
+
+/// How much of the picture a heat map hides.
+const HEAT_OPACITY: f32 = 0.45;
+/// So many landmarks are proposed in the picture.
+const PROPOSED: usize = 3;
+/// Proposals nearer than this are as good as one, points.
+const CROWDED: f32 = 90.0;
+/// They pulse for so long, then rest, s.
+const PULSING_S: f64 = 5.0;
+/// The legend's size, points.
+const LEGEND: egui::Vec2 = vec2(232.0, 52.0);
+
+/// The layer that shows the uncertainty below the lines, if it is asked for and known.
+pub fn layer(app: &App) -> Option<Layer> {
+    let (solved, camera) = known(app)?;
+    let image_size = app.frame()?.image_size;
+    match app.session.uncertainty {
+        UncertaintyView::Off => None,
+        UncertaintyView::Band => {
+            let field = app.current().field()?;
+            let style = &app.settings.overlay;
+            Some(Layer::Drawing(Arc::new(band(&solved.uncertainty, field, camera, image_size, style))))
+        }
+        UncertaintyView::Heat => {
+            Some(Layer::Heat(Arc::new(HeatMap::new(&solved.uncertainty, camera, image_size)), HEAT_OPACITY))
+        }
+    }
+}
+
+fn known(app: &App) -> Option<(&FrameSolution, &PtzCamera)> {
+    if app.session.held.hide_overlay || app.current().proposal.is_some() {
+        return None;
+    }
+    Some((app.current().solved()?, app.current().camera.as_ref()?))
+}
+
+/// The legend in the picture's lower right.
+pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
+    let app = panel.app;
+    if app.session.uncertainty == UncertaintyView::Off || app.session.held.hide_overlay {
+        return;
+    }
+    let corner = placement.rect.right_bottom() - vec2(12.0, 12.0);
+    let card = Rect::from_min_max(corner - LEGEND, corner);
+    painter.rect_filled(card, 6.0, Color32::from_black_alpha(190));
+    let inside = card.shrink2(vec2(10.0, 7.0));
+    let font = FontId::proportional(12.0);
+    let Some((solved, camera)) = known(app) else {
+        let text = "Uncertainty: points come first";
+        painter.text(inside.left_center(), Align2::LEFT_CENTER, text, font, theme::WEAK);
+        return;
+    };
+    let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
+    let here = app.session.hover.filter(|at| placement.image_size.contains(*at)).and_then(sigma_at);
+    let told = here.map_or_else(
+        || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
+        |px| format!("here ±{px:.1} px"),
+    );
+    let title = format!("1-σ of the lines: {told}");
+    painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::STRONG);
+    if app.session.uncertainty == UncertaintyView::Band {
+        let text = "The band holds a line 68 times in 100.";
+        painter.text(inside.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), theme::TEXT);
+    } else {
+        scale(painter, Rect::from_min_max(pos2(inside.left(), inside.top() + 18.0), inside.max), placement);
+    }
+}
+
+/// The colours with their px.
+fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
+    let bar = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 8.0));
+    let steps = (HEAT_STOPS.len() - 1) as f32;
+    let mut mesh = Mesh::default();
+    for (index, (stop, px)) in HEAT_STOPS.iter().zip(heat_ticks_px(placement.image_size)).enumerate() {
+        let x = bar.left() + index as f32 / steps * bar.width();
+        mesh.colored_vertex(pos2(x, bar.top()), colour(*stop));
+        mesh.colored_vertex(pos2(x, bar.bottom()), colour(*stop));
+        let corner = 2 * index as u32;
+        if index > 0 {
+            mesh.add_triangle(corner - 2, corner - 1, corner);
+            mesh.add_triangle(corner - 1, corner, corner + 1);
+        }
+        let align = match index {
+            0 => Align2::LEFT_BOTTOM,
+            last if last + 1 == HEAT_STOPS.len() => Align2::RIGHT_BOTTOM,
+            _ => Align2::CENTER_BOTTOM,
+        };
+        let text = if px < 9.95 { format!("{px:.1}") } else { format!("{px:.0}") };
+        let text = if index == 0 { format!("{text} px") } else { text };
+        let text = text.replace(".0", "");
+        painter.text(pos2(x, rect.bottom()), align, text, FontId::proportional(11.0), theme::TEXT);
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
+/// The best landmarks that do not crowd each other.
+fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClick> {
+    let mut found: Vec<&NextClick> = Vec::new();
+    for next in ranked {
+        let at = placement.screen_from_image(next.at);
+        if found.iter().all(|other| placement.screen_from_image(other.at).distance(at) > CROWDED) {
+            found.push(next);
+        }
+    }
+    found.truncate(PROPOSED);
+    found
+}
+
+/// What is being proposed, and since when.
+#[derive(Clone, Default)]
+struct Proposing {
+    frame: usize,
+    clicks: usize,
+    since: f64,
+}
+
+/// The landmarks that would gain most, as rings that pulse for a while.
+pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placement) {
+    let app = panel.app;
+    let Some(frame) = app.frame() else { return };
+    let limit_px = GOOD_CORNER_SIGMA_PX * frame.image_size.scale_from_1920();
+    let unsure = known(app).is_some_and(|(solved, _)| solved.worst_corner_sigma_px > limit_px);
+    let waits =
+        app.session.mode == Mode::Idle && !matches!(frame.status, FrameStatus::Rejected | FrameStatus::Reference);
+    if !unsure || !waits {
+        return;
+    }
+    let now = ui.input(|input| input.time);
+    let memory = Id::NULL.with("proposed landmarks");
+    let (index, clicks) = (app.session.frame, frame.clicks.len());
+    let since = ui.data_mut(|data| {
+        let known = data.get_temp_mut_or_default::<Proposing>(memory);
+        if (known.frame, known.clicks) != (index, clicks) || known.since == 0.0 {
+            *known = Proposing { frame: index, clicks, since: now };
+        }
+        known.since
+    });
+    let pulsing = now - since < PULSING_S;
+    for (rank, next) in apart(&app.current().next_clicks, placement).into_iter().enumerate() {
+        let phase = if pulsing { ((now - since) * 3.0 - rank as f64 * 0.7).sin() as f32 } else { 0.0 };
+        let ring = theme::CAUTION.gamma_multiply(0.65 + 0.25 * phase);
+        let at = placement.screen_from_image(next.at);
+        painter.circle_stroke(at, 13.0 + 2.5 * phase, Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring));
+        let text = FontId::proportional(11.0);
+        let told = if rank == 0 { next.gain() } else { format!("±{:.1} px", next.worst_corner_px) };
+        super::labels::plate(
+            painter,
+            at + vec2(0.0, 24.0),
+            Align2::CENTER_CENTER,
+            &told,
+            text,
+            theme::CAUTION,
+            Color32::from_black_alpha(150),
+        );
+    }
+    if pulsing {
+        ui.ctx().request_repaint_after_secs(0.05);
+    }
+}

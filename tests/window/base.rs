@@ -1,0 +1,89 @@
+//! The camera's base: estimated in its panel, looked at, taken over; and how far the lines are to be trusted.
+
+use crate::window::{Window, truth};
+use egui::{Key, Rect, pos2};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::base::BaseWork;
+use touchline::app::session::{Mode, Panel};
+use touchline::app::uncertainty::UncertaintyView;
+use touchline::project::Target;
+
+#[test]
+fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
+    let Some(mut window) = Window::open_clicked(12, [1280.0, 900.0]) else { return };
+    assert!(window.app().current().preview.is_some(), "the landmarks of one frame show what they can");
+    window.harness.get_by_label("Estimate the base now").click();
+    window.harness.step();
+    window.wait_for(|shell| shell.app().session.base.proposed().is_some());
+    window.harness.run_steps(3);
+    assert_eq!(window.app().session.panel, Panel::Camera);
+    assert!(window.app().current().base.is_none(), "nothing is taken over unasked");
+    window.harness.get_by_label("WHERE IT STANDS");
+    assert!(window.harness.query_all_by_label_contains("0003.png: ").next().is_some());
+    window.harness.get_by_label("Use this base").click();
+    window.harness.run_steps(3);
+    let base = window.app().current().base.unwrap();
+    assert!((base.position_m - truth(0).base().position_m).norm() < 0.3, "{:?}", base.position_m);
+    assert!(matches!(window.app().session.base, BaseWork::Applied(_)));
+    assert!(window.app().open().unwrap().document.frames.iter().all(|frame| frame.is_solved_by_clicks()));
+
+    // A bar leads to its frame, a cross leaves it out, a button puts it back.
+    window.harness.get_all_by_label_contains("0003.png: ").next().unwrap().click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frame, 3);
+    window.harness.get_by_label("Leave 0003.png out").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().base_readiness().left_out, 1);
+    window.harness.get_by_label("Put back").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().base_readiness().left_out, 0);
+}
+
+/// Two points close together: nothing far from them is known well.
+fn two_points_close_together() -> Option<Window> {
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0)?;
+    for (landmark, code) in [("penalty_area_far_left_front", "pflf"), ("penalty_mark_left", "pml")] {
+        window.click(window.image_of(landmark));
+        if matches!(window.app().session.mode, Mode::Naming(_)) {
+            window.type_text(code);
+            window.key(Key::Enter);
+        }
+    }
+    assert!(window.app().current().solved().is_some(), "{:?}", window.app().current().solution);
+    Some(window)
+}
+
+#[test]
+fn a_key_shows_a_band_then_a_heat_map_then_neither() {
+    let Some(mut window) = two_points_close_together() else { return };
+    window.key(Key::U);
+    assert_eq!(window.app().session.uncertainty, UncertaintyView::Band);
+    window.key(Key::U);
+    assert_eq!(window.app().session.uncertainty, UncertaintyView::Heat);
+    window.harness.hover_at(pos2(1100.0, 500.0));
+    window.harness.run_steps(3);
+    // Rings and names have come to rest.
+    for _ in 0..400 {
+        window.harness.step();
+    }
+    window.snapshot_of("heat", Rect::from_min_max(pos2(0.0, 24.0), pos2(980.0, 596.0)));
+    window.key(Key::U);
+    assert_eq!(window.app().session.uncertainty, UncertaintyView::Off);
+}
+
+#[test]
+fn the_details_rank_the_next_points_and_one_is_placed_from_there() {
+    let Some(mut window) = two_points_close_together() else { return };
+    let next = window.app().current().next_clicks.clone();
+    assert!(next[0].share_left < 0.5, "{next:?}");
+    assert!(next.windows(2).all(|pair| pair[0].worst_corner_px <= pair[1].worst_corner_px));
+    window.harness.get_by_label("Details").click();
+    window.harness.run_steps(3);
+    let picture = window.harness.get_by_label("Picture").rect();
+    assert!((picture.right() - 980.0).abs() < 1.5, "the panel keeps its width: {picture:?}");
+    let target = Target::Landmark(next[0].id.clone());
+    let label = format!("{}: {}", window.app().label(&target), next[0].gain());
+    window.harness.get_by_label(&label).click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.mode, Mode::Placing(target));
+}
