@@ -29,7 +29,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         return;
     };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("camera panel").auto_shrink(false).show(ui, |ui| {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
             estimate::show(panel, ui, &camera);

@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     // Unfolded details need room as well.
     let most = if panel.app.settings.details { 8.0 } else { f32::INFINITY };
     let room = (ui.available_height() - BELOW_CLICKS).clamp(4.0 * theme::LIST_ROW, most * theme::LIST_ROW);
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("inspector").auto_shrink(false).show(ui, |ui| {
         Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
             ui.set_width(ui.available_width());
             clicks::show(panel, ui, room);
