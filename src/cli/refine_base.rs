@@ -87,7 +87,9 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     if estimates.is_empty() {
         anyhow::bail!(if errors.is_empty() { "the document has no camera".to_owned() } else { errors.join("; ") });
     }
-    errors.iter().for_each(|error| messages.note(error));
+    for error in &errors {
+        messages.note(error);
+    }
     for estimate in &estimates {
         report(estimate, &document, messages);
         estimate.apply(&mut document);

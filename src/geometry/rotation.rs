@@ -86,16 +86,17 @@ pub fn q_tilt(tilt: Angle) -> Mat3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::PI;
 
     #[test]
     fn a_rotation_vector_survives_the_round_trip() {
         let w = Vec3::new(0.3, -1.1, 0.7);
         assert!((rotation_vector(&from_rotation_vector(w)) - w).norm() < 1e-12);
-        for angle in [0.0, 1e-12, 1e-6, 0.3, 2.0, 3.0, 3.14159, std::f64::consts::PI] {
+        for angle in [0.0, 1e-12, 1e-6, 0.3, 2.0, 3.0, PI - 1e-6, PI] {
             for axis in [Vec3::x(), -Vec3::y(), w.normalize(), Vec3::new(-1.0, 1e-3, 0.0).normalize()] {
                 let again = rotation_vector(&from_rotation_vector(axis * angle));
                 // Half a turn about an axis is half a turn about its opposite.
-                let opposite = if angle > 3.1416 - 1e-5 { (again + axis * angle).norm() } else { f64::INFINITY };
+                let opposite = if angle > PI - 1e-5 { (again + axis * angle).norm() } else { f64::INFINITY };
                 let error = (again - axis * angle).norm().min(opposite);
                 assert!(error < 1e-7, "{angle} about {axis:?}: {again:?}");
             }

@@ -52,7 +52,7 @@ impl Headless {
     /// Takes reports in until something holds.
     fn wait_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
         while !holds(&self.app) {
-            self.woken.recv_timeout(Duration::from_secs(60)).unwrap_or_else(|_| {
+            self.woken.recv_timeout(Duration::from_mins(1)).unwrap_or_else(|_| {
                 panic!("{what} did not happen; notices: {:?}", self.app.session.notices);
             });
             for action in self.runner.poll() {
