@@ -7,11 +7,13 @@ use std::sync::Arc;
 use touchline::app::OverlayStyle;
 use touchline::app::drawing::{Colour, Drawing};
 use touchline::app::overlay::{OverlayScene, Standing, overlay};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::field::builtin;
+use touchline::app::uncertainty::{HeatMap, band};
+use touchline::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
+use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::media;
 use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
+use touchline::solve::{Observation, Uncertainty};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const BLACK: Colour = Colour::rgb(0, 0, 0);
@@ -52,6 +54,37 @@ fn picture(key: u64) -> Layer {
 #[divan::bench]
 fn scene(bencher: Bencher) {
     bencher.bench(drawing);
+}
+
+/// A frame solved from two clicks with a base that is not exactly known.
+fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
+    let base = CameraBase {
+        sigma: BaseSigma { position_m: Vec3::repeat(0.2), rotation: Vec3::new(1e-3, 1e-3, 0.0) },
+        ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    };
+    let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1600.0));
+    let click = |name: &str| {
+        let at = camera.image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).unwrap();
+        Observation::of_landmark(&field, name, at, SIZE, 0).unwrap()
+    };
+    let clicks = [click("centre_mark"), click("centre_circle_right")];
+    let uncertainty = Uncertainty::of(&camera, &clicks, None).unwrap();
+    (field, camera, uncertainty)
+}
+
+/// 1-σ of the overlay on a grid of 60×40.
+#[divan::bench]
+fn heat_map(bencher: Bencher) {
+    let (_, camera, uncertainty) = solved();
+    bencher.bench(|| HeatMap::new(&uncertainty, &camera, SIZE));
+}
+
+/// The 1-σ band around every line.
+#[divan::bench]
+fn uncertainty_band(bencher: Bencher) {
+    let (field, camera, uncertainty) = solved();
+    bencher.bench(|| band(&uncertainty, &field, &camera, SIZE, &OverlayStyle::default()));
 }
 
 /// Drawing and reading back; the picture is on the GPU already.

@@ -132,7 +132,9 @@ fn name(app: &App, click: &Click) -> String {
 
 /// The colour that the point has on the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    let disputed = app.current().solved().is_some_and(|solved| is_disputed(solved, index));
+    let recorded = app.frame().and_then(|frame| frame.solution.as_ref());
+    let disputed = app.current().solved().is_some_and(|solved| is_disputed(solved, index))
+        || recorded.is_some_and(|solution| solution.disputed.contains(&index));
     shown(if disputed {
         DISPUTED
     } else if click.target.is_none() {
