@@ -14,8 +14,8 @@
 //! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
 //! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
 //! | 6 | [`app`] (the whole application without a window) |
-//! | 4 | [`project`] (the document), [`synthetic`] (drawn matches with exact truth) |
-//! | 3 | [`solve`] (observations to cameras) |
+//! | 4 | [`project`] (the document), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
+//! | 3 | [`solve`] (observations to cameras), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
 //! | 0 | [`geometry`] |
@@ -23,12 +23,14 @@
 pub mod app;
 pub mod camera;
 pub mod cli;
+pub mod features;
 pub mod field;
 pub mod geometry;
 pub mod jobs;
 pub mod markings;
 pub mod media;
 pub mod project;
+pub mod relocalize;
 pub mod render;
 pub mod solve;
 pub mod synthetic;

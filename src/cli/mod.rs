@@ -10,10 +10,13 @@ mod fields;
 mod messages;
 mod new;
 mod output;
+mod pictures;
 mod refine_base;
+mod relocalize;
 mod render;
 mod solve;
 mod synth;
+mod train;
 
 use clap::{Parser, Subcommand};
 use messages::Messages;
@@ -40,9 +43,11 @@ enum Command {
     Fields(fields::FieldsArgs),
     New(new::NewArgs),
     RefineBase(refine_base::RefineBaseArgs),
+    Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
     Solve(solve::SolveArgs),
     Synth(synth::SynthArgs),
+    Train(train::TrainArgs),
 }
 
 /// How a command ended, when it did not fail.
@@ -83,9 +88,11 @@ pub fn run() -> Next {
         Command::Fields(args) => fields::fields(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
+        Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => render::render(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Synth(args) => synth::synth(&args, messages),
+        Command::Train(args) => train::train(&args, messages),
     };
     Next::Exit(exit_code(result, messages))
 }

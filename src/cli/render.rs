@@ -4,13 +4,14 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
+use super::pictures::read_picture;
 use crate::app::OverlayStyle;
 use crate::app::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
 use crate::app::overlay::{OverlayScene, Standing, overlay};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
-use crate::media::{self, FrameReader, FrameRef};
+use crate::media::{self, FrameReader};
 use crate::project::{Document, Frame, FrameStatus};
 use crate::render::{Layer, Offscreen, Picture, PictureKey, View};
 use anyhow::{Context as _, bail};
@@ -58,7 +59,7 @@ pub fn render(args: &RenderArgs, messages: Messages) -> anyhow::Result<Outcome> 
     let frame = find_frame(&document, &args.frame)
         .with_context(|| format!("{}: --frame {}", location.file().display(), args.frame))?;
     let field = document.field_of(frame).model(location.folder())?;
-    let picture = read_picture(frame, location.folder())?;
+    let picture = read_picture(&mut FrameReader::new(), frame, location.folder())?;
     let camera = document.pointed(frame);
     let style = OverlayStyle::default();
     let mut offscreen = Offscreen::new()?;
@@ -158,27 +159,6 @@ fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Fr
     };
     let frame = document.frames.get(index);
     frame.map(|frame| &**frame).with_context(|| format!("there are {count} frames, counted from 0"))
-}
-
-/// The pixels of a frame: its image file, else its video's frame.
-fn read_picture(frame: &Frame, folder: &Path) -> anyhow::Result<media::Picture> {
-    let source = match (frame.image_path(folder), &frame.video) {
-        (Some(image), _) => FrameRef::image(image),
-        (None, Some(video)) => FrameRef::video(video.file_path(folder), usize::try_from(video.frame_index)?),
-        (None, None) => bail!("the frame has neither an image nor a video to show"),
-    };
-    let picture = FrameReader::new().read(&source)?;
-    if picture.size() != frame.image_size {
-        let (is, said) = (picture.size(), frame.image_size);
-        bail!(
-            "{source} is {} × {} px, but the document says {} × {} px: it is not the frame that was labelled",
-            is.width,
-            is.height,
-            said.width,
-            said.height
-        );
-    }
-    Ok(picture)
 }
 
 #[cfg(test)]

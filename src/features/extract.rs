@@ -1,0 +1,87 @@
+//! A picture's features: found, masked, capped.
+
+use super::{Descriptor, FeatureError, FeatureOptions};
+use crate::geometry::{ImagePoint, ImageSize, PixelBox};
+use crate::media::Picture;
+
+/// Where a feature is, and how large and strong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Keypoint {
+    /// px of the full picture, corner convention.
+    pub point: ImagePoint,
+    /// The diameter of the patch, px of the full picture.
+    pub size_px: f32,
+    /// The detector's response; larger is stronger.
+    pub strength: f32,
+}
+
+/// The features of a picture, the strongest first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Features {
+    /// The size of the full picture, px.
+    pub image_size: ImageSize,
+    /// Where they are.
+    pub keypoints: Vec<Keypoint>,
+    /// What they look like, one for each keypoint.
+    pub descriptors: Vec<Descriptor>,
+}
+
+impl Features {
+    /// How many there are.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.keypoints.len()
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.keypoints.is_empty()
+    }
+}
+
+/// How many more features than the cap are found before masks and spreading choose among them.
+#[cfg(feature = "opencv")]
+const SURPLUS: u32 = 2;
+
+/// The SIFT features of a picture whose centres lie in none of the `masks` (px of the full picture).
+///
+/// # Errors
+/// The program was built without OpenCV, or OpenCV refused. A picture without texture has no features, and no error.
+#[cfg(feature = "opencv")]
+pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) -> Result<Features, FeatureError> {
+    let image_size = picture.size();
+    let factor = options.reduction(image_size.width);
+    let grey = super::grey::grey_reduced(picture, factor);
+    let limit = options.max_count.saturating_mul(SURPLUS);
+    let found = super::sift::sift(&grey, limit).map_err(|error| FeatureError::OpenCv {
+        width: image_size.width,
+        height: image_size.height,
+        reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+    })?;
+    let full_px = f64::from(factor);
+    let (keypoints, values): (Vec<_>, Vec<_>) = found
+        .into_iter()
+        .map(|(reduced, values)| {
+            let point = ImagePoint::new(reduced.point.x * full_px, reduced.point.y * full_px);
+            (Keypoint { point, size_px: reduced.size_px * factor as f32, ..reduced }, values)
+        })
+        .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)))
+        .unzip();
+    let kept = super::spread::spread(&keypoints, image_size, options.max_count as usize);
+    let describe = if options.root_sift { Descriptor::root } else { Descriptor::plain };
+    Ok(Features {
+        image_size,
+        keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
+        descriptors: kept.iter().map(|&index| describe(&values[index])).collect(),
+    })
+}
+
+/// The SIFT features of a picture; this program was built without OpenCV and has none.
+///
+/// # Errors
+/// Always [`FeatureError::WithoutOpenCv`].
+#[cfg(not(feature = "opencv"))]
+pub fn extract(_picture: &Picture, _masks: &[PixelBox], _options: &FeatureOptions) -> Result<Features, FeatureError> {
+    Err(FeatureError::WithoutOpenCv)
+}

@@ -1,0 +1,29 @@
+//! Image features: where a picture has a recognisable patch, and what the patch looks like.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`extract`] | SIFT of a picture, outside its masks, spread over it |
+//! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
+//! | [`FeatureCache`] | features on disk, by picture and settings |
+//! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
+//!
+//! SIFT is OpenCV's; it is called in one function, and the rest builds without it ([`FeatureError::WithoutOpenCv`] says
+//! so by name). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
+//! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
+//! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
+
+mod cache;
+mod descriptor;
+mod error;
+mod extract;
+mod grey;
+mod options;
+#[cfg(feature = "opencv")]
+mod sift;
+mod spread;
+
+pub use cache::{FeatureCache, FeatureKey};
+pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE};
+pub use error::FeatureError;
+pub use extract::{Features, Keypoint, extract};
+pub use options::FeatureOptions;

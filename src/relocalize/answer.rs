@@ -1,0 +1,79 @@
+//! A picture's features to its camera.
+
+use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, Search, SeenRange, pose_from_candidates};
+use crate::camera::CameraBase;
+use crate::features::Features;
+use crate::geometry::Angle;
+use crate::solve::PtzRanges;
+use std::time::{Duration, Instant};
+
+/// How a picture is relocalized.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RelocalizeOptions {
+    /// How the forest is asked.
+    pub predict: PredictOptions,
+    /// How the pose is looked for; without ranges of its own, near where the references looked.
+    pub pose: PoseOptions,
+}
+
+/// What became of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Relocalized {
+    /// Its camera, or why there is none.
+    pub pose: Result<Pose, NotFound>,
+    /// The time that asking the forest took.
+    pub predict_time: Duration,
+    /// The time that finding the pose took.
+    pub pose_time: Duration,
+}
+
+/// How far beyond the references' axes a camera may look: farther off it shares no feature with them.
+const BEYOND_PAN_DEG: f64 = 30.0;
+const BEYOND_TILT_DEG: f64 = 15.0;
+/// How much longer or shorter than the references' a focal length may be: SIFT bridges about two octaves.
+const BEYOND_FOCAL: f64 = 2.5;
+
+impl SeenRange {
+    /// Where a camera may be that shares features with the references.
+    #[must_use]
+    pub fn plausible(&self) -> PtzRanges {
+        let angles = |range: &std::ops::RangeInclusive<f64>, beyond: f64| {
+            Angle::from_degrees(range.start() - beyond)..=Angle::from_degrees(range.end() + beyond)
+        };
+        PtzRanges {
+            pan: angles(&self.pan_deg, BEYOND_PAN_DEG),
+            tilt: angles(&self.tilt_deg, BEYOND_TILT_DEG),
+            focal_px: self.focal_px.start() / BEYOND_FOCAL..=self.focal_px.end() * BEYOND_FOCAL,
+        }
+    }
+}
+
+/// The candidate rays of all features.
+#[must_use]
+pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOptions) -> RayMatches {
+    let (mut search, mut candidates, mut matches) = (Search::default(), Vec::new(), RayMatches::new());
+    for (keypoint, descriptor) in features.keypoints.iter().zip(&features.descriptors) {
+        forest.predict(descriptor, options, &mut search, &mut candidates);
+        matches.push(keypoint.point, &candidates);
+    }
+    matches
+}
+
+/// The camera of a picture from its features, or why there is none.
+#[must_use]
+pub fn relocalize(
+    features: &Features,
+    forest: &Forest,
+    seen: &SeenRange,
+    base: &CameraBase,
+    options: &RelocalizeOptions,
+) -> Relocalized {
+    let start = Instant::now();
+    let matches = candidates_of(features, forest, &options.predict);
+    let predict_time = start.elapsed();
+    let start = Instant::now();
+    let ranges = options.pose.ranges.clone().unwrap_or_else(|| seen.plausible());
+    let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
+    let pose = pose_from_candidates(&matches, base, features.image_size, &pose);
+    Relocalized { pose, predict_time, pose_time: start.elapsed() }
+}

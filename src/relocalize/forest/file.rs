@@ -1,0 +1,167 @@
+//! A forest as bytes, little-endian, and back with every number checked.
+
+use super::tree::{Branch, Forest, LeafRay, Node, Target, Tree};
+use crate::features::{DESCRIPTOR_BYTES, Descriptor};
+use thiserror::Error;
+
+/// Why bytes are no forest.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ForestFileError {
+    /// The file does not begin as a forest does.
+    #[error("this is not a forest of touchline; `touchline train` makes one")]
+    NotAForest,
+    /// Written by a newer program.
+    #[error("this forest has version {version}, this program reads up to {newest}; update touchline or train it again")]
+    Newer {
+        /// The file's version.
+        version: u32,
+        /// The newest that is known.
+        newest: u32,
+    },
+    /// Cut off, altered, or inconsistent in itself.
+    #[error("this forest is damaged ({what}); train it again")]
+    Damaged {
+        /// What does not fit.
+        what: &'static str,
+    },
+}
+
+/// The smallest sizes of the items in bytes, by which a count is checked before memory is reserved.
+const NODE_BYTES: usize = 10;
+const LEAF_BYTES: usize = DESCRIPTOR_BYTES + 12;
+const TREE_BYTES: usize = 12;
+
+/// Appends a forest.
+pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
+    let number = |out: &mut Vec<u8>, value: u32| out.extend(value.to_le_bytes());
+    number(out, forest.trees.len() as u32);
+    for tree in &forest.trees {
+        number(out, tree.root.0);
+        number(out, tree.nodes.len() as u32);
+        number(out, tree.rays.len() as u32);
+        for node in &tree.nodes {
+            out.extend([node.dimension, node.threshold]);
+            number(out, node.branches[0].0);
+            number(out, node.branches[1].0);
+        }
+        for descriptor in &tree.descriptors {
+            out.extend(descriptor.0);
+        }
+        for ray in &tree.rays {
+            for value in [ray.pan_tilt[0], ray.pan_tilt[1], ray.spread] {
+                out.extend(value.to_le_bytes());
+            }
+        }
+    }
+}
+
+/// Bytes that are read from the front, never beyond their end.
+pub(in crate::relocalize) struct Reader<'a> {
+    rest: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    pub(in crate::relocalize) const fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes }
+    }
+
+    /// The next `count` bytes.
+    pub(in crate::relocalize) fn bytes(&mut self, count: usize) -> Result<&'a [u8], ForestFileError> {
+        let (taken, rest) =
+            self.rest.split_at_checked(count).ok_or(ForestFileError::Damaged { what: "it ends too early" })?;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    fn array<const N: usize>(&mut self) -> Result<[u8; N], ForestFileError> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.bytes(N)?);
+        Ok(array)
+    }
+
+    pub(in crate::relocalize) fn u32(&mut self) -> Result<u32, ForestFileError> {
+        Ok(u32::from_le_bytes(self.array()?))
+    }
+
+    pub(in crate::relocalize) fn u64(&mut self) -> Result<u64, ForestFileError> {
+        Ok(u64::from_le_bytes(self.array()?))
+    }
+
+    /// A finite number.
+    pub(in crate::relocalize) fn f64(&mut self) -> Result<f64, ForestFileError> {
+        let value = f64::from_le_bytes(self.array()?);
+        if value.is_finite() { Ok(value) } else { Err(ForestFileError::Damaged { what: "a number is not finite" }) }
+    }
+
+    fn f32(&mut self) -> Result<f32, ForestFileError> {
+        let value = f32::from_le_bytes(self.array()?);
+        if value.is_finite() { Ok(value) } else { Err(ForestFileError::Damaged { what: "a ray is not finite" }) }
+    }
+
+    /// How many items follow, each of at least `item_bytes`: no more than the rest can hold.
+    pub(in crate::relocalize) fn count(&mut self, item_bytes: usize) -> Result<usize, ForestFileError> {
+        let count = self.u32()? as usize;
+        if count > self.rest.len() / item_bytes {
+            return Err(ForestFileError::Damaged { what: "it ends too early" });
+        }
+        Ok(count)
+    }
+
+    /// Text behind its length.
+    pub(in crate::relocalize) fn text(&mut self) -> Result<&'a str, ForestFileError> {
+        let length = self.count(1)?;
+        std::str::from_utf8(self.bytes(length)?).map_err(|_| ForestFileError::Damaged { what: "text is not UTF-8" })
+    }
+
+    /// Everything has been read.
+    pub(in crate::relocalize) fn finish(&self) -> Result<(), ForestFileError> {
+        if self.rest.is_empty() { Ok(()) } else { Err(ForestFileError::Damaged { what: "bytes are left over" }) }
+    }
+
+    /// The forest that [`write_forest`] wrote.
+    pub(in crate::relocalize) fn forest(&mut self) -> Result<Forest, ForestFileError> {
+        let count = self.count(TREE_BYTES)?;
+        if count == 0 {
+            return Err(ForestFileError::Damaged { what: "it has no trees" });
+        }
+        Ok(Forest { trees: (0..count).map(|_| self.tree()).collect::<Result<_, _>>()? })
+    }
+
+    fn tree(&mut self) -> Result<Tree, ForestFileError> {
+        let root = Branch(self.u32()?);
+        let (nodes, leaves) = (self.u32()? as usize, self.u32()? as usize);
+        let needed = nodes.checked_mul(NODE_BYTES).zip(leaves.checked_mul(LEAF_BYTES));
+        if needed.is_none_or(|(nodes, leaves)| nodes.saturating_add(leaves) > self.rest.len()) {
+            return Err(ForestFileError::Damaged { what: "it ends too early" });
+        }
+        check_branch(root, 0, nodes, leaves)?;
+        let nodes: Vec<Node> = (0..nodes)
+            .map(|index| {
+                let [dimension, threshold] = self.array()?;
+                let branches = [Branch(self.u32()?), Branch(self.u32()?)];
+                for branch in branches {
+                    check_branch(branch, index + 1, nodes, leaves)?;
+                }
+                if usize::from(dimension) >= DESCRIPTOR_BYTES {
+                    return Err(ForestFileError::Damaged { what: "a node tests a byte that is not there" });
+                }
+                Ok(Node { dimension, threshold, branches })
+            })
+            .collect::<Result<_, ForestFileError>>()?;
+        let (descriptors, _) = self.bytes(leaves * DESCRIPTOR_BYTES)?.as_chunks::<DESCRIPTOR_BYTES>();
+        let descriptors = descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
+        let rays = (0..leaves)
+            .map(|_| Ok(LeafRay { pan_tilt: [self.f32()?, self.f32()?], spread: self.f32()? }))
+            .collect::<Result<_, ForestFileError>>()?;
+        Ok(Tree { root, nodes, descriptors, rays })
+    }
+}
+
+/// A branch leads to a leaf, or to a node from `first` on: a way down never comes back.
+fn check_branch(branch: Branch, first: usize, nodes: usize, leaves: usize) -> Result<(), ForestFileError> {
+    let holds = match branch.target() {
+        Target::Node(index) => index >= first && index < nodes,
+        Target::Leaf(index) => index < leaves,
+    };
+    if holds { Ok(()) } else { Err(ForestFileError::Damaged { what: "a branch leads nowhere" }) }
+}

@@ -1,0 +1,97 @@
+//! Pixels with the rays that they may show.
+
+use super::RayCandidate;
+use crate::camera::PtzCamera;
+use crate::geometry::{ImagePoint, Vec3};
+use std::ops::Range;
+
+/// A picture's features with their candidate rays, in flat memory. A feature counts by its best candidate.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RayMatches {
+    points: Vec<ImagePoint>,
+    ends: Vec<usize>,
+    /// Unit directions in `base`.
+    rays: Vec<Vec3>,
+    /// The least squared distance of each feature's candidates.
+    distances: Vec<f32>,
+}
+
+impl RayMatches {
+    /// No features.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a feature with its candidates, the likeliest first; one without candidates is left out.
+    pub fn push(&mut self, point: ImagePoint, candidates: &[RayCandidate]) {
+        let Some(first) = candidates.first() else { return };
+        self.points.push(point);
+        self.rays.extend(candidates.iter().map(|candidate| candidate.ray.direction()));
+        self.ends.push(self.rays.len());
+        self.distances.push(first.squared_distance);
+    }
+
+    /// How many features have candidates.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether no feature has a candidate.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
+    /// Where a feature is, px.
+    #[must_use]
+    pub fn point(&self, feature: usize) -> ImagePoint {
+        self.points[feature]
+    }
+
+    /// The candidate rays of a feature, unit directions in `base`, the likeliest first.
+    #[must_use]
+    pub fn rays(&self, feature: usize) -> &[Vec3] {
+        &self.rays[self.range(feature)]
+    }
+
+    fn range(&self, feature: usize) -> Range<usize> {
+        let start = if feature == 0 { 0 } else { self.ends[feature - 1] };
+        start..self.ends[feature]
+    }
+
+    /// The features from the most to the least alike to a reference.
+    pub(super) fn by_distance(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by(|&a, &b| self.distances[a].total_cmp(&self.distances[b]).then(a.cmp(&b)));
+        order
+    }
+
+    /// The squared distance of a feature from its nearest candidate in a camera, px², and that candidate's direction; none
+    /// where no candidate has an image.
+    pub(super) fn nearest(&self, camera: &PtzCamera, feature: usize) -> Option<(f64, Vec3)> {
+        let (rotation, ptz, k1) = (camera.cam_from_base(), camera.ptz(), camera.k1());
+        let offset = self.points[feature].offset_from(camera.base().principal_point) / ptz.focal_px;
+        let fold_squared = camera.fold_radius().powi(2);
+        let mut best = None::<(f64, Vec3)>;
+        for &ray in self.rays(feature) {
+            let in_cam = rotation * ray;
+            if !(in_cam.z > crate::camera::MIN_DEPTH) {
+                continue;
+            }
+            let (x, y) = (in_cam.x / in_cam.z, in_cam.y / in_cam.z);
+            let radius_squared = x * x + y * y;
+            if radius_squared >= fold_squared {
+                continue;
+            }
+            let stretch = 1.0 + k1 * radius_squared;
+            let (dx, dy) = (x * stretch - offset.x, y * stretch - offset.y);
+            let squared = (dx * dx + dy * dy) * ptz.focal_px * ptz.focal_px;
+            if best.is_none_or(|(least, _)| squared < least) {
+                best = Some((squared, ray));
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,156 @@
+//! A forest file: forests by camera, the document they belong to, and how features were found.
+
+use super::forest::{Forest, ForestFileError, Reader, write_forest};
+use crate::camera::Ptz;
+use crate::features::FeatureOptions;
+use std::ops::RangeInclusive;
+
+/// How a forest file begins.
+const MAGIC: &[u8; 8] = b"TLFOREST";
+
+/// The newest version that is read, and the one that is written.
+pub const FOREST_VERSION: u32 = 1;
+
+/// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForestModel {
+    /// The document's field and cameras as its JSON, without frames; text that this room does not look into.
+    pub document: String,
+    /// How the features of the references were found, and how those of other frames must be.
+    pub features: FeatureOptions,
+    /// A forest for each camera that has references.
+    pub cameras: Vec<CameraForest>,
+}
+
+/// The forest of one camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraForest {
+    /// The camera's name in the document.
+    pub camera: String,
+    /// Where its references looked.
+    pub seen: SeenRange,
+    /// From descriptors to rays in the camera's base.
+    pub forest: Forest,
+}
+
+/// Where the references of a camera looked, from the least to the greatest, and how many there are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenRange {
+    /// Pan of the optical axis, degrees.
+    pub pan_deg: RangeInclusive<f64>,
+    /// Tilt of the optical axis, degrees.
+    pub tilt_deg: RangeInclusive<f64>,
+    /// Focal length, px of the frame.
+    pub focal_px: RangeInclusive<f64>,
+    /// How many references gave features.
+    pub references: u32,
+}
+
+impl SeenRange {
+    /// The range of some cameras; none without any.
+    #[must_use]
+    pub fn of(cameras: &[Ptz]) -> Option<Self> {
+        let range = |value: fn(&Ptz) -> f64| {
+            let least = cameras.iter().map(value).min_by(f64::total_cmp)?;
+            let greatest = cameras.iter().map(value).max_by(f64::total_cmp)?;
+            Some(least..=greatest)
+        };
+        Some(Self {
+            pan_deg: range(|ptz| ptz.pan.degrees())?,
+            tilt_deg: range(|ptz| ptz.tilt.degrees())?,
+            focal_px: range(|ptz| ptz.focal_px)?,
+            references: cameras.len() as u32,
+        })
+    }
+}
+
+impl ForestModel {
+    /// The forest of a camera.
+    #[must_use]
+    pub fn camera(&self, name: &str) -> Option<&CameraForest> {
+        self.cameras.iter().find(|forest| forest.camera == name)
+    }
+
+    /// The file: magic, version, length and CRC-32 of the rest, then the rest; little-endian throughout.
+    #[must_use]
+    pub fn to_bytes(&self) -> Vec<u8> {
+        let mut body = Vec::new();
+        text(&mut body, &self.document);
+        for number in [self.features.max_count, self.features.max_width_px, u32::from(self.features.root_sift)] {
+            body.extend(number.to_le_bytes());
+        }
+        body.extend((self.cameras.len() as u32).to_le_bytes());
+        for camera in &self.cameras {
+            text(&mut body, &camera.camera);
+            for range in [&camera.seen.pan_deg, &camera.seen.tilt_deg, &camera.seen.focal_px] {
+                body.extend(range.start().to_le_bytes());
+                body.extend(range.end().to_le_bytes());
+            }
+            body.extend(camera.seen.references.to_le_bytes());
+            write_forest(&camera.forest, &mut body);
+        }
+        let mut file = Vec::with_capacity(body.len() + 24);
+        file.extend(MAGIC);
+        file.extend(FOREST_VERSION.to_le_bytes());
+        file.extend((body.len() as u64).to_le_bytes());
+        file.extend(crc32fast::hash(&body).to_le_bytes());
+        file.extend(body);
+        file
+    }
+
+    /// What a file holds.
+    ///
+    /// # Errors
+    /// It is no forest, comes from a newer program, or is damaged.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
+        let mut header = Reader::new(bytes);
+        if header.bytes(MAGIC.len()).ok() != Some(MAGIC) {
+            return Err(ForestFileError::NotAForest);
+        }
+        let version = header.u32()?;
+        if version > FOREST_VERSION {
+            return Err(ForestFileError::Newer { version, newest: FOREST_VERSION });
+        }
+        if version == 0 {
+            return Err(ForestFileError::Damaged { what: "its version is 0" });
+        }
+        let (length, checksum) = (header.u64()?, header.u32()?);
+        let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged { what: "it ends too early" })?;
+        let body = header.bytes(length)?;
+        header.finish()?;
+        if crc32fast::hash(body) != checksum {
+            return Err(ForestFileError::Damaged { what: "its checksum does not fit" });
+        }
+        let mut body = Reader::new(body);
+        let document = body.text()?.to_owned();
+        let features = FeatureOptions {
+            max_count: body.u32()?,
+            max_width_px: body.u32()?,
+            root_sift: match body.u32()? {
+                0 => false,
+                1 => true,
+                _ => return Err(ForestFileError::Damaged { what: "its kind of features is not known" }),
+            },
+        };
+        let count = body.count(1)?;
+        let cameras = (0..count).map(|_| camera(&mut body)).collect::<Result<_, _>>()?;
+        body.finish()?;
+        Ok(Self { document, features, cameras })
+    }
+}
+
+fn text(out: &mut Vec<u8>, text: &str) {
+    out.extend((text.len() as u32).to_le_bytes());
+    out.extend(text.as_bytes());
+}
+
+fn camera(body: &mut Reader) -> Result<CameraForest, ForestFileError> {
+    let camera = body.text()?.to_owned();
+    let seen = SeenRange {
+        pan_deg: body.f64()?..=body.f64()?,
+        tilt_deg: body.f64()?..=body.f64()?,
+        focal_px: body.f64()?..=body.f64()?,
+        references: body.u32()?,
+    };
+    Ok(CameraForest { camera, seen, forest: body.forest()? })
+}

@@ -1,0 +1,224 @@
+//! Pose from candidate rays: the camera that most features agree on, how well it is known, or why there is none
+//! (section 3.3 of the paper).
+//!
+//! Everything happens in the camera's `base`, where the rays are: the base's own uncertainty plays no part.
+
+use super::consensus::{Consensus, find_consensus};
+use super::{NotFound, RayMatches};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::solve::{Loss, Observation, PtzRanges, Target, Uncertainty, refine};
+use std::collections::BTreeSet;
+
+/// How a pose is looked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseOptions {
+    /// A feature agrees with a camera within this distance, px at 1920 px width. 6 by default.
+    pub agreement_px: f64,
+    /// Pan, tilt and focal length outside are no answer; none takes what any camera could do.
+    pub ranges: Option<PtzRanges>,
+    /// Hypotheses at most. 4000 by default; few features that agree need many.
+    pub max_hypotheses: usize,
+    /// The search ends when a better camera would have been missed with this probability. 0.001 by default.
+    pub miss_probability: f64,
+    /// Answers that are right with less than this probability are "not found". 0.5 by default.
+    pub min_confidence: f64,
+    /// Where chance starts.
+    pub seed: u64,
+}
+
+impl Default for PoseOptions {
+    fn default() -> Self {
+        Self {
+            agreement_px: 6.0,
+            ranges: None,
+            max_hypotheses: 4000,
+            miss_probability: 1e-3,
+            min_confidence: 0.5,
+            seed: 0,
+        }
+    }
+}
+
+/// The camera that a picture's features agree on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// Pan, tilt, focal length.
+    pub ptz: Ptz,
+    /// Covariance of (pan deg, tilt deg, focal px); features close together count as one.
+    pub covariance: Mat3,
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    pub worst_corner_sigma_px: f64,
+    /// Root mean square of the agreeing features' distances, px.
+    pub rms_px: f64,
+    /// The features that agree, by their number in the matches.
+    pub inliers: Vec<usize>,
+    /// In how many places of the picture features agree (cells of a 32 × 18 grid): one board's many features are few
+    /// places.
+    pub places: usize,
+    /// The probability that the overlay is right within 10 px at 1920 px width.
+    pub confidence: f64,
+    /// Hypotheses tried.
+    pub hypotheses: usize,
+}
+
+/// Columns and rows of the grid by which the places of agreeing features are counted.
+const PLACES: (f64, f64) = (32.0, 18.0);
+
+/// Rounds of choosing candidates and refining over all of them.
+const ROUNDS: usize = 4;
+
+/// The median of the distance of a two-dimensional normal error, in sigmas of one axis.
+const MEDIAN_OF_RAYLEIGH: f64 = 1.1774;
+
+/// The Cauchy constant of 95 % efficiency, sigmas.
+const CAUCHY: f64 = 2.3849;
+
+/// Features beyond this do not agree once the noise is known, sigmas.
+const INLIER_SIGMAS: f64 = 4.0;
+
+/// No noise is taken to be smaller, px at 1920 px width: a keypoint's own.
+const MIN_SIGMA_PX: f64 = 0.1;
+
+/// Fewer agreeing features than this are chance, whatever else.
+pub(super) const MIN_INLIERS: usize = 6;
+
+/// The camera that most features agree on.
+///
+/// # Errors
+/// By name, why there is none: see [`NotFound`].
+pub fn pose_from_candidates(
+    matches: &RayMatches,
+    base: &CameraBase,
+    image_size: ImageSize,
+    options: &PoseOptions,
+) -> Result<Pose, NotFound> {
+    if matches.len() < MIN_INLIERS {
+        return Err(NotFound::FewMatches { matched: matches.len(), needed: MIN_INLIERS });
+    }
+    let at_base = CameraBase {
+        distortion: base.distortion,
+        ..CameraBase::new(Vec3::zeros(), Mat3::identity(), base.principal_point)
+    };
+    let found = find_consensus(matches, &at_base, image_size, options);
+    let needed = MIN_INLIERS;
+    let Consensus { ptz: Some(start), hypotheses, agreeing } = found else {
+        return Err(NotFound::NoAgreement { matched: matches.len(), agreeing: 0, needed });
+    };
+    let no_agreement = |agreeing: usize| NotFound::NoAgreement { matched: matches.len(), agreeing, needed };
+    let refined =
+        refine_over_all(matches, &at_base, start, image_size, options).ok_or_else(|| no_agreement(agreeing))?;
+    let Refinement { ptz, inliers, sigma_px, rms_px } = refined;
+    if inliers.len() < MIN_INLIERS {
+        return Err(no_agreement(inliers.len()));
+    }
+    if !plausible(&ptz, image_size, options) {
+        return Err(NotFound::Implausible { pan: ptz.pan, tilt: ptz.tilt, focal_px: ptz.focal_px });
+    }
+    let camera = PtzCamera::new(at_base, ptz);
+    let places = places(inliers.iter().map(|&feature| matches.point(feature)), image_size);
+    // Features of one place share their references' errors: they count as one.
+    let crowding = (inliers.len() as f64 / places as f64).sqrt();
+    let observations: Vec<Observation> = observed(matches, &camera, inliers.iter().copied(), sigma_px * crowding);
+    let uncertainty = Uncertainty::of(&camera, &observations, None).map_err(|_| no_agreement(inliers.len()))?;
+    let worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
+    let confidence = confidence(places, worst_corner_sigma_px / image_size.scale_from_1920());
+    if !(confidence >= options.min_confidence) {
+        return Err(NotFound::Unsure { confidence, inliers: inliers.len(), places, worst_corner_sigma_px });
+    }
+    Ok(Pose {
+        ptz,
+        covariance: uncertainty.ptz_covariance_deg(),
+        worst_corner_sigma_px,
+        rms_px,
+        inliers,
+        places,
+        confidence,
+        hypotheses,
+    })
+}
+
+/// Whether an answer lies where the camera may be.
+pub(super) fn plausible(ptz: &Ptz, image_size: ImageSize, options: &PoseOptions) -> bool {
+    match &options.ranges {
+        Some(ranges) => ranges.contains(ptz),
+        None => PtzRanges::for_width(image_size.width).contains(ptz),
+    }
+}
+
+/// Agreeing places at which an answer is as likely right as wrong, and how fast that changes.
+const EVEN_PLACES: f64 = 8.0;
+const PLACES_SCALE: f64 = 0.9;
+
+/// The probability that an overlay is right within 10 px: a logistic curve in the number of places, for the danger that
+/// all of it is chance, times the share of a normal error of this size (px at 1920 px width) that lies within 10 px.
+fn confidence(places: usize, worst_corner_sigma_px: f64) -> f64 {
+    let not_chance = 1.0 / (1.0 + (-(places as f64 - EVEN_PLACES) / PLACES_SCALE).exp());
+    let within = 1.0 - (-(10.0 / worst_corner_sigma_px).powi(2)).exp();
+    not_chance * within
+}
+
+/// In how many cells of the grid points lie.
+pub(super) fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
+    let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
+    let cell = |point: ImagePoint| ((point.x / width * PLACES.0) as i32, (point.y / height * PLACES.1) as i32);
+    points.map(cell).collect::<BTreeSet<_>>().len()
+}
+
+/// Features with the candidates nearest to them in a camera, as observations.
+pub(super) fn observed(
+    matches: &RayMatches,
+    camera: &PtzCamera,
+    features: impl Iterator<Item = usize>,
+    sigma_px: f64,
+) -> Vec<Observation> {
+    features
+        .filter_map(|feature| {
+            let (_, ray) = matches.nearest(camera, feature)?;
+            let target = Target::Landmark(ray);
+            Some(Observation { image: matches.point(feature), sigma_px, target, click: feature, check: false })
+        })
+        .collect()
+}
+
+struct Refinement {
+    ptz: Ptz,
+    inliers: Vec<usize>,
+    sigma_px: f64,
+    rms_px: f64,
+}
+
+/// Robust refinement over all features that agree, the noise measured from them; none if too few agree on the way.
+fn refine_over_all(
+    matches: &RayMatches,
+    base: &CameraBase,
+    start: Ptz,
+    image_size: ImageSize,
+    options: &PoseOptions,
+) -> Option<Refinement> {
+    let scale = image_size.scale_from_1920();
+    let widest_px = options.agreement_px * scale;
+    let (mut ptz, mut within_px) = (start, widest_px);
+    for round in 0.. {
+        let camera = PtzCamera::new(*base, ptz);
+        let near: Vec<(usize, f64)> = (0..matches.len())
+            .filter_map(|feature| Some((feature, matches.nearest(&camera, feature)?.0.sqrt())))
+            .filter(|(_, distance_px)| *distance_px <= within_px)
+            .collect();
+        if near.len() < 3 {
+            return None;
+        }
+        let mut distances: Vec<f64> = near.iter().map(|(_, distance_px)| *distance_px).collect();
+        distances.sort_by(f64::total_cmp);
+        let sigma_px = (distances[distances.len() / 2] / MEDIAN_OF_RAYLEIGH).max(MIN_SIGMA_PX * scale);
+        if round == ROUNDS {
+            let rms_px = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
+            let inliers = near.into_iter().map(|(feature, _)| feature).collect();
+            return Some(Refinement { ptz, inliers, sigma_px, rms_px });
+        }
+        let observations = observed(matches, &camera, near.iter().map(|(feature, _)| *feature), sigma_px);
+        ptz = refine(base, ptz, observations.iter(), Loss::Cauchy { c: CAUCHY }, None).ptz;
+        within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);
+    }
+    None
+}

@@ -1,0 +1,135 @@
+//! `touchline train` and `touchline relocalize` on a drawn match.
+#![cfg(feature = "opencv")]
+
+use crate::program::touchline;
+use std::fs;
+use std::path::Path;
+use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
+use touchline::project::{Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+
+fn document(path: &Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+fn write(path: &Path, document: &Document) {
+    fs::write(path, document_to_string(document).unwrap()).unwrap();
+}
+
+/// A drawn match: every second frame is a reference in `teach.json`, the others are new in `ask.json`; `truth.json` has
+/// all.
+fn drawn_match(folder: &Path) {
+    let drawn = touchline(folder, "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = folder.join("match");
+    let truth = document(&folder.join("truth.json"));
+    let (mut teach, mut ask) = (truth.clone(), truth);
+    for index in 0..teach.frames.len() {
+        let (reference, asked) = (&mut *teach.frames[index], &mut *ask.frames[index]);
+        reference.status = if index % 2 == 0 { FrameStatus::Reference } else { FrameStatus::New };
+        asked.clicks.clear();
+        if index % 2 == 1 {
+            asked.status = FrameStatus::New;
+            asked.ptz = None;
+            asked.solution = None;
+        } else {
+            asked.status = FrameStatus::Reference;
+        }
+    }
+    write(&folder.join("teach.json"), &teach);
+    write(&folder.join("ask.json"), &ask);
+}
+
+#[test]
+fn references_teach_and_the_other_frames_are_answered() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_match(place.path());
+    let folder = place.path().join("match");
+    let trained = touchline(&folder, "train teach.json -o forest.tlf");
+    assert_eq!(trained.code, 0, "{}", trained.stderr);
+    assert!(trained.stderr.contains("forest.tlf: 5 references, "), "{}", trained.stderr);
+    let bytes = fs::read(folder.join("forest.tlf")).unwrap();
+    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf").code, 2, "it exists");
+    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --force").code, 0);
+    assert!(fs::read(folder.join("forest.tlf")).unwrap() == bytes, "same input, same bytes");
+
+    let ran = touchline(&folder, "relocalize forest.tlf ask.json -o answers.json");
+    let (truth, answers) = (document(&folder.join("truth.json")), document(&folder.join("answers.json")));
+    let mut answered = 0;
+    for (index, (frame, truth)) in answers.frames.iter().zip(&truth.frames).enumerate() {
+        if index % 2 == 0 {
+            assert_eq!((frame.status, &frame.ptz), (FrameStatus::Reference, &truth.ptz), "left as it was");
+            continue;
+        }
+        let solution = frame.solution.as_ref().unwrap();
+        let timings = solution.extra["timings_ms"].as_object().unwrap();
+        assert_eq!(timings.keys().collect::<Vec<_>>(), ["features", "predict", "pose"]);
+        assert_eq!(solution.source, Some(SolutionSource::Forest));
+        let Some(ptz) = &frame.ptz else {
+            assert_eq!((frame.status, solution.warnings.len()), (FrameStatus::New, 1));
+            continue;
+        };
+        answered += 1;
+        assert_eq!(frame.status, FrameStatus::Suggested);
+        assert!(solution.confidence.unwrap() >= 0.5 && solution.covariance.is_some());
+        let (found, truth) = (ptz.ptz(), truth.ptz.as_ref().unwrap().ptz());
+        let turned = |ptz: touchline::camera::Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
+        assert!(angle_between(&turned(found), &turned(truth)).degrees() < 0.1, "frame {index}: {found:?} {truth:?}");
+    }
+    assert!(answered >= 3, "{answered} of 5: {}", ran.stderr);
+    assert_eq!(ran.code, i32::from(answered < 5), "{}", ran.stderr);
+}
+
+#[test]
+fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_match(place.path());
+    let folder = place.path().join("match");
+    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf").code, 0);
+    fs::create_dir(folder.join("some")).unwrap();
+    fs::copy(folder.join("images/0001.jpg"), folder.join("some/1.jpg")).unwrap();
+    fs::write(folder.join("some/2.jpg"), "no picture").unwrap();
+    let ran = touchline(&folder, "relocalize forest.tlf some -o out.jsonl");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("2.jpg: "), "{}", ran.stderr);
+    let lines = fs::read_to_string(folder.join("out.jsonl")).unwrap();
+    let frames: Vec<serde_json::Value> = lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    assert_eq!(frames.len(), 1);
+    assert_eq!((&frames[0]["image"], &frames[0]["status"]), (&"some/1.jpg".into(), &"suggested".into()));
+}
+
+#[test]
+fn what_does_not_fit_is_one_line_and_exit_two() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_match(place.path());
+    let folder = place.path().join("match");
+    let none = touchline(&folder, "train ask.json -o none.tlf --features 10");
+    assert_eq!(none.code, 2, "too few features are refused");
+    let mut suggestions = document(&folder.join("teach.json"));
+    for frame in &mut suggestions.frames {
+        frame.solution.get_or_insert_default().source = Some(SolutionSource::Forest);
+    }
+    write(&folder.join("suggestions.json"), &suggestions);
+    let refused = touchline(&folder, "train suggestions.json -o none.tlf");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("no references to learn from"), "{}", refused.stderr);
+    assert!(!folder.join("none.tlf").exists());
+    assert_eq!(touchline(&folder, "train suggestions.json -o forest.tlf --all-references").code, 0);
+
+    let mut moved = document(&folder.join("ask.json"));
+    moved.cameras[0].position_m.as_mut().unwrap().x += 0.5;
+    write(&folder.join("moved.json"), &moved);
+    let refused = touchline(&folder, "relocalize forest.tlf moved.json -o out.json");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("train the forest again"), "{}", refused.stderr);
+    let mut bytes = fs::read(folder.join("forest.tlf")).unwrap();
+    let middle = bytes.len() / 2;
+    bytes[middle] ^= 1;
+    fs::write(folder.join("damaged.tlf"), bytes).unwrap();
+    let refused = touchline(&folder, "relocalize damaged.tlf ask.json -o out.json");
+    assert_eq!(
+        refused.stderr,
+        "touchline: damaged.tlf: this forest is damaged (its checksum does not fit); train it again\n"
+    );
+    assert_eq!(refused.code, 2);
+    assert!(!folder.join("out.json").exists());
+}
