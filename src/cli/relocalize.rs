@@ -8,7 +8,7 @@ use super::pictures::{FrameFeatures, with_features};
 use crate::camera::CameraBase;
 use crate::media::{FrameSource, image_size};
 use crate::project::{
-    self, Camera, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+    self, Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
     document_from_bytes, path_between,
 };
 use crate::relocalize::{ForestModel, Pose, PoseOptions, RelocalizeOptions, Relocalized, relocalize as relocalized};
@@ -108,7 +108,7 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
     }
     ensure!(
         !taught.field.is_file()
-            && !taught.cameras.iter().any(|camera| camera.field.as_ref().is_some_and(|f| f.is_file())),
+            && !taught.cameras.iter().any(|camera| camera.field.as_ref().is_some_and(FieldSpec::is_file)),
         "the forest's field is a template file of your own, which images do not bring along; relocalize a document"
     );
     let folder = std::env::current_dir()?;

@@ -53,8 +53,8 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
     let image_size = picture.size();
     let factor = options.reduction(image_size.width);
     let grey = super::grey::grey_reduced(picture, factor);
-    let limit = options.max_count.saturating_mul(SURPLUS);
-    let found = super::sift::sift(&grey, limit).map_err(|error| FeatureError::OpenCv {
+    let limit = f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
+    let found = super::sift::sift(&grey, limit.min(f64::from(i32::MAX)) as u32).map_err(|error| FeatureError::OpenCv {
         width: image_size.width,
         height: image_size.height,
         reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
@@ -75,6 +75,15 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
         keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
         descriptors: kept.iter().map(|&index| describe(&values[index])).collect(),
     })
+}
+
+/// The share of a picture that no mask covers, at least a tenth: what is found there must make up for the rest.
+#[cfg(feature = "opencv")]
+fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
+    let (width, height) = (f64::from(size.width), f64::from(size.height));
+    let side = |from: f64, extent: f64, limit: f64| ((from + extent).min(limit) - from.max(0.0)).max(0.0);
+    let covered: f64 = masks.iter().map(|m| side(m.x, m.width, width) * side(m.y, m.height, height)).sum();
+    (1.0 - covered / (width * height)).max(0.1)
 }
 
 /// The SIFT features of a picture; this program was built without OpenCV and has none.

@@ -109,7 +109,7 @@ impl Best {
             })
             .take(LOCAL_FEATURES);
         let observations = observed(matches, &camera, near, agreement_px / 3.0);
-        let ptz = refine(base, start, observations.iter(), Loss::Cauchy { c: 1.0 }, None).ptz;
+        let ptz = refine(base, start, &observations, Loss::Cauchy { c: 1.0 }, None).ptz;
         let refined = PtzCamera::new(*base, ptz);
         if let Some((score, agreeing)) = score(matches, &refined, order, agreement_px, self.score)
             && score > self.score

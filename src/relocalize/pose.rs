@@ -217,7 +217,7 @@ fn refine_over_all(
             return Some(Refinement { ptz, inliers, sigma_px, rms_px });
         }
         let observations = observed(matches, &camera, near.iter().map(|(feature, _)| *feature), sigma_px);
-        ptz = refine(base, ptz, observations.iter(), Loss::Cauchy { c: CAUCHY }, None).ptz;
+        ptz = refine(base, ptz, &observations, Loss::Cauchy { c: CAUCHY }, None).ptz;
         within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);
     }
     None

