@@ -54,11 +54,12 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
     let factor = options.reduction(image_size.width);
     let grey = super::grey::grey_reduced(picture, factor);
     let limit = f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
-    let found = super::sift::sift(&grey, limit.min(f64::from(i32::MAX)) as u32).map_err(|error| FeatureError::OpenCv {
-        width: image_size.width,
-        height: image_size.height,
-        reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
-    })?;
+    let found =
+        super::sift::sift(&grey, limit.min(f64::from(i32::MAX)) as u32).map_err(|error| FeatureError::OpenCv {
+            width: image_size.width,
+            height: image_size.height,
+            reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+        })?;
     let full_px = f64::from(factor);
     let (keypoints, values): (Vec<_>, Vec<_>) = found
         .into_iter()
