@@ -3,8 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
+use crate::field::Symmetry;
 use crate::project::{
-    CameraEstimate, CameraId, Document, SolveOutcome, estimate_camera, mirrored_message, solve_document,
+    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, solve_document,
 };
 use crate::solve::base::{BaseOptions, CrownModel, LensModel};
 use clap::ValueEnum;
@@ -79,7 +80,10 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let mut estimates = Vec::new();
     let mut errors = Vec::new();
     for camera in &cameras {
-        match estimate_camera(&document, camera, location.folder(), &options) {
+        let estimate = |camera| -> Result<EstimatedBase, BaseEstimationError> {
+            BaseProblem::of(&document, camera, location.folder())?.estimate(&document, &options)
+        };
+        match estimate(camera) {
             Ok(estimate) => estimates.push(estimate),
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.as_str())),
         }
@@ -92,7 +96,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     }
     for estimate in &estimates {
         report(estimate, &document, messages);
-        estimate.apply(&mut document);
+        estimate.write_camera(&mut document);
     }
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;
@@ -105,7 +109,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         }
     }
     for estimate in &estimates {
-        estimate.mark_disputes(&mut document);
+        mark_disputes(estimate, &mut document);
     }
     args.output.write(&document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
@@ -113,10 +117,19 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
+/// The clicks that disagree, in the solutions of their frames.
+fn mark_disputes(found: &EstimatedBase, document: &mut Document) {
+    for disputed in &found.estimate.disputed {
+        if let Some(solution) = &mut document.frames[disputed.frame].solution {
+            solution.disputed.push(disputed.click);
+        }
+    }
+}
+
 /// What was found, which models were compared, what disagrees.
-fn report(camera: &CameraEstimate, document: &Document, messages: Messages) {
-    let found = &camera.estimate;
-    let name = camera.camera.as_str();
+fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
+    let found = &estimated.estimate;
+    let name = estimated.camera.as_str();
     let (at, sigma, angles) = (found.base.position_m, found.base.sigma.position_m, found.base.angles());
     messages.note(&format!(
         "{name}: position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, pitch {:.2}, roll {:.2}",
@@ -134,14 +147,23 @@ fn report(camera: &CameraEstimate, document: &Document, messages: Messages) {
         "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",
         found.median_px, found.p90_px, found.crown_m
     ));
-    let frame_name = |index: usize| document.frames[camera.frames[index]].name();
+    let frame_name = |index: usize| document.frames[index].name();
     for click in &found.disputed {
         let error = click.error_px.map_or_else(|| "behind the camera".to_owned(), |error| format!("{error:.0} px off"));
         let better = click.fits_better.as_ref().map_or_else(String::new, |(id, _)| format!(", {id} would fit"));
         messages.note(&format!("{}: point {} is {error}{better}", frame_name(click.frame), click.click + 1));
     }
     for frame in &found.mirrored {
-        let message = mirrored_message(frame.symmetry, frame.median_px, frame.median_mirrored_px);
-        messages.note(&format!("{}: {message}", frame_name(frame.frame)));
+        let exchanged = match frame.symmetry {
+            Symmetry::MirrorX => "left and right",
+            Symmetry::MirrorY => "near and far",
+            Symmetry::Turn180 => "left and right, near and far",
+        };
+        messages.note(&format!(
+            "{}: the names look mirrored: {:.0} px off as named, {:.1} px with {exchanged} exchanged",
+            frame_name(frame.frame),
+            frame.median_px,
+            frame.median_mirrored_px
+        ));
     }
 }

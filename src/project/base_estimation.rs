@@ -207,11 +207,18 @@ impl BaseProblem {
 }
 
 impl EstimatedBase {
-    /// Writes position, rotation, lens and sigma into the camera and the crown into its field; frames stay.
+    /// Writes position, rotation, lens and sigma into the camera and the crown into its field; frames stay. Where there are
+    /// several cameras, each gets a field of its own with its crown: they may stand at different venues.
     pub fn write_camera(&self, document: &mut Document) {
         let base = &self.estimate.base;
+        let shared = (document.cameras.len() > 1).then(|| document.field.clone());
         let Some(camera) = document.camera_mut(&self.camera) else { return };
         camera.set_base(base);
+        if let Some(shared) = shared
+            && shared.crown_m() != self.estimate.crown_m
+        {
+            camera.field.get_or_insert(shared);
+        }
         let field = if camera.field.is_some() { camera.field.as_mut() } else { Some(&mut document.field) };
         if let Some(field) = field {
             field.set_crown_m(self.estimate.crown_m);

@@ -9,7 +9,6 @@ mod atomic;
 mod base_estimation;
 mod calibration;
 mod camera;
-mod camera_estimate;
 mod check;
 mod click;
 mod create;
@@ -35,7 +34,6 @@ pub use base_estimation::{
 };
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
-pub use camera_estimate::{CameraEstimate, CameraEstimateError, estimate_camera, mirrored_message};
 pub use check::{Fault, Problem, check_pictures, check_values};
 pub use click::{Click, Target};
 pub use create::{NewDocument, document_from_frames};
