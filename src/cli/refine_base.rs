@@ -3,9 +3,8 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::field::Symmetry;
 use crate::project::{
-    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, solve_document,
+    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, mirrored_words, solve_document,
 };
 use crate::solve::base::{BaseOptions, CrownModel, LensModel};
 use clap::ValueEnum;
@@ -109,21 +108,12 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         }
     }
     for estimate in &estimates {
-        mark_disputes(estimate, &mut document);
+        estimate.mark_disputes(&mut document);
     }
     args.output.write(&document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
     messages.note(&format!("{} cameras estimated, {solved} frames solved", estimates.len()));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
-}
-
-/// The clicks that disagree, in the solutions of their frames.
-fn mark_disputes(found: &EstimatedBase, document: &mut Document) {
-    for disputed in &found.estimate.disputed {
-        if let Some(solution) = &mut document.frames[disputed.frame].solution {
-            solution.disputed.push(disputed.click);
-        }
-    }
 }
 
 /// What was found, which models were compared, what disagrees.
@@ -154,16 +144,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         messages.note(&format!("{}: point {} is {error}{better}", frame_name(click.frame), click.click + 1));
     }
     for frame in &found.mirrored {
-        let exchanged = match frame.symmetry {
-            Symmetry::MirrorX => "left and right",
-            Symmetry::MirrorY => "near and far",
-            Symmetry::Turn180 => "left and right, near and far",
-        };
-        messages.note(&format!(
-            "{}: the names look mirrored: {:.0} px off as named, {:.1} px with {exchanged} exchanged",
-            frame_name(frame.frame),
-            frame.median_px,
-            frame.median_mirrored_px
-        ));
+        let words = mirrored_words(frame);
+        messages.note(&format!("{}: the names look mirrored: {words}", frame_name(frame.frame)));
     }
 }

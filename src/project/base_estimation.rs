@@ -1,17 +1,17 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
 use super::{
-    CalibrationError, Camera, CameraId, Document, Frame, FrameStatus, Target, calibrate, observations,
+    CalibrationError, Camera, CameraId, Document, Frame, FrameStatus, SolutionWarning, Target, calibrate, observations,
     solved_neighbours,
 };
 use crate::camera::{CameraBase, PtzCamera};
-use crate::field::{FieldError, FieldModel, LandmarkId};
+use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
-use crate::solve::ObservationError;
 use crate::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, adjust_base,
-    estimate_base, start_base,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, MirroredFrame,
+    adjust_base, estimate_base, start_base,
 };
+use crate::solve::{ObservationError, WarningCode};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -225,6 +225,37 @@ impl EstimatedBase {
         }
     }
 
+    /// Marks the clicks that disagree and the frames named from the wrong side in the frames' solutions; to be called after
+    /// they have been solved with the new base.
+    pub fn mark_disputes(&self, document: &mut Document) {
+        for disputed in &self.estimate.disputed {
+            let Some(frame) = document.frames.get_mut(disputed.frame) else { continue };
+            let named = frame.clicks.get(disputed.click).and_then(|click| click.target.as_ref());
+            let named = named.map(|target| target.as_str().to_owned());
+            let Some(solution) = &mut frame.solution else { continue };
+            if !solution.disputed.contains(&disputed.click) {
+                solution.disputed.push(disputed.click);
+            }
+            if let (Some((better, distance_px)), Some(named), Some(error_px)) =
+                (&disputed.fits_better, named, disputed.error_px)
+            {
+                let message = format!(
+                    "Point {} is {error_px:.0} px off as {named}, {distance_px:.1} px as {better}.",
+                    disputed.click + 1
+                );
+                let warning = SolutionWarning::new(WarningCode::WrongLine.as_str(), message);
+                solution.warnings.push(SolutionWarning { clicks: vec![disputed.click], ..warning });
+            }
+        }
+        for mirrored in &self.estimate.mirrored {
+            let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
+            if let Some(solution) = solution {
+                let message = format!("The names look mirrored: {}.", mirrored_words(mirrored));
+                solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
+            }
+        }
+    }
+
     /// Writes the base into the document: the camera, the crown, and every frame of the camera solved anew from its
     /// clicks; what the estimate disputes is marked. Frames by hand or from elsewhere keep their direction.
     ///
@@ -239,42 +270,40 @@ impl EstimatedBase {
             .map_or(0.0, |before| (before.angles().heading - self.estimate.base.angles().heading).wrapped().degrees());
         for index in 0..document.frames.len() {
             if document.frames[index].camera == self.camera && document.frames[index].status != FrameStatus::Rejected {
-                self.solve_again(document, index, &field, turned_deg);
+                solve_again(document, index, &field, turned_deg);
             }
         }
+        self.mark_disputes(document);
         Ok(())
     }
+}
 
-    fn solve_again(&self, document: &mut Document, index: usize, field: &FieldModel, turned_deg: f64) {
-        let frame = &document.frames[index];
-        let by_clicks = frame.is_solved_by_clicks() || frame.ptz.is_none();
-        if !by_clicks {
-            if turned_deg != 0.0
-                && let Some(ptz) = &mut document.frames[index].ptz
-            {
-                ptz.pan_deg = crate::geometry::Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
-            }
-            return;
+/// Solves a frame anew from its clicks; one by hand or from elsewhere is turned with the base.
+fn solve_again(document: &mut Document, index: usize, field: &FieldModel, turned_deg: f64) {
+    let frame = &document.frames[index];
+    let by_clicks = frame.is_solved_by_clicks() || frame.ptz.is_none();
+    if !by_clicks {
+        if turned_deg != 0.0
+            && let Some(ptz) = &mut document.frames[index].ptz
+        {
+            ptz.pan_deg = crate::geometry::Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
         }
-        if frame.clicks.is_empty() {
-            return;
+        return;
+    }
+    if frame.clicks.is_empty() {
+        return;
+    }
+    let solved = calibrate(document, frame, field, solved_neighbours(document, index));
+    let frame = &mut document.frames[index];
+    match solved {
+        Ok(solved) => {
+            frame.record(&solved);
         }
-        let solved = calibrate(document, frame, field, solved_neighbours(document, index));
-        let frame = &mut document.frames[index];
-        match solved {
-            Ok(solved) => {
-                frame.record(&solved);
-                let disputed = self.estimate.disputed.iter().filter(|disputed| disputed.frame == index);
-                if let Some(solution) = &mut frame.solution {
-                    solution.disputed = disputed.map(|disputed| disputed.click).collect();
-                }
-            }
-            Err(CalibrationError::Solve(_)) => {
-                frame.ptz = None;
-                frame.solution = None;
-            }
-            Err(_) => {}
+        Err(CalibrationError::Solve(_)) => {
+            frame.ptz = None;
+            frame.solution = None;
         }
+        Err(_) => {}
     }
 }
 
@@ -293,4 +322,17 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
     let options = AdjustOptions::default();
     let adjusted = adjust_base(field, &clicks, &start.base, &start.ptz, frame.image_size.width, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
+}
+/// What a frame named from the wrong side looks like, in numbers.
+#[must_use]
+pub fn mirrored_words(mirrored: &MirroredFrame) -> String {
+    let exchanged = match mirrored.symmetry {
+        Symmetry::MirrorX => "left and right",
+        Symmetry::MirrorY => "near and far",
+        Symmetry::Turn180 => "left and right, near and far",
+    };
+    format!(
+        "{:.0} px off as named, {:.1} px with {exchanged} exchanged",
+        mirrored.median_px, mirrored.median_mirrored_px
+    )
 }
