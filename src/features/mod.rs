@@ -16,10 +16,12 @@ mod cache;
 mod descriptor;
 mod error;
 mod extract;
+#[cfg(feature = "opencv")]
 mod grey;
 mod options;
 #[cfg(feature = "opencv")]
 mod sift;
+#[cfg(feature = "opencv")]
 mod spread;
 
 pub use cache::{FeatureCache, FeatureKey};

@@ -21,12 +21,13 @@ impl Default for FeatureOptions {
 
 impl FeatureOptions {
     /// By which whole factor a picture of this width is reduced.
+    #[cfg(feature = "opencv")]
     pub(super) fn reduction(&self, width_px: u32) -> u32 {
         width_px.div_ceil(self.max_width_px.max(1)).max(1)
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "opencv"))]
 mod tests {
     use super::FeatureOptions;
 
