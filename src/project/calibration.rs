@@ -3,7 +3,9 @@
 use super::{Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target};
 use crate::camera::Ptz;
 use crate::field::FieldModel;
-use crate::solve::{FrameSolution, Observation, ObservationError, SolveContext, SolveError, solve_frame};
+use crate::solve::{
+    FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity, solve_frame,
+};
 use thiserror::Error;
 
 /// How many solved neighbours tell a solve where the camera has just been.
@@ -56,7 +58,8 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
         .collect()
 }
 
-/// The camera of a frame from its clicks and its camera's base.
+/// The camera of a frame from its clicks and its camera's base; names that fit better exchanged come first among its
+/// warnings.
 ///
 /// # Errors
 /// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
@@ -73,7 +76,10 @@ pub fn calibrate(
         camera.base_for(frame).ok_or_else(|| CalibrationError::NoBase { camera: frame.camera.as_str().to_owned() })?;
     let observations = observations(frame, field)?;
     let context = SolveContext { neighbours, ..SolveContext::new(frame.image_size) };
-    Ok(solve_frame(&base, &observations, &context)?)
+    let mut solution = solve_frame(&base, &observations, &context)?;
+    let finding = check_identity(&base, field, &observations, &solution, &context);
+    solution.warnings.splice(0..0, finding.map(|finding| finding.warning()));
+    Ok(solution)
 }
 
 /// Where the camera was in the nearest solved frames of the same camera and shot, nearest first.

@@ -81,6 +81,13 @@ pub fn solve_frame(
     Ok(solution)
 }
 
+/// The best camera for clicks that are known to be valid; none if there is none.
+pub(super) fn best_fit(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Option<Candidate> {
+    let equations: usize = used.iter().map(|observation| observation.target.equations()).sum();
+    let fits = if equations >= 3 { candidates(base, used, context).ok()? } else { return None };
+    Some(choose(fits, context)?.0)
+}
+
 /// What must hold before anything is computed.
 fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<(), SolveError> {
     if !base.is_finite() {

@@ -6,7 +6,10 @@ use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
-use touchline::solve::{Observation, SolveContext, Target, Uncertainty, solve_frame, solve_two_points};
+use touchline::solve::base::{
+    AdjustOptions, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
+};
+use touchline::solve::{Observation, SolveContext, Target, Uncertainty, check_identity, solve_frame, solve_two_points};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -84,6 +87,53 @@ fn landmark_and_line_frame(bencher: Bencher) {
     clicks.push(Observation::of_line(&field, "penalty_area_right_far", image, SIZE, 1).unwrap());
     let context = SolveContext::new(SIZE);
     bencher.bench_local(|| solve_frame(black_box(camera.base()), black_box(&clicks), &context).unwrap());
+}
+
+/// A frame whose names contradict each other: two of them are swapped.
+#[divan::bench(args = [4, 6, 12])]
+fn identity_of_a_swap(bencher: Bencher, count: usize) {
+    let camera = camera(-0.06);
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
+    let mut clicks = clicks(&camera, count);
+    (clicks[1].target, clicks[2].target) = (clicks[2].target, clicks[1].target);
+    let context = SolveContext::new(SIZE);
+    let solution = solve_frame(camera.base(), &clicks, &context).unwrap();
+    bencher.bench_local(|| check_identity(camera.base(), &field, black_box(&clicks), &solution, &context).unwrap());
+}
+
+/// Position, base rotation, k₁(f), crown and every frame's pan, tilt, focal length; started 2 px off.
+#[divan::bench(args = [30, 500], sample_count = 10)]
+fn adjust_frames_of_ten_clicks(bencher: Bencher, count: usize) {
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
+    let base = *camera(-0.06).base();
+    let (mut frames, mut ptz) = (Vec::new(), Vec::new());
+    for index in 0..count {
+        let share = index as f64 / count as f64;
+        let pointed = Ptz::from_degrees(-30.0 + 60.0 * share, -12.0, 1700.0 + 900.0 * ((7.0 * share) % 1.0));
+        let observations = clicks(&PtzCamera::new(base, pointed), 10);
+        frames.push(FrameClicks { observations, start: None });
+        ptz.push(Some(Ptz { focal_px: pointed.focal_px * 1.002, ..pointed }));
+    }
+    let start = CameraBase { position_m: base.position_m + Vec3::new(0.3, -0.5, 0.2), ..base };
+    let model = BaseModel { lens: LensModel::K1Focal, crown: CrownModel::Free, principal_point: None };
+    let options = AdjustOptions::default();
+    bencher.bench_local(|| adjust_base(&field, black_box(&frames), &start, &ptz, SIZE.width, &model, &options));
+}
+
+/// From clicks alone, six models compared: 77 frames of up to 16 clicks.
+#[divan::bench(sample_count = 3)]
+fn estimate_a_base_from_77_frames(bencher: Bencher) {
+    let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
+    let base = *camera(-0.06).base();
+    let frames: Vec<FrameClicks> = (0..77)
+        .map(|index| {
+            let share = f64::from(index) / 77.0;
+            let pointed = Ptz::from_degrees(-30.0 + 60.0 * share, -12.0, 1700.0 + 900.0 * ((7.0 * share) % 1.0));
+            FrameClicks { observations: clicks(&PtzCamera::new(base, pointed), 16), start: None }
+        })
+        .collect();
+    let options = BaseOptions::default();
+    bencher.bench_local(|| estimate_base(&field, black_box(&frames), SIZE, SIZE.centre(), None, &options).unwrap());
 }
 
 /// 1-σ of the overlay on a grid of 60 × 40 pixels.

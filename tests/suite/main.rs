@@ -22,6 +22,7 @@ mod features;
 mod fields;
 mod fields_command;
 mod forest;
+mod identity;
 mod journal;
 mod media;
 mod overlay_pixels;
