@@ -7,7 +7,7 @@ use super::output::{refuse_existing, write_file};
 use super::pictures::with_features;
 use crate::camera::{PanTilt, Ptz, PtzCamera};
 use crate::features::{Descriptor, FeatureOptions};
-use crate::project::{self, Document, Frame, FrameStatus, SolutionSource};
+use crate::project::{self, Document, Frame, FrameStatus};
 use crate::relocalize::{self, CameraForest, ForestModel, Samples, SeenRange, TrainOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
@@ -59,7 +59,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
     let features = FeatureOptions { max_count: args.features, max_width_px: args.max_width, root_sift: args.root_sift };
     let teachers: Vec<usize> =
-        (0..document.frames.len()).filter(|&index| teaches(&document.frames[index], args.all_references)).collect();
+        (0..document.frames.len()).filter(|&index| learns_from(&document.frames[index], args.all_references)).collect();
     ensure!(
         !teachers.is_empty(),
         "{}: there are no references to learn from; accept solved frames first",
@@ -117,13 +117,9 @@ struct Lesson {
     taught: Vec<(Descriptor, PanTilt)>,
 }
 
-/// Whether a frame teaches: a reference that is not an accepted suggestion.
-fn teaches(frame: &Frame, all_references: bool) -> bool {
-    let suggested = matches!(
-        frame.solution.as_ref().and_then(|solution| solution.source),
-        Some(SolutionSource::Forest | SolutionSource::Tracking)
-    );
-    frame.status == FrameStatus::Reference && (all_references || !suggested)
+/// Whether the forest learns from a frame; with `all_references` from accepted suggestions, too.
+fn learns_from(frame: &Frame, all_references: bool) -> bool {
+    frame.teaches() || all_references && frame.status == FrameStatus::Reference && frame.is_suggestion()
 }
 
 fn camera_of(document: &Document, frame: &Frame) -> anyhow::Result<PtzCamera> {

@@ -85,6 +85,13 @@ impl<T> History<T> {
         self.undone.last().map(|(step, _)| step)
     }
 
+    /// Changes every value that is kept, the open transaction's included, as if it had been so from the start: for what
+    /// comes from outside and is nobody's step. The current value is the caller's to change.
+    pub fn amend(&mut self, mut change: impl FnMut(&mut T)) {
+        let kept = self.done.iter_mut().chain(&mut self.undone).chain(&mut self.open);
+        kept.for_each(|(_, value)| change(value));
+    }
+
     /// Forgets every step.
     pub fn clear(&mut self) {
         *self = Self::new(self.limit);
@@ -192,6 +199,27 @@ mod tests {
         let undone: Vec<_> = std::iter::from_fn(|| history.undo(&mut value).map(|step| step.name)).collect();
         assert_eq!(undone, ["other", "3"]);
         assert_eq!(value, 2, "step 1 and 2 were forgotten");
+    }
+
+    #[test]
+    fn what_comes_from_outside_is_there_before_and_after_every_step() {
+        let (mut history, mut value) = (History::default(), [0, 0]);
+        for next in 1..=3 {
+            history.begin(&value, step("set"));
+            value[0] = next;
+            history.commit(&value);
+        }
+        history.undo(&mut value);
+        history.begin(&value, step("drag"));
+        value[0] = 9;
+        history.amend(|kept| kept[1] = 7);
+        value[1] = 7;
+        assert!(history.abort(&mut value));
+        assert_eq!(value, [2, 7]);
+        history.redo(&mut value);
+        assert_eq!(value, [3, 7]);
+        while history.undo(&mut value).is_some() {}
+        assert_eq!(value, [0, 7]);
     }
 
     proptest! {

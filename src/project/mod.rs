@@ -26,6 +26,7 @@ mod shared;
 mod solution;
 mod solve_all;
 mod store;
+mod teaching;
 mod write;
 
 pub use atomic::write_atomically;
