@@ -6,7 +6,7 @@ use crate::camera::Ptz;
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What changes state; the window, the jobs and the tests all speak this.
 #[derive(Clone, Debug, PartialEq)]
@@ -186,6 +186,16 @@ pub struct Opened {
     pub read_only: Option<String>,
     /// What a person should know: recovered edits, a video shorter than it says.
     pub notices: Vec<(Level, String)>,
+}
+
+impl Opened {
+    /// A document that can be written, about which nothing needs saying; its folder is the file's.
+    #[must_use]
+    pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
+        let file = file.into();
+        let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
+        Self { document, folder, file, read_only: None, notices: Vec::new() }
+    }
 }
 
 /// What the outside has to do; the shell hands it to `jobs` or to the window system.

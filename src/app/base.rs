@@ -18,9 +18,9 @@ pub enum BaseWork {
     /// It is being estimated, in words.
     Estimating(String),
     /// Found and shown, but not taken over.
-    Proposed(Box<EstimatedBase>),
+    Proposed(Arc<EstimatedBase>),
     /// Taken over; its tables stay to be worked with.
-    Applied(Box<EstimatedBase>),
+    Applied(Arc<EstimatedBase>),
 }
 
 impl BaseWork {
@@ -41,7 +41,7 @@ impl BaseWork {
 
     /// What was found and waits for a decision.
     #[must_use]
-    pub fn proposed(&self) -> Option<&EstimatedBase> {
+    pub fn proposed(&self) -> Option<&Arc<EstimatedBase>> {
         match self {
             Self::Proposed(found) => Some(found),
             _ => None,

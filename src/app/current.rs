@@ -1,7 +1,7 @@
 //! What follows from the document and the session for the frame that is shown: derived, never stored.
 
 use super::OpenProject;
-use super::base::WithProposal;
+use super::base::{BaseReadiness, WithProposal};
 use super::naming::{self, NamingScene};
 use super::next_click::{NextClick, next_clicks};
 use super::session::{Mode, Naming, Session};
@@ -9,8 +9,8 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldError, FieldModel};
 use crate::geometry::ImagePoint;
 use crate::project::{
-    CalibrationError, Click, Frame, FramePtz, SolutionSource, Target, calibrate, camera_alone, observations,
-    solved_neighbours,
+    CalibrationError, Click, EstimatedBase, Frame, FramePtz, SolutionSource, Target, calibrate, camera_alone,
+    observations, solved_neighbours,
 };
 use crate::solve::{FrameSolution, Judgement, Verdict, judge};
 use std::sync::Arc;
@@ -42,22 +42,84 @@ pub struct Current {
     pub next_clicks: Vec<NextClick>,
     /// Numbers by hand hold, and not what the clicks say.
     pub by_hand: bool,
+    /// What the frames of this camera say about its base.
+    pub readiness: BaseReadiness,
+    basis: Basis,
+}
+
+/// What [`Current`] was derived from: what has not changed is not derived again.
+#[derive(Debug, Default)]
+struct Basis {
+    /// The frame's place and the document's version; none before anything was derived.
+    shown: Option<(usize, u64)>,
+    /// The click that the preview is for.
+    trial: Option<Trial>,
+    /// The base that the proposal shows.
+    proposed: Option<Arc<EstimatedBase>>,
+}
+
+/// A click that is being placed or named, as the preview has it.
+#[derive(Clone, Debug, PartialEq)]
+struct Trial {
+    click: Click,
+    /// The click of the frame that it stands for; none while it is being placed.
+    replaced: Option<usize>,
+}
+
+/// What a frame's clicks gave when they were solved to be recorded: it need not be found again.
+#[derive(Debug)]
+pub(super) struct FreshSolve {
+    /// Which frame.
+    pub frame: usize,
+    /// The document's version once it was recorded.
+    pub version: u64,
+    /// What the clicks gave.
+    pub result: Result<FrameSolution, CalibrationError>,
 }
 
 impl Current {
-    /// Solves the shown frame.
-    pub(super) fn derive(open: Option<&mut OpenProject>, session: &Session) -> Self {
-        let Some(open) = open else { return Self::default() };
-        let index = session.frame;
+    /// Derives what has changed since the last time: the shown frame, what is being placed, what is proposed.
+    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session, fresh: Option<FreshSolve>) {
+        let Some(open) = open else {
+            *self = Self::default();
+            return;
+        };
+        let shown = (session.frame, open.document.version());
+        let changed = self.basis.shown != Some(shown);
+        if changed {
+            let fresh = fresh.filter(|fresh| (fresh.frame, fresh.version) == shown).map(|fresh| fresh.result);
+            *self = Self::of_frame(open, session.frame, fresh);
+            self.basis.shown = Some(shown);
+        }
+        // Without a base the preview is the frame's own, whatever is being placed.
+        let trial = self.base.and_then(|_| trial(session, open.frame(session.frame)?));
+        if changed || trial != self.basis.trial {
+            self.preview = self.previewed(open, session.frame, trial.as_ref());
+            self.basis.trial = trial;
+        }
+        let proposed = session.base.proposed();
+        let same = match (proposed, &self.basis.proposed) {
+            (Some(now), Some(before)) => Arc::ptr_eq(now, before),
+            (now, before) => now.is_none() && before.is_none(),
+        };
+        if changed || !same {
+            self.proposal = proposed.and_then(|found| WithProposal::derive(open, session.frame, found));
+            self.basis.proposed = proposed.cloned();
+        }
+    }
+
+    /// Solves a frame, unless it has just been.
+    fn of_frame(open: &mut OpenProject, index: usize, fresh: Option<Result<FrameSolution, CalibrationError>>) -> Self {
         let field = open.field_of(index);
         let Some(frame) = open.document.frames.get(index) else {
             return Self { field: Some(field), ..Self::default() };
         };
         let base = open.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
         let by_hand = frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
+        let solve = |field| calibrate(&open.document, frame, field, solved_neighbours(&open.document, index));
         let solution = match &field {
             Ok(field) if !by_hand && frame.clicks.iter().any(|click| click.target.is_some()) => {
-                Some(calibrate(&open.document, frame, field, solved_neighbours(&open.document, index)))
+                Some(fresh.unwrap_or_else(|| solve(field)))
             }
             _ => None,
         };
@@ -69,23 +131,29 @@ impl Current {
         // A document may hold clicks that nobody has solved yet.
         let from_clicks = || Some(PtzCamera::new(base?, solution.as_ref()?.as_ref().ok()?.ptz));
         let camera = open.document.pointed(frame).or_else(from_clicks);
-        let preview = match &field {
-            // Without a base the frame's own landmarks show what they can.
-            Ok(field) => match &base {
-                Some(base) => preview(open, session, frame, field, base),
-                None => camera_alone(&open.document, frame, field),
-            },
-            Err(_) => None,
-        };
-        let found = session.base.proposed();
-        let proposal = found.and_then(|found| WithProposal::derive(open, index, found));
         let next_clicks = match (&field, &camera, &solution) {
             (Ok(field), Some(camera), Some(Ok(solved))) => {
                 next_clicks(field, camera, solved, &frame.clicks, frame.image_size)
             }
             _ => Vec::new(),
         };
-        Self { field: Some(field), base, solution, judgement, camera, preview, proposal, next_clicks, by_hand }
+        let readiness = BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), &frame.camera);
+        let field = Some(field);
+        Self { field, base, solution, judgement, camera, next_clicks, by_hand, readiness, ..Self::default() }
+    }
+
+    /// The frame's camera with a click that is being placed or named; without a base, what its own landmarks show.
+    fn previewed(&self, open: &OpenProject, index: usize, trial: Option<&Trial>) -> Option<PtzCamera> {
+        let (field, frame) = (self.field()?, open.frame(index)?);
+        let Some(base) = self.base else { return camera_alone(&open.document, frame, field) };
+        let trial = trial?;
+        let mut with = frame.clone();
+        match trial.replaced {
+            Some(click) => *with.clicks.get_mut(click)? = trial.click.clone(),
+            None => with.clicks.push(trial.click.clone()),
+        }
+        let solved = calibrate(&open.document, &with, field, solved_neighbours(&open.document, index)).ok()?;
+        Some(PtzCamera::new(base, solved.ptz))
     }
 
     /// The field, if its template and parameters are valid.
@@ -107,29 +175,17 @@ impl Current {
     }
 }
 
-/// The frame's camera with the click that is being placed or named.
-fn preview(
-    open: &OpenProject,
-    session: &Session,
-    frame: &Frame,
-    field: &FieldModel,
-    base: &CameraBase,
-) -> Option<PtzCamera> {
-    let (click, replaced) = match &session.mode {
-        Mode::Placing(target) => (Click::new(target.clone(), session.hover?), None),
+/// What is being placed or named, if it is on the picture and has a name to try.
+fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
+    match &session.mode {
+        Mode::Placing(target) => Some(Trial { click: Click::new(target.clone(), session.hover?), replaced: None }),
         Mode::Naming(naming) => {
             let at = frame.clicks.get(naming.click)?.image;
-            (Click::new(naming.chosen()?.target.clone(), at), Some(naming.click))
+            let click = Click::new(naming.chosen()?.target.clone(), at);
+            Some(Trial { click, replaced: Some(naming.click) })
         }
-        _ => return None,
-    };
-    let mut with = frame.clone();
-    match replaced {
-        Some(index) => *with.clicks.get_mut(index)? = click,
-        None => with.clicks.push(click),
+        _ => None,
     }
-    let solved = calibrate(&open.document, &with, field, solved_neighbours(&open.document, session.frame)).ok()?;
-    Some(PtzCamera::new(*base, solved.ptz))
 }
 
 /// Ranks the names for a click of a frame.
@@ -201,4 +257,99 @@ fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<(Target, Ima
         }
     }
     clicks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, App, Opened, Settings};
+    use crate::camera::BaseAngles;
+    use crate::geometry::{ImageSize, Vec3};
+    use crate::project::{Camera, Document, FieldSpec};
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn pointed() -> PtzCamera {
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 1000.0))
+    }
+
+    fn image_of(landmark: &str) -> ImagePoint {
+        let field = crate::field::builtin("soccer").unwrap().default_model().unwrap();
+        pointed().image_from_world(field.landmark_in_world(field.landmark(landmark).unwrap())).unwrap()
+    }
+
+    /// A frame with two clicks, solved.
+    fn project() -> OpenProject {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(pointed().base());
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("0.jpg", "main".into(), SIZE);
+        frame.clicks =
+            ["centre_mark", "halfway_far"].map(|id| Click::landmark(id.into(), image_of(id))).into_iter().collect();
+        document.frames.push(frame.into());
+        OpenProject::new(Opened::new(document, "/match/project.json"))
+    }
+
+    /// Whether the frame is solved anew by a refresh: a mark left in what was derived is gone then.
+    fn derives(current: &mut Current, open: &mut OpenProject, session: &Session) -> bool {
+        current.readiness.left_out = 99;
+        current.refresh(Some(open), session, None);
+        current.readiness.left_out != 99
+    }
+
+    #[test]
+    fn only_what_changed_is_derived_again() {
+        let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
+        assert!(derives(&mut current, &mut open, &session));
+        assert!(current.solved().is_some());
+        session.hover = Some(SIZE.centre());
+        session.fit_scale = 0.5;
+        session.selected = Some(1);
+        assert!(!derives(&mut current, &mut open, &session), "nothing that the frame's camera rests on has changed");
+        open.document.frames[0].clicks[0].check = true;
+        assert!(derives(&mut current, &mut open, &session));
+        assert!(current.solved().is_none(), "one click is not enough");
+    }
+
+    #[test]
+    fn the_preview_follows_the_pointer_and_the_frame_stays_solved() {
+        let (mut open, mut session, mut current) = (project(), Session::default(), Current::default());
+        current.refresh(Some(&mut open), &session, None);
+        session.mode = Mode::Placing(Target::Landmark("centre_circle_left".into()));
+        session.hover = Some(image_of("centre_circle_left"));
+        assert!(!derives(&mut current, &mut open, &session));
+        let first = current.preview.unwrap().ptz();
+        session.hover = session.hover.map(|at| ImagePoint::new(at.x + 20.0, at.y));
+        assert!(!derives(&mut current, &mut open, &session));
+        assert_ne!(current.preview.unwrap().ptz(), first);
+        session.hover = None;
+        current.refresh(Some(&mut open), &session, None);
+        assert!(current.preview.is_none());
+    }
+
+    #[test]
+    fn what_was_just_solved_is_not_solved_again() {
+        let (mut open, session, mut current) = (project(), Session::default(), Current::default());
+        let given = Err(CalibrationError::UnknownCamera { camera: "told".to_owned() });
+        let fresh = |version| FreshSolve { frame: 0, version, result: given.clone() };
+        let version = open.document.version();
+        current.refresh(Some(&mut open), &session, Some(fresh(version)));
+        assert_eq!(current.solution.as_ref().and_then(|solution| solution.as_ref().err()), given.as_ref().err());
+        open.document.frames[0].comment = Some("rain".to_owned());
+        current.refresh(Some(&mut open), &session, Some(fresh(version)));
+        assert!(current.solved().is_some(), "the document has changed since");
+    }
+
+    #[test]
+    fn another_document_is_derived_although_its_version_is_the_same() {
+        let mut app = App::new(Settings::default());
+        let mut empty = project().document.clone();
+        empty.frames[0].clicks.clear();
+        for (document, solved) in [(project().document.clone(), true), (empty, false)] {
+            app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+            assert_eq!(app.current().solved().is_some(), solved);
+        }
+    }
 }

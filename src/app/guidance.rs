@@ -222,13 +222,7 @@ mod tests {
             document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
         }
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         app
     }
 
@@ -298,13 +292,7 @@ mod tests {
         document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -9.0, 1800.0), None));
         document.frames[0].status = FrameStatus::Suggested;
         document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
-        app.update(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         assert!(said(&app).starts_with("Dashed = proposed."));
     }
 }

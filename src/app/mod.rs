@@ -20,6 +20,7 @@ pub mod session;
 mod settings;
 pub mod uncertainty;
 mod update;
+mod versioned;
 
 pub use action::{Action, Effect, Opened, Question};
 pub use command::{Command, Group};
@@ -28,3 +29,4 @@ pub use keymap::{Chord, ChordError, Keymap};
 pub use open_project::OpenProject;
 pub use settings::{OverlayStyle, Settings, SettingsError};
 pub use update::{App, MAX_SCALE};
+pub use versioned::Versioned;

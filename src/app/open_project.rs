@@ -1,5 +1,6 @@
 //! The document that is open, with its history.
 
+use super::Versioned;
 use super::action::Opened;
 use crate::field::{FieldError, FieldModel};
 use crate::project::{Document, Edit, FieldSpec, Frame, FrameStatus, History, Shared, Step};
@@ -10,7 +11,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct OpenProject {
     /// The document as it is now.
-    pub document: Document,
+    pub document: Versioned<Document>,
     /// Undo and redo.
     pub history: History<Document>,
     /// What relative paths start from.
@@ -31,7 +32,7 @@ impl OpenProject {
     pub fn new(opened: Opened) -> Self {
         Self {
             journalled: opened.document.clone(),
-            document: opened.document,
+            document: Versioned::new(opened.document),
             history: History::default(),
             folder: opened.folder,
             file: opened.file,

@@ -267,13 +267,7 @@ mod tests {
         frame.clicks.push(Click::unnamed(ImagePoint::new(10.0, 20.0)));
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
-        app.update(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         app
     }
 

@@ -60,13 +60,7 @@ struct Window {
 impl Window {
     fn open() -> Self {
         let mut app = App::new(Settings { details: true, ..Settings::default() });
-        app.update(Action::Opened(Box::new(Opened {
-            document: document(),
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
         app.update(Action::GoTo(FRAMES / 2));
         let ctx = Context::default();
         apply_theme(&ctx);

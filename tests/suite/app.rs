@@ -41,13 +41,7 @@ struct Bench {
 impl Bench {
     fn new(document: Document) -> Self {
         let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
-        bench.act(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/nowhere".into(),
-            file: "/nowhere/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
         bench.effects.clear();
         bench
     }
@@ -367,7 +361,7 @@ fn a_document_to_look_at_only_stays_as_it_is() {
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));
     bench.act(Action::SetComment("no".into()));
-    assert_eq!(bench.app.open().unwrap().document, document(2, true));
+    assert_eq!(*bench.app.open().unwrap().document, document(2, true));
     assert!(bench.effects.is_empty());
     assert!(bench.last_notice().contains("another program has it open"), "{}", bench.last_notice());
 }
@@ -432,13 +426,7 @@ fn every_command_can_be_asked_for_at_any_time() {
     for document in [None, Some(document(0, true)), Some(document(3, false)), Some(document(3, true))] {
         let mut app = App::new(Settings::default());
         if let Some(document) = document {
-            app.update(Action::Opened(Box::new(Opened {
-                document,
-                folder: "/nowhere".into(),
-                file: "/nowhere/project.json".into(),
-                read_only: None,
-                notices: Vec::new(),
-            })));
+            app.update(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
         }
         for first in Command::all() {
             for second in Command::all() {

@@ -74,13 +74,7 @@ impl Desk {
             let _ = wake.send(());
         }));
         let mut desk = Self { app: App::new(Settings::default()), runner, woken };
-        desk.act(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        desk.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         desk
     }
 

@@ -7,13 +7,13 @@ use crate::app::base::{BaseReadiness, BaseWork};
 use crate::app::session::{Level, Panel};
 use crate::field::{FieldModel, Symmetry};
 use crate::project::{Click, EstimatedBase, Frame, Step, Target};
+use std::sync::Arc;
 
 impl App {
     /// What the frames of the shown frame's camera say about its base.
     #[must_use]
-    pub fn base_readiness(&self) -> BaseReadiness {
-        let (Some(open), Some(camera)) = (self.open(), self.camera_id()) else { return BaseReadiness::default() };
-        BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), camera)
+    pub const fn base_readiness(&self) -> BaseReadiness {
+        self.current.readiness
     }
 
     /// Has the base estimated in the background.
@@ -51,7 +51,7 @@ impl App {
         match found {
             Ok(found) => {
                 let text = told(&found);
-                self.session.base = BaseWork::Proposed(found);
+                self.session.base = BaseWork::Proposed(found.into());
                 self.session.notify_with(Level::Info, text, Some(("Use it", Command::UseEstimatedBase)));
             }
             Err(message) => {
@@ -113,7 +113,7 @@ impl App {
             self.clicks_changed();
             self.commit();
             if let BaseWork::Proposed(found) | BaseWork::Applied(found) = &mut self.session.base {
-                found.estimate.mirrored.retain(|mirrored| mirrored.frame != index);
+                Arc::make_mut(found).estimate.mirrored.retain(|mirrored| mirrored.frame != index);
             }
         }
     }

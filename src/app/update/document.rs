@@ -1,6 +1,7 @@
 //! Opening, saving and closing.
 
 use super::App;
+use super::Current;
 use crate::app::OpenProject;
 use crate::app::action::{Effect, Opened, Question};
 use crate::app::session::{Level, Mode, Saving, Session};
@@ -30,6 +31,7 @@ impl App {
         let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame.status));
         self.session.frame = first.unwrap_or(0);
         self.open = Some(open);
+        self.current = Current::default();
     }
 
     pub(super) fn save(&mut self) {

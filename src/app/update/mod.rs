@@ -11,11 +11,11 @@ mod numbers;
 pub use commands::MAX_SCALE;
 
 use super::action::{Action, Effect};
-use super::current::Current;
+use super::current::{Current, FreshSolve};
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
 use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate, solved_neighbours};
-use crate::solve::SolveError;
+use crate::solve::{FrameSolution, SolveError};
 
 /// The whole application without a window.
 #[derive(Debug, Default)]
@@ -26,6 +26,7 @@ pub struct App {
     pub session: Session,
     open: Option<OpenProject>,
     current: Current,
+    fresh: Option<FreshSolve>,
     effects: Vec<Effect>,
 }
 
@@ -56,10 +57,10 @@ impl App {
 
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
-        let before = self.base_readiness();
+        let before = self.current.readiness;
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
-        self.current = Current::derive(self.open.as_mut(), &self.session);
+        self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
@@ -197,13 +198,14 @@ impl App {
     fn clicks_changed(&mut self) {
         let index = self.session.frame;
         let Some(open) = &mut self.open else { return };
-        solve_in_place(open, index);
+        let result = solve_in_place(open, index);
         if let Some(frame) = open.document.frames.get_mut(index)
             && !matches!(frame.status, FrameStatus::Rejected)
         {
             let untouched = frame.clicks.is_empty() && frame.ptz.is_none();
             frame.status = if untouched { FrameStatus::New } else { FrameStatus::Draft };
         }
+        self.fresh = result.map(|result| FreshSolve { frame: index, version: open.document.version(), result });
     }
 
     fn clamp_selection(&mut self) {
@@ -213,14 +215,14 @@ impl App {
 }
 
 /// Writes what a frame's clicks say into the frame. Where they give no camera an earlier proposal stays, but an earlier
-/// solve goes; a camera without a base changes nothing.
-fn solve_in_place(open: &mut OpenProject, index: usize) {
-    let Ok(field) = open.field_of(index) else { return };
-    let Some(frame) = open.document.frames.get(index) else { return };
+/// solve goes; a camera without a base changes nothing. None where there is nothing to solve with.
+fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
+    let field = open.field_of(index).ok()?;
+    let frame = open.document.frames.get(index)?;
     let solved = calibrate(&open.document, frame, &field, solved_neighbours(&open.document, index));
-    let Some(frame) = open.document.frames.get_mut(index) else { return };
-    match solved {
-        Ok(solved) => frame.record(&solved),
+    let frame = open.document.frames.get_mut(index)?;
+    match &solved {
+        Ok(solved) => frame.record(solved),
         Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
         Err(error) => {
             let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
@@ -230,4 +232,5 @@ fn solve_in_place(open: &mut OpenProject, index: usize) {
             }
         }
     }
+    Some(solved)
 }

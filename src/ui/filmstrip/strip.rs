@@ -93,13 +93,7 @@ mod tests {
             frame.status = if index % 2 == 0 { FrameStatus::New } else { FrameStatus::Reference };
             document.frames.push(frame.into());
         }
-        OpenProject::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })
+        OpenProject::new(Opened::new(document, "/match/project.json"))
     }
 
     #[test]
