@@ -15,7 +15,7 @@
 //! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
 //! | 6 | [`app`] (the whole application without a window) |
 //! | 4 | [`project`] (the document), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
-//! | 3 | [`solve`] (observations to cameras), [`features`] (SIFT of a picture) |
+//! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
 //! | 0 | [`geometry`] |
@@ -32,6 +32,7 @@ pub mod media;
 pub mod project;
 pub mod relocalize;
 pub mod render;
+pub mod score;
 pub mod solve;
 pub mod synthetic;
 #[cfg(feature = "gui")]

@@ -1,0 +1,90 @@
+//! Errors of a camera's own numbers.
+
+use crate::camera::{PanTilt, PtzCamera};
+use crate::geometry::rotation::angle_between;
+use crate::geometry::{Angle, ImageSize, Vec3};
+
+/// What an estimated camera's numbers err by: estimate less truth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CameraError {
+    /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as well.
+    pub rotation: Angle,
+    /// Pan of the optical axis, both seen in the truth's base: bases may differ.
+    pub pan: Angle,
+    /// Tilt of the optical axis, likewise.
+    pub tilt: Angle,
+    /// Focal length, px.
+    pub focal_px: f64,
+    /// Focal length, per cent of the true one.
+    pub focal_percent: f64,
+    /// The distance of the centres of projection, m; never negative.
+    pub position_m: f64,
+}
+
+/// The error of a camera. Both are of pictures of one size.
+#[must_use]
+pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
+    let axis = PanTilt::from_direction(
+        truth.base().base_from_world * (estimate.cam_from_world().transpose() * Vec3::new(0.0, 0.0, 1.0)),
+    );
+    let true_axis = PanTilt::from_direction(truth.cam_from_base().transpose() * Vec3::new(0.0, 0.0, 1.0));
+    let focal_px = estimate.ptz().focal_px - truth.ptz().focal_px;
+    CameraError {
+        rotation: angle_between(&truth.cam_from_world(), &estimate.cam_from_world()),
+        pan: (axis.pan - true_axis.pan).wrapped(),
+        tilt: axis.tilt - true_axis.tilt,
+        focal_px,
+        focal_percent: 100.0 * focal_px / truth.ptz().focal_px,
+        position_m: (estimate.base().position_m - truth.base().position_m).norm(),
+    }
+}
+
+/// The horizontal field of view of a picture this wide, without distortion.
+#[must_use]
+pub fn horizontal_view(focal_px: f64, image_size: ImageSize) -> Angle {
+    Angle::from_radians(2.0 * (0.5 * f64::from(image_size.width)).atan2(focal_px))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::geometry::ImagePoint;
+
+    fn base(heading_deg: f64) -> CameraBase {
+        let angles = BaseAngles { heading: Angle::from_degrees(heading_deg), ..BaseAngles::default() };
+        CameraBase::new(Vec3::new(0.0, -60.0, 15.0), angles.base_from_world(), ImagePoint::new(640.0, 360.0))
+    }
+
+    #[test]
+    fn errors_of_one_base_are_differences() {
+        let truth = PtzCamera::new(base(0.0), Ptz::from_degrees(10.0, -8.0, 2000.0));
+        let estimate = PtzCamera::new(base(0.0), Ptz::from_degrees(10.5, -8.25, 2100.0));
+        let error = camera_error(&truth, &estimate);
+        assert!((error.pan.degrees() - 0.5).abs() < 1e-12);
+        assert!((error.tilt.degrees() + 0.25).abs() < 1e-12);
+        assert!((error.focal_px - 100.0).abs() < 1e-12 && (error.focal_percent - 5.0).abs() < 1e-12);
+        assert!(error.position_m == 0.0);
+        // A turn of 0.5° at tilt −8° moves the axis by 0.495°, and rolls: all of 0.5° and the tilt count.
+        assert!((error.rotation.degrees() - 0.5f64.hypot(0.25)).abs() < 1e-3, "{}", error.rotation.degrees());
+    }
+
+    #[test]
+    fn another_pan_zero_is_no_error() {
+        let truth = PtzCamera::new(base(0.0), Ptz::from_degrees(10.0, -8.0, 2000.0));
+        let estimate = PtzCamera::new(base(4.0), Ptz::from_degrees(6.0, -8.0, 2000.0));
+        let error = camera_error(&truth, &estimate);
+        assert!(error.rotation.degrees() < 1e-9 && error.pan.degrees().abs() < 1e-9);
+    }
+
+    #[test]
+    fn pans_on_both_sides_of_half_a_turn_are_near_each_other() {
+        let at = |pan: f64| PtzCamera::new(base(0.0), Ptz::from_degrees(pan, 0.0, 2000.0));
+        assert!((camera_error(&at(179.5), &at(-179.5)).pan.degrees() - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_view_is_a_right_angle_where_the_focal_length_is_half_the_width() {
+        assert!((horizontal_view(640.0, ImageSize::new(1280, 720)).degrees() - 90.0).abs() < 1e-12);
+    }
+}

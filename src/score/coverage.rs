@@ -1,0 +1,78 @@
+//! Whether stated uncertainties keep their word.
+
+use crate::geometry::{Mat3, Vec3};
+
+/// χ² with three degrees of freedom below which 68.27 % lie, and below which 95 % lie.
+const CHI_SQUARED_68: f64 = 3.526_741;
+const CHI_SQUARED_95: f64 = 7.814_728;
+
+/// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right. None where the
+/// covariance cannot be inverted.
+#[must_use]
+pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
+    // In units of the sigmas, so that degrees and px do not spoil the inverse.
+    let sigmas = covariance.diagonal().map(f64::sqrt);
+    let scale = Mat3::from_diagonal(&sigmas.map(f64::recip));
+    let correlation = scale * covariance * scale;
+    let error = scale * error;
+    let squared = error.dot(&(correlation.try_inverse()? * error));
+    (squared.is_finite() && squared >= 0.0).then_some(squared)
+}
+
+/// How often errors of three numbers stay within the region that was stated for them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coverage {
+    /// Errors with a stated covariance.
+    pub count: usize,
+    /// The share within the 68.27 % ellipsoid.
+    pub within_68: f64,
+    /// The share within the 95 % ellipsoid.
+    pub within_95: f64,
+    /// How many times larger than stated errors are: the root of the mean χ² over 3. 1 where the statement is right.
+    pub error_over_sigma: f64,
+}
+
+impl Coverage {
+    /// From squared distances in sigmas; none without any.
+    #[must_use]
+    pub fn of(squared_sigmas: &[f64]) -> Option<Self> {
+        let count = squared_sigmas.len();
+        let share = |limit: f64| squared_sigmas.iter().filter(|s| **s <= limit).count() as f64 / count as f64;
+        (count > 0).then(|| Self {
+            count,
+            within_68: share(CHI_SQUARED_68),
+            within_95: share(CHI_SQUARED_95),
+            error_over_sigma: (squared_sigmas.iter().sum::<f64>() / count as f64 / 3.0).sqrt(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+    use rand_pcg::Pcg64Mcg;
+
+    #[test]
+    fn independent_sigmas_add_their_squares() {
+        let covariance = Mat3::from_diagonal(&Vec3::new(0.01, 0.04, 100.0));
+        let squared = squared_sigmas(Vec3::new(0.1, -0.4, 30.0), &covariance).unwrap();
+        assert!((squared - (1.0 + 4.0 + 9.0)).abs() < 1e-12);
+        assert_eq!(squared_sigmas(Vec3::repeat(1.0), &Mat3::zeros()), None);
+    }
+
+    #[test]
+    fn drawn_errors_are_covered_as_often_as_stated() {
+        let mut rng = Pcg64Mcg::seed_from_u64(7);
+        let root = Mat3::new(0.02, 0.0, 0.0, 0.01, 0.03, 0.0, 4.0, -3.0, 6.0);
+        let covariance = root * root.transpose();
+        let mut draw = || root * Vec3::from_fn(|_, _| rng.sample::<f64, _>(StandardNormal));
+        let squared: Vec<f64> = (0..20_000).map(|_| squared_sigmas(draw(), &covariance).unwrap()).collect();
+        let coverage = Coverage::of(&squared).unwrap();
+        assert!((coverage.within_68 - 0.6827).abs() < 0.01, "{coverage:?}");
+        assert!((coverage.within_95 - 0.95).abs() < 0.005, "{coverage:?}");
+        assert!((coverage.error_over_sigma - 1.0).abs() < 0.02, "{coverage:?}");
+        assert_eq!(Coverage::of(&[]), None);
+    }
+}

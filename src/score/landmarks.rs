@@ -1,0 +1,83 @@
+//! Landmarks: where the estimate puts what the truth shows.
+
+use crate::camera::PtzCamera;
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::markings::project_landmarks;
+
+/// The error of one landmark that the picture shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LandmarkError {
+    /// Which landmark: index into [`FieldModel::landmarks`].
+    pub landmark: usize,
+    /// The distance between its images by the two cameras, px; none where the estimate gives it no image.
+    pub image_px: Option<f64>,
+    /// How far from it the estimate puts the pixel that shows it, on the ground, m; none for landmarks above the ground, and
+    /// where the estimate sees no ground at that pixel.
+    pub ground_m: Option<f64>,
+}
+
+/// The errors of all landmarks that the picture shows by the true camera, in the field's order.
+#[must_use]
+pub fn landmark_errors(
+    field: &FieldModel,
+    truth: &PtzCamera,
+    estimate: &PtzCamera,
+    size: ImageSize,
+) -> Vec<LandmarkError> {
+    project_landmarks(field, truth, size, 0.0)
+        .into_iter()
+        .map(|shown| {
+            let landmark = &field.landmarks[shown.landmark];
+            let at = field.landmark_in_world(landmark);
+            LandmarkError {
+                landmark: shown.landmark,
+                image_px: estimate.image_from_world(at).ok().map(|image| image.distance_px(shown.image)),
+                ground_m: if landmark.nominal_m.z == 0.0 { ground_error_m(estimate, shown.image, at) } else { None },
+            }
+        })
+        .collect()
+}
+
+/// How far from a point of the ground a camera puts the pixel that shows it, m, on the level of that point; none where it
+/// sees no ground there.
+#[must_use]
+pub fn ground_error_m(camera: &PtzCamera, image: ImagePoint, at: Vec3) -> Option<f64> {
+    camera.plane_from_image(image, at.z).map(|ground| (ground - at).norm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::field::builtin;
+    use crate::geometry::Angle;
+
+    #[test]
+    fn a_view_from_above_that_is_a_metre_off_by_hand() {
+        let size = ImageSize::new(1280, 720);
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let down = BaseAngles { pitch: Angle::from_degrees(-90.0), ..BaseAngles::default() }.base_from_world();
+        let at = |x_m: f64| {
+            let base = CameraBase::new(Vec3::new(x_m, 0.0, 100.0), down, ImagePoint::new(640.0, 360.0));
+            PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, 2000.0))
+        };
+        let errors = landmark_errors(&field, &at(0.0), &at(1.0), size);
+        // 64 m × 36 m around the centre mark: it, and the four marks of the circle.
+        assert_eq!(errors.len(), 5);
+        for error in errors {
+            assert!((error.image_px.unwrap() - 20.0).abs() < 1e-9);
+            assert!((error.ground_m.unwrap() - 1.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn what_the_estimate_does_not_see_has_no_number() {
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, ImagePoint::new(640.0, 360.0));
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let [truth, away] = [0.0, 180.0].map(|pan| PtzCamera::new(base, Ptz::from_degrees(pan, -10.0, 1500.0)));
+        let errors = landmark_errors(&field, &truth, &away, ImageSize::new(1280, 720));
+        assert!(!errors.is_empty() && errors.iter().all(|error| error.image_px.is_none()));
+    }
+}

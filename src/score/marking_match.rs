@@ -1,0 +1,249 @@
+//! Markings found within some pixels: the measure of the `SoccerNet` camera calibration task.
+//!
+//! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of it lies nearer than t px
+//! to its projection. One that the estimate shows but nobody annotated, and one that is farther off, is a false positive; one
+//! that was annotated and the estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960 px
+//! wide; of the names as they are and turned by half a turn about the field's middle the better counts. Completeness is
+//! the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
+//! task's own `evaluate_camera.py`, 2023.)
+
+use crate::camera::PtzCamera;
+use crate::field::{Curve, FieldModel, Symmetry};
+use crate::geometry::{ImagePoint, ImageSize};
+use crate::markings::{MarkingOptions, project_lines};
+
+/// The width of pictures in whose px thresholds are given.
+pub const JACCARD_WIDTH_PX: f64 = 960.0;
+/// Shorter markings do not count: the task has no class for the corner arcs.
+const MIN_LENGTH_M: f64 = 2.0;
+/// Points annotated on a circle or arc.
+const POINTS_PER_ARC: usize = 9;
+
+/// A marking with points that lie on it, as an annotator places them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AnnotatedLine {
+    /// Which line: index into [`FieldModel::lines`].
+    pub line: usize,
+    /// The ends of what is seen of a straight one, points along a round one; px of the picture.
+    pub points: Vec<ImagePoint>,
+}
+
+/// How the markings of one picture were found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MarkingMatch {
+    /// For each marking that is annotated and shown by the estimate: the largest distance of its points, px at
+    /// [`JACCARD_WIDTH_PX`].
+    pub worst_px: Vec<f64>,
+    /// Markings that the estimate shows and nobody annotated.
+    pub only_estimated: usize,
+    /// Markings that were annotated and the estimate does not show.
+    pub only_annotated: usize,
+}
+
+/// What is seen of each marking.
+type Seen = Vec<Vec<Vec<ImagePoint>>>;
+
+fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
+    let options = MarkingOptions { margin_px: 0.0, ..MarkingOptions::default() };
+    let mut seen: Seen = vec![Vec::new(); field.lines.len()];
+    for polyline in project_lines(field, camera, size, &options) {
+        if counts(field, polyline.line) {
+            seen[polyline.line].push(polyline.points);
+        }
+    }
+    seen
+}
+
+fn counts(field: &FieldModel, line: usize) -> bool {
+    field.lines[line].curve.length_m() >= MIN_LENGTH_M
+}
+
+/// What an annotator would place on a picture by this camera: the two ends of what is seen of each straight marking,
+/// nine points along what is seen of each round one.
+#[must_use]
+pub fn annotated_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<AnnotatedLine> {
+    let seen = seen_lines(field, camera, size);
+    let shown = seen.iter().enumerate().filter(|(_, parts)| !parts.is_empty());
+    shown
+        .map(|(line, parts)| {
+            let points = match field.lines[line].curve {
+                Curve::Segment { .. } => {
+                    let (first, last) = (parts.first().and_then(|p| p.first()), parts.last().and_then(|p| p.last()));
+                    first.into_iter().chain(last).copied().collect()
+                }
+                Curve::Arc { .. } => spread_along(parts),
+            };
+            AnnotatedLine { line, points }
+        })
+        .collect()
+}
+
+/// Points at even distances along some polylines, both ends included.
+fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
+    let pieces = || parts.iter().flat_map(|part| part.windows(2)).map(|pair| (pair[0], pair[1]));
+    let whole: f64 = pieces().map(|(from, to)| from.distance_px(to)).sum();
+    let mut points = Vec::with_capacity(POINTS_PER_ARC);
+    let mut passed = 0.0;
+    for (from, to) in pieces() {
+        let length = from.distance_px(to);
+        while points.len() < POINTS_PER_ARC {
+            let due = whole * points.len() as f64 / (POINTS_PER_ARC - 1) as f64;
+            if due > passed + length {
+                break;
+            }
+            let share = if length > 0.0 { (due - passed) / length } else { 0.0 };
+            points.push(from.moved(to.offset_from(from) * share));
+        }
+        passed += length;
+    }
+    // Rounding may leave the very end over.
+    if let (Some(end), true) = (parts.last().and_then(|part| part.last()), points.len() < POINTS_PER_ARC) {
+        points.push(*end);
+    }
+    points
+}
+
+impl MarkingMatch {
+    /// Compares annotated markings with a camera's; a line that is too short to count is passed over.
+    #[must_use]
+    pub fn of(field: &FieldModel, annotated: &[AnnotatedLine], estimate: &PtzCamera, size: ImageSize) -> Self {
+        let seen = seen_lines(field, estimate, size);
+        let plain = Self::compare(field, annotated, &seen, size, Some);
+        let turned = Self::compare(field, annotated, &seen, size, |line| {
+            let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
+            field.lines.iter().position(|other| other.id == twin.id)
+        });
+        // The better one at the smallest threshold of the task, then by how near it comes.
+        if turned.jaccard(5.0) > plain.jaccard(5.0) { turned } else { plain }
+    }
+
+    fn compare(
+        field: &FieldModel,
+        annotated: &[AnnotatedLine],
+        seen: &Seen,
+        size: ImageSize,
+        renamed: impl Fn(usize) -> Option<usize>,
+    ) -> Self {
+        let scale = JACCARD_WIDTH_PX / f64::from(size.width);
+        let mut found = Self::default();
+        let mut named = vec![false; seen.len()];
+        for marking in annotated.iter().filter(|marking| counts(field, marking.line)) {
+            let Some(line) = renamed(marking.line) else {
+                found.only_annotated += 1;
+                continue;
+            };
+            named[line] = true;
+            if seen[line].is_empty() {
+                found.only_annotated += 1;
+                continue;
+            }
+            let distances = marking.points.iter().map(|point| distance_px(*point, &seen[line]) * scale);
+            found.worst_px.push(distances.fold(0.0, f64::max));
+        }
+        found.only_estimated = (0..seen.len()).filter(|&line| !named[line] && !seen[line].is_empty()).count();
+        found
+    }
+
+    /// `JaC@t`: the share of markings found within t px at [`JACCARD_WIDTH_PX`], of all that are annotated or shown; 0 where
+    /// there is none.
+    #[must_use]
+    pub fn jaccard(&self, threshold_px: f64) -> f64 {
+        let all = self.worst_px.len() + self.only_estimated + self.only_annotated;
+        let found = self.worst_px.iter().filter(|worst| **worst < threshold_px).count();
+        if all == 0 { 0.0 } else { found as f64 / all as f64 }
+    }
+}
+
+/// The distance of a point from the nearest of some polylines, px.
+fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
+    let pieces = parts.iter().flat_map(|part| part.windows(2));
+    let distances = pieces.map(|pair| {
+        let (along, offset) = (pair[1].offset_from(pair[0]), point.offset_from(pair[0]));
+        let squared = along.norm_squared();
+        let share = if squared > 0.0 { (offset.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        (offset - along * share).norm()
+    });
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::field::builtin;
+    use crate::geometry::{Angle, Vec3};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn soccer() -> FieldModel {
+        builtin("soccer").unwrap().default_model().unwrap()
+    }
+
+    fn broadcast(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+        let level = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    }
+
+    #[test]
+    fn the_right_camera_finds_everything_and_names_are_free_up_to_half_a_turn() {
+        let field = soccer();
+        let truth = broadcast(30.0, -12.0, 2000.0);
+        let annotated = annotated_lines(&field, &truth, SIZE);
+        assert!(annotated.len() > 8, "{}", annotated.len());
+        let right = MarkingMatch::of(&field, &annotated, &truth, SIZE);
+        assert!((right.jaccard(1.0) - 1.0).abs() < 1e-12, "{right:?}");
+        // From the other side, turned by half a turn, the same picture with the other names.
+        let base = CameraBase::new(
+            Vec3::new(0.0, 60.0, 15.0),
+            BaseAngles { heading: Angle::from_degrees(180.0), ..BaseAngles::default() }.base_from_world(),
+            SIZE.centre(),
+        );
+        let opposite = PtzCamera::new(base, truth.ptz());
+        let turned = MarkingMatch::of(&field, &annotated, &opposite, SIZE);
+        assert!((turned.jaccard(1.0) - 1.0).abs() < 1e-9, "{turned:?}");
+    }
+
+    #[test]
+    fn counts_by_hand() {
+        let found = MarkingMatch { worst_px: vec![2.0, 5.0, 12.0], only_estimated: 1, only_annotated: 2 };
+        // Strictly nearer: at 5 px one of six, at 10 two, at 20 three.
+        assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0]);
+        assert!(MarkingMatch::default().jaccard(5.0) == 0.0);
+    }
+
+    #[test]
+    fn thresholds_are_px_at_960() {
+        // A pan of about 10 px at 1920 moves every point by about 5 at 960.
+        let field = soccer();
+        let truth = broadcast(0.0, -12.0, 2000.0);
+        let annotated = annotated_lines(&field, &truth, SIZE);
+        let off = broadcast((10.0f64 / 2000.0).to_degrees(), -12.0, 2000.0);
+        let found = MarkingMatch::of(&field, &annotated, &off, SIZE);
+        let worst = found.worst_px.iter().copied().fold(0.0, f64::max);
+        assert!((4.5..6.5).contains(&worst), "{found:?}");
+        assert!(found.jaccard(20.0) > found.jaccard(4.0));
+    }
+
+    #[test]
+    fn straight_markings_have_two_points_round_ones_nine_and_corner_arcs_none() {
+        let field = soccer();
+        let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 1000.0), SIZE);
+        for marking in &annotated {
+            let line = &field.lines[marking.line];
+            let expected = if matches!(line.curve, Curve::Arc { .. }) { 9 } else { 2 };
+            assert_eq!(marking.points.len(), expected, "{}", line.id);
+            assert!(!line.id.as_str().starts_with("corner_arc"));
+        }
+        assert!(annotated.iter().any(|marking| field.lines[marking.line].id.as_str() == "centre_circle"));
+    }
+
+    #[test]
+    fn a_camera_that_looks_away_finds_nothing() {
+        let field = soccer();
+        let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 2000.0), SIZE);
+        let found = MarkingMatch::of(&field, &annotated, &broadcast(0.0, 60.0, 2000.0), SIZE);
+        assert_eq!((found.only_annotated, found.only_estimated), (annotated.len(), 0));
+        assert!(found.jaccard(20.0) == 0.0);
+    }
+}

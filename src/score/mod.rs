@@ -1,0 +1,27 @@
+//! How far an estimated camera is from the true one.
+//!
+//! | what | where |
+//! |---|---|
+//! | rotation, pan, tilt, focal length, position | [`camera_error`] |
+//! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
+//! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
+//! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
+//! | whether stated sigmas keep their word | [`Coverage`] |
+//! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
+
+mod camera_error;
+mod coverage;
+mod ground;
+mod landmarks;
+mod marking_match;
+mod overlap;
+mod polygon;
+mod statistics;
+
+pub use camera_error::{CameraError, camera_error, horizontal_view};
+pub use coverage::{Coverage, squared_sigmas};
+pub use ground::seen_field;
+pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
+pub use marking_match::{AnnotatedLine, JACCARD_WIDTH_PX, MarkingMatch, annotated_lines};
+pub use overlap::{iou_part, iou_whole};
+pub use statistics::{Summary, quantile};

@@ -1,0 +1,155 @@
+//! What many numbers say together.
+
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+/// Resamples of the bootstrap.
+const RESAMPLES: usize = 1000;
+/// What lies outside the intervals on either side.
+const TAIL: f64 = 0.025;
+
+/// Many numbers in a few.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// How many there are.
+    pub count: usize,
+    /// Their mean.
+    pub mean: f64,
+    /// The 95 % bootstrap interval of the mean (percentiles of 1000 resamples).
+    pub mean_interval: [f64; 2],
+    /// Their standard deviation (n − 1); 0 for a single one.
+    pub std: f64,
+    /// The smallest.
+    pub min: f64,
+    /// Percentiles, interpolated between neighbours.
+    pub p10: f64,
+    /// The lower quartile.
+    pub p25: f64,
+    /// The median.
+    pub median: f64,
+    /// The 95 % bootstrap interval of the median.
+    pub median_interval: [f64; 2],
+    /// The upper quartile.
+    pub p75: f64,
+    /// The 90th percentile.
+    pub p90: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Summary {
+    /// The summary of some numbers; none without any. Numbers that are not finite count as infinitely large, so that a
+    /// failure never makes a summary better. The same seed gives the same intervals.
+    #[must_use]
+    pub fn of(values: &[f64], seed: u64) -> Option<Self> {
+        if values.is_empty() {
+            return None;
+        }
+        let mut sorted: Vec<f64> =
+            values.iter().map(|value| if value.is_finite() { *value } else { f64::INFINITY }).collect();
+        sorted.sort_by(f64::total_cmp);
+        let mean = mean(&sorted);
+        let squares: f64 = sorted.iter().map(|value| (value - mean).powi(2)).sum();
+        let [mean_interval, median_interval] = bootstrap(&sorted, seed);
+        Some(Self {
+            count: sorted.len(),
+            mean,
+            mean_interval,
+            std: if sorted.len() > 1 { (squares / (sorted.len() - 1) as f64).sqrt() } else { 0.0 },
+            min: sorted[0],
+            p10: quantile(&sorted, 0.10),
+            p25: quantile(&sorted, 0.25),
+            median: quantile(&sorted, 0.50),
+            median_interval,
+            p75: quantile(&sorted, 0.75),
+            p90: quantile(&sorted, 0.90),
+            p95: quantile(&sorted, 0.95),
+            max: sorted[sorted.len() - 1],
+        })
+    }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}
+
+/// A quantile of ascending numbers, interpolated between the two nearest (type 7 of Hyndman and Fan 1996, the usual one);
+/// NaN without any.
+#[must_use]
+pub fn quantile(ascending: &[f64], share: f64) -> f64 {
+    let Some(last) = ascending.len().checked_sub(1) else { return f64::NAN };
+    let at = share.clamp(0.0, 1.0) * last as f64;
+    let (below, above) = (ascending[at.floor() as usize], ascending[at.ceil() as usize]);
+    // Equal neighbours need no step between them: two infinities have none.
+    if below == above { below } else { below + (above - below) * at.fract() }
+}
+
+/// The intervals of mean and median over resamples.
+fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut drawn = vec![0.0; ascending.len()];
+    let (mut means, mut medians) = (Vec::with_capacity(RESAMPLES), Vec::with_capacity(RESAMPLES));
+    for _ in 0..RESAMPLES {
+        drawn.fill_with(|| ascending[rng.random_range(0..ascending.len())]);
+        means.push(mean(&drawn));
+        medians.push(median_in_place(&mut drawn));
+    }
+    [means, medians].map(|mut found| {
+        found.sort_by(f64::total_cmp);
+        [quantile(&found, TAIL), quantile(&found, 1.0 - TAIL)]
+    })
+}
+
+/// The median of numbers in any order, which it changes; quicker than sorting all of them.
+fn median_in_place(values: &mut [f64]) -> f64 {
+    let middle = values.len() / 2;
+    let odd = values.len() % 2 == 1;
+    let (below, at, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    if odd { *at } else { f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), *at) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::StandardNormal;
+
+    #[test]
+    fn a_few_numbers_by_hand() {
+        let summary = Summary::of(&[4.0, 1.0, 3.0, 2.0], 0).unwrap();
+        assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
+        assert!((summary.std - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);
+        assert_eq!((summary.min, summary.p25, summary.p75, summary.max), (1.0, 1.75, 3.25, 4.0));
+        assert!((summary.p90 - 3.7).abs() < 1e-12);
+        assert_eq!(Summary::of(&[], 0), None);
+        let one = Summary::of(&[7.0], 0).unwrap();
+        assert_eq!((one.mean, one.std, one.median, one.mean_interval), (7.0, 0.0, 7.0, [7.0, 7.0]));
+    }
+
+    #[test]
+    fn a_failure_never_makes_it_better() {
+        let summary = Summary::of(&[1.0, f64::NAN, 2.0], 0).unwrap();
+        assert_eq!((summary.median, summary.max, summary.mean), (2.0, f64::INFINITY, f64::INFINITY));
+    }
+
+    #[test]
+    fn the_interval_of_the_mean_is_as_wide_as_theory_says_and_repeats() {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        let values: Vec<f64> = (0..400).map(|_| rng.sample(StandardNormal)).collect();
+        let summary = Summary::of(&values, 11).unwrap();
+        let half = 0.5 * (summary.mean_interval[1] - summary.mean_interval[0]);
+        // 1.96 σ / √n.
+        assert!((half - 0.098).abs() < 0.012, "{half}");
+        assert!(summary.mean_interval[0] < summary.mean && summary.mean < summary.mean_interval[1]);
+        let median_half = 0.5 * (summary.median_interval[1] - summary.median_interval[0]);
+        assert!((0.09..0.17).contains(&median_half), "{median_half}");
+        assert_eq!(Summary::of(&values, 11), Some(summary));
+    }
+
+    #[test]
+    fn medians_in_any_order() {
+        assert!(median_in_place(&mut [5.0, 1.0, 3.0]) == 3.0);
+        assert!(median_in_place(&mut [5.0, 1.0, 3.0, 4.0]) == 3.5);
+    }
+}
