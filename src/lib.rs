@@ -14,6 +14,7 @@
 //! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
 //! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
 //! | 6 | [`app`] (the whole application without a window) |
+//! | 5 | [`proposals`] (references teach, the other frames get a camera proposed) |
 //! | 4 | [`project`] (the document), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
@@ -30,6 +31,7 @@ pub mod jobs;
 pub mod markings;
 pub mod media;
 pub mod project;
+pub mod proposals;
 pub mod relocalize;
 pub mod render;
 pub mod score;

@@ -6,6 +6,7 @@ use crate::camera::Ptz;
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
+use crate::proposals::Proposal;
 use std::path::{Path, PathBuf};
 
 /// What changes state; the window, the jobs and the tests all speak this.
@@ -107,6 +108,9 @@ pub enum Action {
     AbortEdit,
     /// The frame's clicks decide again, instead of numbers by hand.
     SolveAgain,
+
+    /// Cameras that the forest proposes for frames that nobody has looked at.
+    Proposals(Vec<Proposal>),
 
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, String>),

@@ -6,11 +6,11 @@
 mod check;
 mod document;
 mod export;
+mod features;
 mod fields;
 mod messages;
 mod new;
 mod output;
-mod pictures;
 mod refine_base;
 mod relocalize;
 mod render;

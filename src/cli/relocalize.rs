@@ -2,19 +2,16 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::write_file;
-use super::pictures::{FrameFeatures, with_features};
-use crate::camera::CameraBase;
-use crate::media::{FrameSource, image_size};
-use crate::project::{
-    self, Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
-    document_from_bytes, path_between,
-};
-use crate::relocalize::{ForestModel, Pose, PoseOptions, RelocalizeOptions, Relocalized, relocalize as relocalized};
-use anyhow::{Context as _, bail, ensure};
+use crate::media::{FrameReader, FrameSource, image_size};
+use crate::project::{self, Document, FieldSpec, Frame, document_from_bytes, path_between};
+use crate::proposals::{FramePictures, adopt_bases, is_open, propose};
+use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
+use anyhow::{Context as _, ensure};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
@@ -27,6 +24,8 @@ pub struct RelocalizeArgs {
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     output: DocumentOutput,
+    #[command(flatten)]
+    kept: FeaturesArg,
     /// Answers that are right with less than this probability are not given.
     #[arg(long, value_name = "0..1", default_value_t = PoseOptions::default().min_confidence, value_parser = probability)]
     min_confidence: f64,
@@ -54,33 +53,30 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let bytes = std::fs::read(&args.forest).with_context(|| format!("cannot read {}", args.forest.display()))?;
     let model = ForestModel::from_bytes(&bytes).with_context(|| args.forest.display().to_string())?;
     let taught = document_from_bytes(model.document.as_bytes()).with_context(|| args.forest.display().to_string())?;
-    let Input { mut document, folder, skipped } = read_input(args, taught.clone(), messages)?;
+    let Input { mut document, file, folder, skipped } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
     let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_open(&document.frames[index])).collect();
-    let mut options = RelocalizeOptions::default();
-    options.predict.leaves_per_tree = args.leaves;
-    options.pose.min_confidence = args.min_confidence;
-    options.pose.seed = args.seed;
+    let options = RelocalizeOptions {
+        predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
+        pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },
+    };
+    let store = args.kept.store(file.as_deref());
+    let pictures = FramePictures { document: &document, folder: &folder, options: model.features, store: &store };
     let bar = messages.progress(asked.len(), "Relocalizing");
-    let answers = with_features(&document, &folder, &asked, &model.features, |frame, found| {
-        let answer = found.and_then(|found| answer(&document, &model, frame, &found, &options));
+    let proposals = pictures.each(&mut FrameReader::new(), &asked, |index, _, found| {
+        let proposal = propose(&document, index, found, (&model, 0), &options);
         bar.inc(1);
-        answer
+        ControlFlow::Continue(proposal)
     });
     bar.finish_and_clear();
+    tell_refusal(&store, messages);
     let mut answered = 0;
-    for (&index, answer) in asked.iter().zip(answers) {
-        let frame = &mut document.frames[index];
-        let reason = match answer {
-            Ok(answer) => record(frame, answer),
-            Err(error) => {
-                forget(frame);
-                Some(format!("{error:#}"))
-            }
-        };
-        match reason {
-            None => answered += 1,
-            Some(reason) => messages.frame_failed(&frame.name(), &reason),
+    for proposal in proposals.unwrap_or_default() {
+        let frame = &mut document.frames[proposal.frame];
+        proposal.record(frame);
+        match &proposal.outcome {
+            Ok(_) => answered += 1,
+            Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),
         }
     }
     write(&args.output, &document, &folder)?;
@@ -92,6 +88,8 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
 /// What the frames to be answered are.
 struct Input {
     document: Document,
+    /// Its file; none for images.
+    file: Option<PathBuf>,
     /// Where relative paths start.
     folder: PathBuf,
     /// Images that could not be read.
@@ -104,7 +102,8 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
         && is_document(path)
     {
         let Loaded { location, document } = DocumentArg { document: path.clone() }.load(messages)?;
-        return Ok(Input { document, folder: location.folder().to_path_buf(), skipped: 0 });
+        let file = Some(location.file().to_path_buf());
+        return Ok(Input { document, file, folder: location.folder().to_path_buf(), skipped: 0 });
     }
     ensure!(
         !taught.field.is_file()
@@ -112,7 +111,7 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
         "the forest's field is a template file of your own, which images do not bring along; relocalize a document"
     );
     let folder = std::env::current_dir()?;
-    let mut input = Input { document: taught, folder: folder.canonicalize().unwrap_or(folder), skipped: 0 };
+    let mut input = Input { document: taught, file: None, folder: folder.canonicalize().unwrap_or(folder), skipped: 0 };
     for path in &args.inputs {
         ensure!(!is_document(path), "{} is a document; give it alone, or give images", path.display());
         let listed = if path.is_dir() { images_of(path)? } else { vec![path.clone()] };
@@ -150,108 +149,6 @@ fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     let frame = Frame::from_image(&name, camera.id.clone(), size);
     input.document.frames.push(frame.into());
     Ok(())
-}
-
-/// How far numbers of a base may differ, m and px: digits that were rounded when a document was written.
-const SAME_BASE: f64 = 1e-6;
-
-/// Cameras without a base take over the forest's; one with another base makes the forest useless.
-fn adopt_bases(document: &mut Document, taught: &Document, model: &ForestModel) -> anyhow::Result<()> {
-    for forest in &model.cameras {
-        let id = forest.camera.as_str().into();
-        let known = taught.camera(&id).and_then(Camera::base);
-        let known =
-            known.with_context(|| format!("the forest does not hold the base of its camera {}", forest.camera))?;
-        let Some(camera) = document.camera_mut(&id) else { continue };
-        match camera.base() {
-            None => camera.set_base(&known),
-            Some(base) if differs(&base, &known) => bail!(
-                "camera {}: its position, rotation, principal point or lens is not the one that the forest was trained with; \
-                 train the forest again",
-                forest.camera
-            ),
-            Some(_) => {}
-        }
-    }
-    Ok(())
-}
-
-fn differs(one: &CameraBase, other: &CameraBase) -> bool {
-    let lens = |base: &CameraBase, focal_px: f64| base.distortion.at(focal_px);
-    (one.position_m - other.position_m).amax() > SAME_BASE
-        || (one.base_from_world - other.base_from_world).amax() > SAME_BASE
-        || one.principal_point.distance_px(other.principal_point) > SAME_BASE
-        || [1000.0, 5000.0].iter().any(|&focal_px| (lens(one, focal_px) - lens(other, focal_px)).abs() > SAME_BASE)
-}
-
-/// Whether nobody has clicked or accepted a frame: those are answered, all others stay as they are.
-fn is_open(frame: &Frame) -> bool {
-    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
-}
-
-/// What became of a frame.
-struct Answer {
-    relocalized: Relocalized,
-    features_time: Duration,
-    k1: Option<f64>,
-}
-
-fn answer(
-    document: &Document,
-    model: &ForestModel,
-    frame: &Frame,
-    found: &FrameFeatures,
-    options: &RelocalizeOptions,
-) -> anyhow::Result<Answer> {
-    let forest = model.camera(frame.camera.as_str());
-    let forest =
-        forest.with_context(|| format!("the forest has no references of camera {:?}", frame.camera.as_str()))?;
-    let base = document.camera_of(frame).and_then(Camera::base).context("its camera has no base")?;
-    let relocalized = relocalized(&found.features, &forest.forest, &forest.seen, &base, options);
-    let k1 = relocalized.pose.as_ref().ok().map(|pose| base.distortion.at(pose.ptz.focal_px));
-    Ok(Answer { relocalized, features_time: found.time, k1: k1.filter(|k1| *k1 != 0.0) })
-}
-
-/// Takes an answer over; the reason, where there is none.
-fn record(frame: &mut Frame, answer: Answer) -> Option<String> {
-    forget(frame);
-    let Answer { relocalized: Relocalized { pose, predict_time, pose_time }, features_time, k1 } = answer;
-    let milliseconds = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-    let timings = serde_json::json!({
-        "features": milliseconds(features_time),
-        "predict": milliseconds(predict_time),
-        "pose": milliseconds(pose_time),
-    });
-    let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
-    solution.extra.insert("timings_ms".to_owned(), timings);
-    let reason = match pose {
-        Ok(pose) => {
-            frame.ptz = Some(FramePtz::new(pose.ptz, k1));
-            frame.status = FrameStatus::Suggested;
-            take_over(&mut solution, &pose);
-            None
-        }
-        Err(reason) => {
-            solution.warnings.push(SolutionWarning::new(reason.code(), reason.to_string()));
-            Some(reason.to_string())
-        }
-    };
-    frame.solution = Some(solution);
-    reason
-}
-
-fn take_over(solution: &mut Solution, pose: &Pose) {
-    solution.covariance = Some(pose.covariance);
-    solution.rms_px = Some(pose.rms_px);
-    solution.worst_corner_sigma_px = Some(pose.worst_corner_sigma_px);
-    solution.confidence = Some(pose.confidence);
-}
-
-/// Drops what an earlier run suggested.
-fn forget(frame: &mut Frame) {
-    frame.ptz = None;
-    frame.solution = None;
-    frame.status = FrameStatus::New;
 }
 
 /// Writes the document, or its frames a line each where the name ends with `.jsonl`.

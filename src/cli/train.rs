@@ -2,22 +2,24 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
+use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use super::pictures::with_features;
-use crate::camera::{PanTilt, Ptz, PtzCamera};
-use crate::features::{Descriptor, FeatureOptions};
-use crate::project::{self, Document, Frame, FrameStatus};
-use crate::relocalize::{self, CameraForest, ForestModel, Samples, SeenRange, TrainOptions};
-use anyhow::{Context as _, ensure};
+use crate::features::FeatureOptions;
+use crate::media::FrameReader;
+use crate::proposals::{FramePictures, LearnOptions, Teachers, learn, study};
+use crate::relocalize::{CameraForest, TrainOptions};
+use anyhow::ensure;
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
 pub struct TrainArgs {
     #[command(flatten)]
     document: DocumentArg,
+    #[command(flatten)]
+    kept: FeaturesArg,
     /// The forest to write.
     #[arg(short, long, value_name = "FOREST")]
     output: PathBuf,
@@ -57,49 +59,40 @@ pub struct TrainArgs {
 pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
-    let features = FeatureOptions { max_count: args.features, max_width_px: args.max_width, root_sift: args.root_sift };
-    let teachers: Vec<usize> =
-        (0..document.frames.len()).filter(|&index| learns_from(&document.frames[index], args.all_references)).collect();
+    let options = args.options();
+    let teachers = Teachers::of(&document, args.all_references);
     ensure!(
-        !teachers.is_empty(),
+        !teachers.frames.is_empty(),
         "{}: there are no references to learn from; accept solved frames first",
         location.file().display()
     );
-    let bar = messages.progress(teachers.len(), "Finding features");
-    let lessons = with_features(&document, location.folder(), &teachers, &features, |frame, found| {
-        let lesson = found.and_then(|found| {
-            let camera = camera_of(&document, frame)?;
-            let rays = found.features.keypoints.iter().map(|keypoint| camera.ray_from_image(keypoint.point));
-            let pairs = rays.zip(&found.features.descriptors);
-            let taught = pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))).collect();
-            Ok(Lesson { ptz: camera.ptz(), taught })
-        });
+    let store = args.kept.store(Some(location.file()));
+    let pictures =
+        FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
+    let bar = messages.progress(teachers.frames.len(), "Finding features");
+    let studied = study(&pictures, &mut FrameReader::new(), &teachers.frames, &|| {
         bar.inc(1);
-        lesson
+        ControlFlow::Continue(())
     });
     bar.finish_and_clear();
-    let mut failed = 0;
-    let mut learnt = Vec::new();
-    for (&index, lesson) in teachers.iter().zip(lessons) {
-        let frame = &document.frames[index];
-        match lesson {
-            Ok(lesson) => learnt.push((frame.camera.as_str(), lesson)),
-            Err(error) => {
-                failed += 1;
-                messages.frame_failed(&frame.name(), &format!("{error:#}"));
-            }
-        }
+    let studied = studied.unwrap_or_default();
+    tell_refusal(&store, messages);
+    for (index, error) in &studied.failed {
+        messages.frame_failed(&document.frames[*index].name(), &error.to_string());
     }
-    let options = TrainOptions {
-        trees: args.trees,
-        max_depth: args.max_depth,
-        frames_per_tree: args.frames_per_tree,
-        seed: args.seed,
-        ..TrainOptions::default()
-    };
-    let cameras = forests(&document, &learnt, &options, messages)?;
-    ensure!(!cameras.is_empty(), "{}: no reference gave features to learn from", location.file().display());
-    let model = ForestModel { document: without_frames(&document)?, features, cameras };
+    ensure!(
+        studied.lessons.iter().any(|lesson| !lesson.taught.is_empty()),
+        "{}: no reference gave features to learn from",
+        location.file().display()
+    );
+    let bar = messages.progress(0, "Training");
+    let model = learn(&document, &studied.lessons, &options, &|progress| {
+        bar.set_length(progress.total as u64);
+        bar.set_position(progress.placed as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    let model = model?;
     write_file(&args.output, &model.to_bytes(), args.force)?;
     let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum::<usize>();
     messages.note(&format!(
@@ -108,66 +101,30 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         count(|camera| camera.seen.references as usize),
         count(|camera| camera.forest.leaves())
     ));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
-}
-
-/// What one reference teaches.
-struct Lesson {
-    ptz: Ptz,
-    taught: Vec<(Descriptor, PanTilt)>,
-}
-
-/// Whether the forest learns from a frame; with `all_references` from accepted suggestions, too.
-fn learns_from(frame: &Frame, all_references: bool) -> bool {
-    frame.teaches() || all_references && frame.status == FrameStatus::Reference && frame.is_suggestion()
-}
-
-fn camera_of(document: &Document, frame: &Frame) -> anyhow::Result<PtzCamera> {
-    let camera =
-        document.camera_of(frame).with_context(|| format!("camera {:?} is not in the document", frame.camera))?;
-    camera.base().with_context(|| format!("camera {:?} has no position or base rotation", camera.id.as_str()))?;
-    camera.pointed(frame).context("this reference has no `ptz`; run `touchline solve` first")
-}
-
-/// A forest for each camera with references, in the document's order.
-fn forests(
-    document: &Document,
-    learnt: &[(&str, Lesson)],
-    options: &TrainOptions,
-    messages: Messages,
-) -> anyhow::Result<Vec<CameraForest>> {
-    let mut made = Vec::new();
-    for camera in &document.cameras {
-        let lessons = || learnt.iter().filter(|(id, lesson)| *id == camera.id.as_str() && !lesson.taught.is_empty());
-        let seen: Vec<Ptz> = lessons().map(|(_, lesson)| lesson.ptz).collect();
-        let Some(seen) = SeenRange::of(&seen) else { continue };
-        let mut samples = Samples::new();
-        for (_, lesson) in lessons() {
-            samples.add_frame(lesson.taught.iter().copied());
-        }
-        let bar = messages.progress(samples.len() * options.trees as usize, "Training");
-        let forest = relocalize::train(&samples, options, &|progress| {
-            bar.set_length(progress.total as u64);
-            bar.set_position(progress.placed as u64);
-            ControlFlow::Continue(())
-        })?;
-        bar.finish_and_clear();
-        made.push(CameraForest { camera: camera.id.as_str().to_owned(), seen, forest });
+    if teachers.withheld > 0 {
+        messages.note(&format!(
+            "{} accepted suggestions did not teach (--all-references takes them, too)",
+            teachers.withheld
+        ));
     }
-    Ok(made)
+    Ok(if studied.failed.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }
 
-/// The document's field and cameras as JSON. A template of the user's own is kept by its file name: a forest holds no
-/// paths.
-fn without_frames(document: &Document) -> anyhow::Result<String> {
-    let mut kept = Document { frames: Vec::new(), extra: project::Extra::new(), ..document.clone() };
-    let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-    for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
-        if field.is_file()
-            && let Some(name) = Path::new(&field.template).file_name()
-        {
-            field.template = name.to_string_lossy().into_owned();
+impl TrainArgs {
+    fn options(&self) -> LearnOptions {
+        LearnOptions {
+            features: FeatureOptions {
+                max_count: self.features,
+                max_width_px: self.max_width,
+                root_sift: self.root_sift,
+            },
+            train: TrainOptions {
+                trees: self.trees,
+                max_depth: self.max_depth,
+                frames_per_tree: self.frames_per_tree,
+                seed: self.seed,
+                ..TrainOptions::default()
+            },
         }
     }
-    Ok(project::document_to_string(&kept)?)
 }

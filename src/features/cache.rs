@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
 /// Changes whenever the same picture and settings would give other features, or the files read differently.
@@ -24,10 +25,12 @@ const FEATURE_BYTES: usize = 24 + DESCRIPTOR_BYTES;
 pub struct FeatureCache {
     folder: PathBuf,
     max_bytes: u64,
+    /// What the folder held when it was counted last and what was put there since; none before the first count.
+    held_bytes: Arc<Mutex<Option<u64>>>,
 }
 
 /// What decides the features of a picture.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FeatureKey(String);
 
 impl FeatureKey {
@@ -58,7 +61,7 @@ impl FeatureCache {
     /// A cache in a folder, which is made when something is first put there, of at most `max_bytes`.
     #[must_use]
     pub fn new(folder: &Path, max_bytes: u64) -> Self {
-        Self { folder: folder.to_path_buf(), max_bytes }
+        Self { folder: folder.to_path_buf(), max_bytes, held_bytes: Arc::default() }
     }
 
     /// The features of a picture, if they are there and whole.
@@ -74,7 +77,7 @@ impl FeatureCache {
     pub fn put(&self, key: &FeatureKey, features: &Features) -> io::Result<()> {
         let bytes = encode(features);
         std::fs::create_dir_all(&self.folder)?;
-        self.make_room(bytes.len() as u64)?;
+        self.make_room_if_needed(bytes.len() as u64)?;
         let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
         file.write_all(&bytes)?;
         file.persist(self.file(key)).map_err(|error| error.error)?;
@@ -85,8 +88,19 @@ impl FeatureCache {
         self.folder.join(&key.0).with_extension(EXTENSION)
     }
 
-    /// Deletes the oldest files until `more` bytes fit.
-    fn make_room(&self, more: u64) -> io::Result<()> {
+    /// Makes room for `more` bytes. The folder is counted at first and when it is full, not for every file.
+    fn make_room_if_needed(&self, more: u64) -> io::Result<()> {
+        let mut held = self.held_bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        let total = match *held {
+            Some(bytes) if bytes + more <= self.max_bytes => bytes,
+            _ => self.make_room(more)?,
+        };
+        *held = Some(total + more);
+        Ok(())
+    }
+
+    /// Deletes the oldest files until `more` bytes fit; what is left.
+    fn make_room(&self, more: u64) -> io::Result<u64> {
         let mut files: Vec<(SystemTime, PathBuf, u64)> = Vec::new();
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();
@@ -107,7 +121,7 @@ impl FeatureCache {
                 _ => total -= bytes,
             }
         }
-        Ok(())
+        Ok(total)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::{CameraId, Click, Extra, FramePtz, Solution, doors};
 use crate::geometry::{ImageSize, PixelBox};
+use crate::media::FrameRef;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -182,6 +183,16 @@ impl Frame {
     #[must_use]
     pub fn image_path(&self, folder: &Path) -> Option<PathBuf> {
         self.image.as_ref().map(|image| folder.join(image))
+    }
+
+    /// Where its pixels come from, given the document's folder: its image file, else its video's frame.
+    #[must_use]
+    pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {
+        if let Some(path) = self.image_path(folder) {
+            return Some(FrameRef::image(path));
+        }
+        let video = self.video.as_ref()?;
+        Some(FrameRef::video(video.file_path(folder), usize::try_from(video.frame_index).ok()?))
     }
 }
 

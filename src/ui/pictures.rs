@@ -195,10 +195,5 @@ impl Pictures {
 
 /// Where a frame's pixels come from.
 fn frame_ref(open: &OpenProject, index: usize) -> Option<FrameRef> {
-    let frame = open.frame(index)?;
-    if let Some(path) = frame.image_path(&open.folder) {
-        return Some(FrameRef::image(path));
-    }
-    let video = frame.video.as_ref()?;
-    Some(FrameRef::video(video.file_path(&open.folder), usize::try_from(video.frame_index).ok()?))
+    open.frame(index)?.picture_source(&open.folder)
 }

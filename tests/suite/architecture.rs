@@ -10,7 +10,7 @@ const FLOORS: &[&[&str]] = &[
     &["markings"],
     &["solve", "score", "features"],
     &["project", "relocalize", "synthetic"],
-    &["exchange", "track"],
+    &["exchange", "track", "proposals"],
     &["app", "experiments"],
     &["jobs", "render"],
     &["ui", "cli"],

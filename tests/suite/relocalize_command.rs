@@ -52,7 +52,11 @@ fn references_teach_and_the_other_frames_are_answered() {
     assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --force").code, 0);
     assert!(fs::read(folder.join("forest.tlf")).unwrap() == bytes, "same input, same bytes");
 
+    let kept = || fs::read_dir(folder.join(".touchline/features")).unwrap().count();
+    assert_eq!(kept(), 5, "features are found once");
+
     let ran = touchline(&folder, "relocalize forest.tlf ask.json -o answers.json");
+    assert_eq!(kept(), 10);
     let (truth, answers) = (document(&folder.join("truth.json")), document(&folder.join("answers.json")));
     let mut answered = 0;
     for (index, (frame, truth)) in answers.frames.iter().zip(&truth.frames).enumerate() {
@@ -84,7 +88,8 @@ fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let folder = place.path().join("match");
-    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf").code, 0);
+    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --no-cache").code, 0);
+    assert!(!folder.join(".touchline").exists());
     fs::create_dir(folder.join("some")).unwrap();
     fs::copy(folder.join("images/0001.jpg"), folder.join("some/1.jpg")).unwrap();
     fs::write(folder.join("some/2.jpg"), "no picture").unwrap();

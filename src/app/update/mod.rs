@@ -100,6 +100,8 @@ impl App {
             Action::EndEdit => self.end_edit(),
             Action::AbortEdit => self.abort(),
             Action::SolveAgain => self.solve_again(),
+            // Nothing asks for proposals yet.
+            Action::Proposals(_) => {}
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),

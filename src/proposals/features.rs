@@ -1,0 +1,163 @@
+//! The features of a document's frames.
+
+use super::picture::check_size;
+use super::{FeatureStore, PictureError, read_picture};
+use crate::features::{FeatureKey, FeatureOptions, Features, extract};
+use crate::geometry::PixelBox;
+use crate::media::{FrameReader, FrameRef, Picture, sha256_of_file};
+use crate::project::{Document, Frame};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, UNIX_EPOCH};
+
+/// The pictures of a document's frames, and how features are looked for in them.
+#[derive(Clone, Copy)]
+pub struct FramePictures<'a> {
+    /// The document.
+    pub document: &'a Document,
+    /// Where its relative paths start.
+    pub folder: &'a Path,
+    /// How features are looked for.
+    pub options: FeatureOptions,
+    /// Features that were found before.
+    pub store: &'a FeatureStore,
+}
+
+/// The features of a frame.
+#[derive(Clone, Debug)]
+pub struct FrameFeatures {
+    /// Outside the masks of the frame and its camera.
+    pub features: Arc<Features>,
+    /// What finding them took, without reading the picture; or what looking them up took.
+    pub time: Duration,
+    /// The image file is not the one that the document knows.
+    pub changed: bool,
+}
+
+/// Frames taken at a time: so many pictures of a video lie in memory at most.
+const BATCH: usize = 16;
+
+/// A picture on its way: found before, or what is needed to look.
+enum Found {
+    Before(FrameFeatures),
+    Video(Result<Picture, PictureError>, Option<FeatureKey>),
+    Image,
+}
+
+impl FramePictures<'_> {
+    /// Hands the features of some frames to `work`, in parallel, a batch at a time; what it makes of them, in the frames'
+    /// order. Images are read in parallel, videos one frame after the other by `reader`. `work` may end it: none then.
+    pub fn each<T: Send>(
+        &self,
+        reader: &mut FrameReader,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<FrameFeatures, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        let ended = AtomicBool::new(false);
+        let mut made = Vec::with_capacity(frames.len());
+        for batch in frames.chunks(BATCH) {
+            let mut begun = Vec::with_capacity(batch.len());
+            for &index in batch {
+                let frame = &*self.document.frames[index];
+                let found = if frame.image.is_some() { Found::Image } else { self.of_video(reader, frame) };
+                begun.push((index, frame, found));
+            }
+            let worked = begun.into_par_iter().map(|(index, frame, found)| {
+                if ended.load(Ordering::Relaxed) {
+                    return None;
+                }
+                let worked = work(index, frame, self.features_of(frame, found));
+                if worked.is_break() {
+                    ended.store(true, Ordering::Relaxed);
+                }
+                worked.continue_value()
+            });
+            made.extend(worked.collect::<Option<Vec<T>>>()?);
+        }
+        Some(made)
+    }
+
+    fn features_of(&self, frame: &Frame, found: Found) -> Result<FrameFeatures, PictureError> {
+        match found {
+            Found::Before(features) => Ok(features),
+            Found::Video(picture, key) => self.look(frame, &picture?, key.as_ref(), false),
+            Found::Image => self.of_image(frame),
+        }
+    }
+
+    fn of_image(&self, frame: &Frame) -> Result<FrameFeatures, PictureError> {
+        let path = frame.image_path(self.folder).ok_or(PictureError::None)?;
+        let sha256 = sha256_of_file(&path)?;
+        let changed = frame.sha256.as_ref().is_some_and(|stated| !stated.eq_ignore_ascii_case(&sha256));
+        let key = self.key(frame, &sha256);
+        if let Some(before) = self.before(frame, &key, &path.to_string_lossy(), changed)? {
+            return Ok(before);
+        }
+        // The picture is read for itself alone: no decoder stays open.
+        let picture = read_picture(&mut FrameReader::new(), frame, self.folder)?;
+        self.look(frame, &picture, Some(&key), changed)
+    }
+
+    fn of_video(&self, reader: &mut FrameReader, frame: &Frame) -> Found {
+        let key = frame.picture_source(self.folder).and_then(|source| video_identity(&source));
+        let key = key.map(|identity| self.key(frame, &identity));
+        let before = key.as_ref().map(|key| self.before(frame, key, &frame.name(), false));
+        match before {
+            Some(Ok(Some(before))) => Found::Before(before),
+            Some(Err(error)) => Found::Video(Err(error), None),
+            Some(Ok(None)) | None => Found::Video(read_picture(reader, frame, self.folder), key),
+        }
+    }
+
+    /// Features that were found before.
+    fn before(
+        &self,
+        frame: &Frame,
+        key: &FeatureKey,
+        picture: &str,
+        changed: bool,
+    ) -> Result<Option<FrameFeatures>, PictureError> {
+        let start = Instant::now();
+        let Some(features) = self.store.get(key) else { return Ok(None) };
+        check_size(frame, picture, features.image_size)?;
+        Ok(Some(FrameFeatures { features, time: start.elapsed(), changed }))
+    }
+
+    fn look(
+        &self,
+        frame: &Frame,
+        picture: &Picture,
+        key: Option<&FeatureKey>,
+        changed: bool,
+    ) -> Result<FrameFeatures, PictureError> {
+        let start = Instant::now();
+        let features = extract(picture, &self.masks(frame), &self.options)?;
+        let time = start.elapsed();
+        let features = match key {
+            Some(key) => self.store.put(key, features),
+            None => Arc::new(features),
+        };
+        Ok(FrameFeatures { features, time, changed })
+    }
+
+    fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {
+        FeatureKey::new(picture, &self.options, &self.masks(frame))
+    }
+
+    fn masks(&self, frame: &Frame) -> Vec<PixelBox> {
+        let of_camera = self.document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
+        of_camera.iter().chain(&frame.masks).copied().collect()
+    }
+}
+
+/// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length and time of the file do.
+fn video_identity(source: &FrameRef) -> Option<String> {
+    let FrameRef::Video { path, index } = source else { return None };
+    let metadata = std::fs::metadata(path).ok()?;
+    let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+    let path = path.canonicalize().ok()?;
+    Some(format!("{}|{}|{}|{index}", path.display(), metadata.len(), modified.as_nanos()))
+}

@@ -1,0 +1,168 @@
+//! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
+
+use super::{PictureError, is_open};
+use crate::camera::CameraBase;
+use crate::geometry::Mat3;
+use crate::project::{CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
+use crate::relocalize::NotFound;
+use std::time::Duration;
+use thiserror::Error;
+
+/// What the forest answers for a frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// The frame's place in the document when it was asked.
+    pub frame: usize,
+    /// What was asked, by which a stale answer is known.
+    pub asked: Asked,
+    /// Which forest answered: later ones have greater numbers.
+    pub generation: u64,
+    /// The camera, or why there is none.
+    pub outcome: Result<Answer, NoProposal>,
+    /// What it took.
+    pub timings: Timings,
+}
+
+/// A frame as it was when the forest was asked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Asked {
+    /// The frame's picture, by name.
+    pub picture: String,
+    /// The hash of its image file, where the document has one.
+    pub sha256: Option<String>,
+    /// Its camera.
+    pub camera: CameraId,
+    /// Where that camera stands.
+    pub base: Option<CameraBase>,
+}
+
+/// A camera that the forest proposes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Answer {
+    /// Pan, tilt and focal length as documents have them.
+    pub ptz: FramePtz,
+    /// Covariance of (pan deg, tilt deg, focal px).
+    pub covariance: Mat3,
+    /// Root mean square of the agreeing features' distances, px.
+    pub rms_px: f64,
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    pub worst_corner_sigma_px: f64,
+    /// The probability that the overlay is right within 10 px at 1920 px width.
+    pub confidence: f64,
+    /// Features that agree.
+    pub inliers: usize,
+    /// In how many places of the picture.
+    pub places: usize,
+}
+
+/// Why there is no proposal.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum NoProposal {
+    /// The forest does not know.
+    #[error(transparent)]
+    NotFound(#[from] NotFound),
+    /// Nobody taught the forest this camera.
+    #[error("the forest has no references of camera {camera:?}")]
+    NoReferences {
+        /// The camera's name.
+        camera: String,
+    },
+    /// Where its camera stands is not known.
+    #[error("its camera {camera:?} has no base")]
+    NoBase {
+        /// The camera's name.
+        camera: String,
+    },
+    /// The picture or its features cannot be had.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// A mistake in this program.
+    #[error("a mistake in this program: {message}")]
+    Panicked {
+        /// The words of the panic.
+        message: String,
+    },
+}
+
+/// What an answer took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Timings {
+    /// Finding the features, without reading the picture.
+    pub features: Duration,
+    /// Asking the forest.
+    pub predict: Duration,
+    /// Finding the pose.
+    pub pose: Duration,
+}
+
+impl NoProposal {
+    /// The code of the warning in documents.
+    #[must_use]
+    pub const fn code(&self) -> &'static str {
+        match self {
+            Self::NotFound(reason) => reason.code(),
+            Self::NoReferences { .. } => "coverage",
+            Self::NoBase { .. } => "no_base",
+            Self::Picture(_) => "picture",
+            Self::Panicked { .. } => "failed",
+        }
+    }
+}
+
+impl Asked {
+    /// A frame as it is now.
+    #[must_use]
+    pub fn of(document: &Document, frame: &Frame) -> Self {
+        Self {
+            picture: frame.name(),
+            sha256: frame.sha256.clone(),
+            camera: frame.camera.clone(),
+            base: document.camera_of(frame).and_then(crate::project::Camera::base),
+        }
+    }
+}
+
+impl Proposal {
+    /// Whether it still answers the frame in its place: the same picture and base, and nobody has clicked, accepted or
+    /// rejected it since.
+    #[must_use]
+    pub fn fits(&self, document: &Document) -> bool {
+        let Some(frame) = document.frames.get(self.frame) else { return false };
+        is_open(frame) && self.asked == Asked::of(document, frame)
+    }
+
+    /// Writes the answer into its frame, in place of an earlier one: a camera makes it `suggested`; where there is none it is
+    /// new, and the reason stands among the warnings.
+    pub fn record(&self, frame: &mut Frame) {
+        let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+        solution.extra.insert("timings_ms".to_owned(), self.timings.to_json());
+        match &self.outcome {
+            Ok(answer) => {
+                frame.ptz = Some(answer.ptz.clone());
+                frame.status = FrameStatus::Suggested;
+                solution.covariance = Some(answer.covariance);
+                solution.rms_px = Some(answer.rms_px);
+                solution.worst_corner_sigma_px = Some(answer.worst_corner_sigma_px);
+                solution.confidence = Some(answer.confidence);
+            }
+            Err(reason) => {
+                frame.ptz = None;
+                frame.status = FrameStatus::New;
+                solution.warnings.push(SolutionWarning::new(reason.code(), reason.to_string()));
+            }
+        }
+        frame.solution = Some(solution);
+    }
+}
+
+impl Timings {
+    /// As documents have them: `timings_ms`.
+    fn to_json(self) -> serde_json::Value {
+        let milliseconds = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
+        serde_json::json!({
+            "features": milliseconds(self.features),
+            "predict": milliseconds(self.predict),
+            "pose": milliseconds(self.pose),
+        })
+    }
+}

@@ -1,0 +1,51 @@
+//! The forest asked for a frame.
+
+use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
+use crate::camera::CameraBase;
+use crate::project::{Document, Frame, FramePtz, FrameStatus};
+use crate::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
+
+/// Whether nobody has clicked or decided on a frame: those are answered, all others stay as they are.
+#[must_use]
+pub fn is_open(frame: &Frame) -> bool {
+    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
+}
+
+/// What the forest says of a frame with these features, if they could be had.
+#[must_use]
+pub fn propose(
+    document: &Document,
+    index: usize,
+    found: Result<FrameFeatures, PictureError>,
+    (model, generation): (&ForestModel, u64),
+    options: &RelocalizeOptions,
+) -> Proposal {
+    let frame = &*document.frames[index];
+    let asked = Asked::of(document, frame);
+    let mut timings = Timings::default();
+    let outcome = found.map_err(NoProposal::from).and_then(|found| {
+        timings.features = found.time;
+        let camera = || frame.camera.as_str().to_owned();
+        let forest =
+            model.camera(frame.camera.as_str()).ok_or_else(|| NoProposal::NoReferences { camera: camera() })?;
+        let base = asked.base.ok_or_else(|| NoProposal::NoBase { camera: camera() })?;
+        let Relocalized { pose, predict_time, pose_time } =
+            relocalize(&found.features, &forest.forest, &forest.seen, &base, options);
+        (timings.predict, timings.pose) = (predict_time, pose_time);
+        Ok(answer(&pose?, &base))
+    });
+    Proposal { frame: index, asked, generation, outcome, timings }
+}
+
+fn answer(pose: &Pose, base: &CameraBase) -> Answer {
+    let k1 = Some(base.distortion.at(pose.ptz.focal_px)).filter(|k1| *k1 != 0.0);
+    Answer {
+        ptz: FramePtz::new(pose.ptz, k1),
+        covariance: pose.covariance,
+        rms_px: pose.rms_px,
+        worst_corner_sigma_px: pose.worst_corner_sigma_px,
+        confidence: pose.confidence,
+        inliers: pose.inliers.len(),
+        places: pose.places,
+    }
+}
