@@ -1,5 +1,6 @@
 //! What changes state, and what the outside then has to do.
 
+use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView};
 use super::{Chord, Command, OverlayStyle};
 use crate::camera::Ptz;
@@ -111,6 +112,21 @@ pub enum Action {
 
     /// Cameras that the forest proposes for frames that nobody has looked at.
     Proposals(Vec<Proposal>),
+    /// The order of the review panel's list.
+    SetReviewOrder(ReviewOrder),
+    /// Suggestions of at least this probability are accepted together.
+    SetReviewThreshold(f64),
+    /// Also those that disagree with their neighbours.
+    SetWithDisagreeing(bool),
+    /// The suggestions that the preview shows are accepted together.
+    AcceptAll,
+    /// The forest learns from a reference, or does not.
+    SetTeaches {
+        /// Which frame.
+        frame: usize,
+        /// It learns.
+        teaches: bool,
+    },
 
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, String>),

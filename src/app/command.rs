@@ -31,10 +31,13 @@ pub enum Command {
     PreviousTenFrames,
     NextNeedsMe,
     PreviousNeedsMe,
+    NextUnanswered,
     NextReference,
     PreviousReference,
     Accept,
     AcceptAndStay,
+    AcceptAllAbove,
+    Teaches,
     Reject,
     RejectShot,
     Comment,
@@ -50,6 +53,7 @@ pub enum Command {
     Compare,
     Uncertainty,
     CameraPanel,
+    ReviewPanel,
     EstimateBase,
     UseEstimatedBase,
     DropEstimatedBase,
@@ -130,12 +134,15 @@ rows! {
     PreviousFrame, "previous_frame", Frame, "Previous frame", "Step one frame back.", ["Comma"];
     NextTenFrames, "next_ten_frames", Frame, "Ten frames on", "Step ten frames.", ["Shift+Period"];
     PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Step ten frames back.", ["Shift+Comma"];
-    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that is neither accepted nor rejected.", ["N"];
-    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that is neither accepted nor rejected.", ["Shift+N"];
+    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that somebody has to look at; along the list while the review panel is open.", ["N"];
+    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that somebody has to look at.", ["Shift+N"];
+    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame without an answer whose label helps most.", [];
     NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
+    AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion that is certain enough, after a look at what they are; one step of undo.", ["Ctrl+Enter"];
+    Teaches, "teaches", Frame, "This reference teaches", "The forest learns from this reference. Accepted suggestions do not teach unless you say so.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
@@ -151,6 +158,7 @@ rows! {
     Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
     Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
+    ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];

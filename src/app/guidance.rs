@@ -1,9 +1,10 @@
 //! The next step in words: what the status row says.
 
 use super::base::{BaseWork, WIDE_FRAMES};
+use super::review::Review;
 use super::session::{Mode, needs_me, reason_label};
 use super::{App, Command};
-use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource};
+use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Unanswered};
 use crate::solve::{SolveError, Verdict};
 
 /// The next step, and what brings one there.
@@ -74,23 +75,76 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
                 frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase())).unwrap_or_default();
             Some(Guidance::say(format!("Not calibratable{why}. X takes the mark away, N goes on.")))
         }
-        FrameStatus::Reference => Some(Guidance::say(after_accepting(app))),
+        FrameStatus::Reference => {
+            let said = Guidance::say(of_reference(app));
+            let ended = app.review().unanswered.frames > 0 && nobody_waits(app);
+            Some(if ended { said.offer("Go there", Command::NextUnanswered) } else { said })
+        }
         FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => None,
     }
 }
 
-fn after_accepting(app: &App) -> String {
+/// What is said of a frame that is a reference.
+fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
-    let references = open.count(FrameStatus::Reference);
-    let left = open.document.frames.iter().filter(|frame| needs_me(frame.status)).count();
-    let missing = WIDE_FRAMES.saturating_sub(references);
+    let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
+    let teachers = open.document.frames.iter().filter(|frame| frame.teaches()).count();
+    let missing = WIDE_FRAMES.saturating_sub(teachers);
+    let label = app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.teaches());
     match (left, missing) {
-        (0, _) => "Nothing needs you.".to_owned(),
+        (0, _) => nothing_needs_you(app.review()),
+        _ if label => format!("Accepted, a label that does not teach. N goes to the next of {left} that need you."),
         (_, 0) => format!("Reference. N goes to the next of {left} that need you; a click here changes it."),
         (_, missing) => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
         }
     }
+}
+
+/// What is said when a frame has just been accepted.
+#[must_use]
+pub fn just_accepted(app: &App, teaches: bool) -> String {
+    let Some(open) = app.open() else { return String::new() };
+    let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
+    let teachers = open.document.frames.iter().filter(|frame| frame.teaches()).count();
+    let plural = if teachers == 1 { "" } else { "s" };
+    match (left, WIDE_FRAMES.saturating_sub(teachers)) {
+        (0, _) => nothing_needs_you(app.review()),
+        _ if !teaches => format!("Accepted as a label, {left} left."),
+        (_, 0) => format!("Reference saved: {teachers} reference{plural}, {left} left."),
+        (_, missing) => {
+            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
+        }
+    }
+}
+
+fn nobody_waits(app: &App) -> bool {
+    app.open().is_some_and(|open| !open.document.frames.iter().any(|frame| needs_me(frame)))
+}
+
+/// The end, or what is left to label.
+#[must_use]
+pub fn nothing_needs_you(review: &Review) -> String {
+    match without_answer(&review.unanswered) {
+        Some(unanswered) => format!("Nothing needs you. {unanswered}"),
+        None => "Nothing needs you.".to_owned(),
+    }
+}
+
+/// What the forest has no answer for, and where to label; none where every frame has its answer.
+#[must_use]
+pub fn without_answer(unanswered: &Unanswered) -> Option<String> {
+    let frames = match unanswered.frames {
+        0 => return None,
+        1 => "1 frame has no answer".to_owned(),
+        frames => format!("{frames} frames have no answer"),
+    };
+    Some(match (unanswered.frames, unanswered.label_next.and_then(|next| next.pan_deg)) {
+        // Adding 0 turns −0 into 0.
+        (_, Some(pan_deg)) => format!("{frames}: label one near pan {:.0}°.", pan_deg.round() + 0.0),
+        (1, None) => format!("{frames}: label it."),
+        (_, None) => format!("{frames}: label one of them."),
+    })
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
@@ -172,7 +226,10 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
         _ => match proposed(frame) {
             Some(_) => Guidance::say("Dashed = proposed. Enter takes it, a click corrects it, X rejects it."),
-            None => Guidance::say(first_point()),
+            None => Guidance::say(match frame.no_answer() {
+                Some(reason) => format!("No proposal: {reason}."),
+                None => first_point().to_owned(),
+            }),
         },
     }
 }

@@ -16,6 +16,7 @@ pub mod naming;
 pub mod next_click;
 mod open_project;
 pub mod overlay;
+pub mod review;
 pub mod session;
 mod settings;
 pub mod uncertainty;

@@ -2,10 +2,11 @@
 
 use super::base::BaseWork;
 use super::naming::NameCandidate;
+use super::review::ReviewChoice;
 use super::uncertainty::UncertaintyView;
 use super::{Command, Question};
 use crate::geometry::ImagePoint;
-use crate::project::{FrameStatus, RejectReason, Target};
+use crate::project::{Frame, FrameStatus, RejectReason, Target};
 
 /// How many candidates are offered at the cursor.
 pub const OFFERED: usize = 5;
@@ -39,6 +40,8 @@ pub struct Session {
     pub uncertainty: UncertaintyView,
     /// The masks are shown and can be drawn.
     pub masks: bool,
+    /// What was chosen in the review panel.
+    pub review: ReviewChoice,
     /// Messages, the latest last.
     pub notices: Vec<Notice>,
     /// How far what was done is on disk.
@@ -117,31 +120,35 @@ pub enum Filter {
     /// All of them.
     #[default]
     All,
-    /// Neither accepted nor rejected.
+    /// Somebody has to look at them.
     NeedsMe,
+    /// The forest has no answer for them.
+    Unanswered,
     /// One status.
     Status(FrameStatus),
 }
 
 impl Filter {
     /// Every filter, in the order of the list.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::All,
         Self::NeedsMe,
         Self::Status(FrameStatus::New),
         Self::Status(FrameStatus::Draft),
         Self::Status(FrameStatus::Suggested),
+        Self::Unanswered,
         Self::Status(FrameStatus::Reference),
         Self::Status(FrameStatus::Rejected),
     ];
 
-    /// Whether a frame of this status is shown.
+    /// Whether a frame is shown.
     #[must_use]
-    pub fn shows(self, status: FrameStatus) -> bool {
+    pub fn shows(self, frame: &Frame) -> bool {
         match self {
             Self::All => true,
-            Self::NeedsMe => needs_me(status),
-            Self::Status(wanted) => status == wanted,
+            Self::NeedsMe => needs_me(frame),
+            Self::Unanswered => frame.is_unanswered(),
+            Self::Status(wanted) => frame.status == wanted,
         }
     }
 
@@ -151,15 +158,20 @@ impl Filter {
         match self {
             Self::All => "All frames",
             Self::NeedsMe => "Needs me",
+            Self::Unanswered => "No answer",
             Self::Status(status) => status_label(status),
         }
     }
 }
 
-/// Whether somebody still has to look at a frame.
+/// Whether somebody still has to look at a frame. One that the forest has no answer for waits for a label elsewhere.
 #[must_use]
-pub const fn needs_me(status: FrameStatus) -> bool {
-    matches!(status, FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested)
+pub fn needs_me(frame: &Frame) -> bool {
+    match frame.status {
+        FrameStatus::New => !frame.is_unanswered(),
+        FrameStatus::Draft | FrameStatus::Suggested => true,
+        FrameStatus::Reference | FrameStatus::Rejected => false,
+    }
 }
 
 /// A status as a person reads it.
@@ -195,6 +207,8 @@ pub enum Panel {
     Frame,
     /// The frame's camera.
     Camera,
+    /// What is proposed.
+    Review,
 }
 
 /// What lies over the window.
@@ -208,6 +222,8 @@ pub enum Dialog {
     About,
     /// Colour, width and opacity of the overlay.
     OverlayStyle,
+    /// Suggestions to be accepted together.
+    AcceptAll,
     /// A comment on the frame.
     Comment(String),
     /// A path, where the system has no file dialog.

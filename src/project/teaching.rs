@@ -15,6 +15,16 @@ impl Frame {
         self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
+    /// How far it has come while nobody has accepted or rejected it.
+    #[must_use]
+    pub fn undecided(&self) -> FrameStatus {
+        match (self.clicks.is_empty(), self.ptz.is_some()) {
+            (true, true) if self.is_suggestion() => FrameStatus::Suggested,
+            (true, false) => FrameStatus::New,
+            _ => FrameStatus::Draft,
+        }
+    }
+
     /// Whether the forest learns from it: a reference does, an accepted suggestion is only a label, and a person may say
     /// otherwise of either.
     #[must_use]

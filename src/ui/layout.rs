@@ -1,8 +1,8 @@
 //! Where every panel lies.
 
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, rejecting, status, theme,
-    viewport,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, rejecting, review, status,
+    theme, viewport,
 };
 use crate::app::session::Panel as RightPanel;
 use egui::{Frame, Margin, Ui};
@@ -33,6 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             match panel.app.session.panel {
                 RightPanel::Frame => inspector::show(panel, ui),
                 RightPanel::Camera => camera_panel::show(panel, ui),
+                RightPanel::Review => review::show(panel, ui),
             }
         });
         egui::Panel::bottom("filmstrip")

@@ -90,6 +90,8 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFieldMap => app.settings.field_map,
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::CameraPanel => app.session.panel == RightPanel::Camera,
+        Command::ReviewPanel => app.session.panel == RightPanel::Review,
+        Command::Teaches => app.frame().is_some_and(crate::project::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,
         Command::Uncertainty => app.session.uncertainty != crate::app::uncertainty::UncertaintyView::Off,
         Command::UseForBase => app.frame().is_some_and(crate::project::Frame::is_left_out_of_base),

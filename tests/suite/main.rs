@@ -35,6 +35,7 @@ mod real_frames;
 mod refine_base_command;
 mod relocalize_command;
 mod render_command;
+mod review_in_app;
 mod seeded;
 mod session;
 mod shaders;

@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::action::{Effect, Question};
-use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, needs_me};
+use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
 use crate::app::{Chord, Command};
 use crate::project::{Frame, FrameStatus};
 
@@ -36,10 +36,17 @@ impl App {
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
-            C::Save | C::SaveAs | C::Export | C::Undo | C::Redo | C::ShowFieldMap | C::CameraPanel => None,
+            C::Save | C::SaveAs | C::Export | C::Undo | C::Redo | C::ShowFieldMap | C::CameraPanel | C::ReviewPanel => {
+                None
+            }
             _ if no_frame => Some("The document has no frames."),
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
+            }
+            C::AcceptAllAbove if self.review.rows.is_empty() => Some("No suggestion waits."),
+            C::NextUnanswered if self.review.unanswered.frames == 0 => Some("No frame is without an answer."),
+            C::Teaches if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
+                Some("Only a reference teaches.")
             }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
@@ -114,8 +121,9 @@ impl App {
             C::PreviousFrame => self.step_frame(-1),
             C::NextTenFrames => self.step_frame(10),
             C::PreviousTenFrames => self.step_frame(-10),
-            C::NextNeedsMe => self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you."),
-            C::PreviousNeedsMe => self.go_to_next(false, |frame| needs_me(frame.status), "Nothing needs you."),
+            C::NextNeedsMe => self.go_to_next_that_needs_me(true),
+            C::PreviousNeedsMe => self.go_to_next_that_needs_me(false),
+            C::NextUnanswered => self.go_to_unanswered(),
             C::NextReference => self.go_to_next(
                 true,
                 |frame| frame.status == FrameStatus::Reference,
@@ -128,6 +136,8 @@ impl App {
             ),
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),
+            C::AcceptAllAbove => self.ask_accept_all(),
+            C::Teaches => self.toggle_teaches(),
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {
@@ -147,12 +157,8 @@ impl App {
                 self.settings.field_map = !self.settings.field_map;
                 self.effects.push(Effect::SaveSettings);
             }
-            C::CameraPanel => {
-                self.session.panel = match self.session.panel {
-                    Panel::Frame => Panel::Camera,
-                    Panel::Camera => Panel::Frame,
-                };
-            }
+            C::CameraPanel => self.toggle_panel(Panel::Camera),
+            C::ReviewPanel => self.toggle_panel(Panel::Review),
             C::EstimateBase => self.estimate_base(),
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),

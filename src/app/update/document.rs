@@ -28,10 +28,11 @@ impl App {
         self.effects.push(Effect::SaveSettings);
         let open = OpenProject::new(opened);
         // Go on where work is left.
-        let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame.status));
+        let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame));
         self.session.frame = first.unwrap_or(0);
         self.open = Some(open);
         self.current = Current::default();
+        self.review = super::Review::default();
     }
 
     pub(super) fn save(&mut self) {

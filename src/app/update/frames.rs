@@ -1,7 +1,8 @@
 //! Going from frame to frame, accepting and rejecting them.
 
 use super::App;
-use crate::app::session::{Level, Mode, needs_me};
+use crate::app::guidance::just_accepted;
+use crate::app::session::{Level, Mode, Panel};
 use crate::geometry::PixelBox;
 use crate::project::{Frame, FrameStatus, RejectReason, Step};
 
@@ -71,6 +72,8 @@ impl App {
             self.session.selected = self.frame().and_then(unnamed).or(self.session.selected);
             return;
         }
+        // What comes next in the list is asked before this frame leaves it.
+        let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == Panel::Review);
         if self.begin("Accept") {
             let solved = self.current.solved().cloned();
             if let Some(frame) = self.frame_mut() {
@@ -81,15 +84,13 @@ impl App {
                 frame.reason = None;
             }
             self.commit();
-            let (references, left) = self.open.as_ref().map_or((0, 0), |open| {
-                let left = open.document.frames.iter().filter(|frame| needs_me(frame.status)).count();
-                (open.count(FrameStatus::Reference), left)
-            });
-            let plural = if references == 1 { "" } else { "s" };
-            let text = format!("Reference saved: {references} reference{plural}, {left} left.");
+            self.refresh_review();
+            let text = just_accepted(self, self.frame().is_some_and(Frame::teaches));
             self.session.notify(Level::Info, text);
-            if !stay {
-                self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you.");
+            match listed.filter(|_| !stay) {
+                Some(frame) => self.go_to(frame),
+                None if !stay => self.go_to_next_that_needs_me(true),
+                None => {}
             }
         }
     }
@@ -100,11 +101,7 @@ impl App {
         if frame.status == FrameStatus::Rejected && !whole_shot {
             if self.begin("Take the mark away") {
                 if let Some(frame) = self.frame_mut() {
-                    frame.status = if frame.clicks.is_empty() && frame.ptz.is_none() {
-                        FrameStatus::New
-                    } else {
-                        FrameStatus::Draft
-                    };
+                    frame.status = frame.undecided();
                     frame.reason = None;
                 }
                 self.commit();
@@ -121,6 +118,8 @@ impl App {
     pub(super) fn reject_as(&mut self, reason: RejectReason) {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
+        let in_list = self.session.panel == Panel::Review && !whole_shot;
+        let listed = self.review.next(self.session.frame, true).filter(|_| in_list);
         let Some(frame) = self.frame() else { return };
         let clip = frame.clip.clone();
         let camera = frame.camera.clone();
@@ -138,7 +137,11 @@ impl App {
             }
         }
         self.commit();
-        self.go_to_next(true, |frame| needs_me(frame.status), "Nothing needs you.");
+        self.refresh_review();
+        match listed {
+            Some(frame) => self.go_to(frame),
+            None => self.go_to_next_that_needs_me(true),
+        }
     }
 
     pub(super) fn set_comment(&mut self, comment: &str) {

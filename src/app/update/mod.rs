@@ -7,11 +7,13 @@ mod document;
 mod frames;
 mod naming;
 mod numbers;
+mod review;
 
 pub use commands::MAX_SCALE;
 
 use super::action::{Action, Effect};
 use super::current::{Current, FreshSolve};
+use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
 use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate, solved_neighbours};
@@ -27,6 +29,7 @@ pub struct App {
     open: Option<OpenProject>,
     current: Current,
     fresh: Option<FreshSolve>,
+    review: Review,
     effects: Vec<Effect>,
 }
 
@@ -55,12 +58,19 @@ impl App {
         &self.current
     }
 
+    /// What waits to be looked at.
+    #[must_use]
+    pub const fn review(&self) -> &Review {
+        &self.review
+    }
+
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
         let before = self.current.readiness;
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
+        self.refresh_review();
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
@@ -102,6 +112,11 @@ impl App {
             Action::SolveAgain => self.solve_again(),
             // Nothing asks for proposals yet.
             Action::Proposals(_) => {}
+            Action::SetReviewOrder(order) => self.session.review.order = order,
+            Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
+            Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
+            Action::AcceptAll => self.accept_all(),
+            Action::SetTeaches { frame, teaches } => self.set_teaches(frame, teaches),
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
@@ -204,10 +219,13 @@ impl App {
         if let Some(frame) = open.document.frames.get_mut(index)
             && !matches!(frame.status, FrameStatus::Rejected)
         {
-            let untouched = frame.clicks.is_empty() && frame.ptz.is_none();
-            frame.status = if untouched { FrameStatus::New } else { FrameStatus::Draft };
+            frame.status = frame.undecided();
         }
         self.fresh = result.map(|result| FreshSolve { frame: index, version: open.document.version(), result });
+    }
+
+    fn refresh_review(&mut self) {
+        self.review.refresh(self.open.as_ref(), &self.session);
     }
 
     fn clamp_selection(&mut self) {

@@ -2,6 +2,7 @@
 //! and so does a click beside it.
 
 mod about;
+mod accept_all;
 mod comment;
 mod fuzzy;
 mod keys;
@@ -25,6 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::Keys) => keys::show(panel, ctx),
         Some(Dialog::About) => about::show(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
+        Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
     }

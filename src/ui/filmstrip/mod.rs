@@ -32,7 +32,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let frames = panel.app.open().map_or(&[][..], |open| &open.document.frames);
     for frame in frames {
         for (count, filter) in counts.iter_mut().zip(Filter::ALL) {
-            *count += usize::from(filter.shows(frame.status));
+            *count += usize::from(filter.shows(frame));
         }
     }
     if frames.is_empty() {

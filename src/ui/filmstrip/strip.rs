@@ -25,7 +25,7 @@ impl<'a> Strip<'a> {
         let mut frames = Vec::new();
         let mut shots: Vec<(usize, Option<&Clip>)> = Vec::new();
         for (index, frame) in open.document.frames.iter().enumerate() {
-            if filter.shows(frame.status) {
+            if filter.shows(frame) {
                 let clip = frame.clip.as_ref();
                 if shots.last().is_none_or(|(_, last)| *last != clip) {
                     shots.push((frames.len(), clip));

@@ -42,6 +42,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
+/// The button that makes the shown frame a reference, for other panels too.
+pub fn accept(panel: &mut Panel<'_>, ui: &mut Ui) {
+    accept::show(panel, ui);
+}
+
 /// A thin line between two groups.
 fn line(ui: &mut Ui) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0), Sense::hover());

@@ -1,0 +1,245 @@
+//! What waits to be looked at: the suggested frames in an order, and those without an answer.
+
+use super::OpenProject;
+use super::session::{Dialog, Panel, Session};
+use crate::project::{Frame, FrameStatus, Unanswered, disagreements_px, unanswered};
+
+/// Suggestions that lie farther than this from their neighbours' motion are to be looked at one by one, px at 1920 px width.
+pub const DISAGREES_PX: f64 = 20.0;
+
+/// What the list of suggestions begins with.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ReviewOrder {
+    /// The most certain.
+    #[default]
+    Confidence,
+    /// The one farthest from its neighbours' motion.
+    Disagreement,
+    /// The first in the document.
+    Time,
+}
+
+impl ReviewOrder {
+    /// Every order, as the panel lists them.
+    pub const ALL: [Self; 3] = [Self::Confidence, Self::Disagreement, Self::Time];
+
+    /// What the panel calls it.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Confidence => "Confidence",
+            Self::Disagreement => "Disagreement",
+            Self::Time => "Time",
+        }
+    }
+
+    /// What it is good for.
+    #[must_use]
+    pub const fn about(self) -> &'static str {
+        match self {
+            Self::Confidence => "The most certain first: what lies above a line can be accepted at once.",
+            Self::Disagreement => "Those first that lie farthest from the motion of the frames around them.",
+            Self::Time => "In the order of the frames.",
+        }
+    }
+}
+
+/// What a person chose in the review panel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReviewChoice {
+    /// The order of the list.
+    pub order: ReviewOrder,
+    /// Suggestions of at least this probability are accepted together.
+    pub threshold: f64,
+    /// Also those that disagree with their neighbours.
+    pub with_disagreeing: bool,
+}
+
+impl Default for ReviewChoice {
+    fn default() -> Self {
+        Self { order: ReviewOrder::default(), threshold: 0.95, with_disagreeing: false }
+    }
+}
+
+/// A suggested frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReviewRow {
+    /// Its place in the document.
+    pub frame: usize,
+    /// The probability that it is right, if the program gave one.
+    pub confidence: Option<f64>,
+    /// How far it is from its neighbours' motion, px at 1920 px width; none where they say nothing.
+    pub disagreement_px: Option<f64>,
+}
+
+impl ReviewRow {
+    /// Whether it is to be looked at by itself.
+    #[must_use]
+    pub fn disagrees(&self) -> bool {
+        self.disagreement_px.is_some_and(|px| px > DISAGREES_PX)
+    }
+}
+
+/// What is accepted together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BulkAccept {
+    /// The suggestions, the least certain first.
+    pub rows: Vec<ReviewRow>,
+    /// Certain enough, but left out because they disagree with their neighbours.
+    pub left_out: usize,
+}
+
+/// What waits to be looked at: derived, never stored.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Review {
+    /// The suggested frames, in the chosen order.
+    pub rows: Vec<ReviewRow>,
+    /// Frames without an answer.
+    pub unanswered: Unanswered,
+    derived_from: Option<(u64, ReviewOrder, bool)>,
+}
+
+impl Review {
+    /// Derives it anew if something changed since the last time.
+    pub(super) fn refresh(&mut self, open: Option<&OpenProject>, session: &Session) {
+        let Some(open) = open else {
+            *self = Self::default();
+            return;
+        };
+        // Neighbours are compared only while somebody looks at the result.
+        let shown = session.panel == Panel::Review || session.dialog == Some(Dialog::AcceptAll);
+        let from = (open.revision, session.review.order, shown);
+        if self.derived_from != Some(from) {
+            *self = Self::derive(open, session.review.order, shown);
+            self.derived_from = Some(from);
+        }
+    }
+
+    fn derive(open: &OpenProject, order: ReviewOrder, with_neighbours: bool) -> Self {
+        let frames = &open.document.frames;
+        let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
+        let mut rows: Vec<ReviewRow> = frames
+            .iter()
+            .map(|frame| &**frame)
+            .enumerate()
+            .filter(suggested)
+            .map(|(index, frame)| ReviewRow { frame: index, confidence: confidence(frame), disagreement_px: None })
+            .collect();
+        if with_neighbours && !rows.is_empty() {
+            let disagreements = disagreements_px(&open.document);
+            for row in &mut rows {
+                row.disagreement_px = disagreements.get(row.frame).copied().flatten();
+            }
+        }
+        // A stable sort: equal ones stay in the order of time.
+        let descending = |value: fn(&ReviewRow) -> Option<f64>| {
+            move |a: &ReviewRow, b: &ReviewRow| {
+                value(b).unwrap_or(f64::NEG_INFINITY).total_cmp(&value(a).unwrap_or(f64::NEG_INFINITY))
+            }
+        };
+        match order {
+            ReviewOrder::Confidence => rows.sort_by(descending(|row| row.confidence)),
+            ReviewOrder::Disagreement => rows.sort_by(descending(|row| row.disagreement_px)),
+            ReviewOrder::Time => {}
+        }
+        Self { rows, unanswered: unanswered(&open.document), derived_from: None }
+    }
+
+    /// What is accepted together by a choice.
+    #[must_use]
+    pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
+        let certain = |row: &&ReviewRow| row.confidence.is_some_and(|confidence| confidence >= choice.threshold);
+        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
+            self.rows.iter().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
+        rows.sort_by(|a, b| a.confidence.unwrap_or(0.0).total_cmp(&b.confidence.unwrap_or(0.0)));
+        BulkAccept { rows, left_out: disagreeing.len() }
+    }
+
+    /// The suggestion after a frame, or before it, in the list's order, round and round; none where there is no other.
+    #[must_use]
+    pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
+        let count = self.rows.len();
+        let here = self.rows.iter().position(|row| row.frame == frame);
+        let next = match (here, forward) {
+            (Some(here), true) => (here + 1) % count,
+            (Some(here), false) => (here + count - 1) % count,
+            (None, true) => 0,
+            (None, false) => count.checked_sub(1)?,
+        };
+        self.rows.get(next).map(|row| row.frame).filter(|next| *next != frame)
+    }
+}
+
+/// The probability that a frame's suggestion is right.
+fn confidence(frame: &Frame) -> Option<f64> {
+    frame.solution.as_ref().and_then(|solution| solution.confidence)
+}
+
+/// A probability as a person reads it: certainty is never claimed.
+#[must_use]
+pub fn percent(probability: f64) -> String {
+    let percent = 100.0 * probability;
+    if percent >= 99.5 { format!("{:.1} %", percent.min(99.9)) } else { format!("{percent:.0} %") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::Opened;
+    use crate::camera::Ptz;
+    use crate::geometry::ImageSize;
+    use crate::project::{Document, FieldSpec, FramePtz, Solution, SolutionSource};
+
+    fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for &confidence in confidences {
+            let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -9.0, 900.0), None));
+            let solution = Solution { source: Some(SolutionSource::Forest), confidence, ..Solution::default() };
+            frame.solution = Some(solution);
+            frame.status = FrameStatus::Suggested;
+            document.frames.push(frame.into());
+        }
+        let open = OpenProject::new(Opened {
+            document,
+            folder: "/match".into(),
+            file: "/match/project.json".into(),
+            read_only: None,
+            notices: Vec::new(),
+        });
+        Review::derive(&open, order, true)
+    }
+
+    fn frames(review: &Review) -> Vec<usize> {
+        review.rows.iter().map(|row| row.frame).collect()
+    }
+
+    #[test]
+    fn the_most_certain_come_first_and_those_without_a_number_last() {
+        let confidences = [Some(0.7), None, Some(0.99), Some(0.7), Some(0.96)];
+        let review = review(&confidences, ReviewOrder::Confidence);
+        assert_eq!(frames(&review), [2, 4, 0, 3, 1]);
+        assert_eq!(review.next(4, true), Some(0));
+        assert_eq!(review.next(4, false), Some(2));
+        assert_eq!((review.next(1, true), review.next(2, false)), (Some(2), Some(1)), "round and round");
+        assert_eq!((review.next(77, true), review.next(77, false)), (Some(2), Some(1)));
+        assert_eq!(Review::default().next(0, true), None);
+    }
+
+    #[test]
+    fn together_are_accepted_the_certain_ones_that_agree_with_their_neighbours() {
+        let mut review = review(&[Some(0.97), Some(0.99), Some(0.5), None], ReviewOrder::Time);
+        review.rows[1].disagreement_px = Some(DISAGREES_PX + 1.0);
+        let choice = ReviewChoice { threshold: 0.9, ..ReviewChoice::default() };
+        let bulk = review.bulk(&choice);
+        assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0], 1));
+        let bulk = review.bulk(&ReviewChoice { with_disagreeing: true, ..choice });
+        assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0, 1], 0));
+        assert!(review.bulk(&ReviewChoice { threshold: 1.0, ..choice }).rows.is_empty());
+    }
+
+    #[test]
+    fn a_probability_is_never_a_certainty() {
+        assert_eq!([0.42, 0.97, 0.9951, 1.0].map(percent), ["42 %", "97 %", "99.5 %", "99.9 %"]);
+    }
+}

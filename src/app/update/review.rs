@@ -1,0 +1,92 @@
+//! Looking through what is proposed: the order, several accepted together, what teaches.
+
+use super::App;
+use crate::app::guidance::nothing_needs_you;
+use crate::app::session::{Dialog, Level, Panel, needs_me};
+use crate::project::{Frame, FrameStatus, Step};
+
+impl App {
+    /// Opens a panel on the right-hand side, or goes back to the frame.
+    pub(super) fn toggle_panel(&mut self, panel: Panel) {
+        self.session.panel = if self.session.panel == panel { Panel::Frame } else { panel };
+    }
+
+    /// Goes to the next frame that somebody has to look at: along the review panel's list while it is open.
+    pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
+        let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == Panel::Review);
+        match listed {
+            Some(frame) => self.go_to(frame),
+            None => self.go_to_next(forward, needs_me, &nothing_needs_you(&self.review)),
+        }
+    }
+
+    /// Goes to the frame without an answer whose label helps most.
+    pub(super) fn go_to_unanswered(&mut self) {
+        match self.review.unanswered.label_next {
+            Some(next) => self.go_to(next.frame),
+            None => self.session.notify(Level::Info, "No frame is without an answer."),
+        }
+    }
+
+    pub(super) fn ask_accept_all(&mut self) {
+        self.session.dialog = Some(Dialog::AcceptAll);
+    }
+
+    /// Accepts every suggestion that the preview shows: one step of undo.
+    pub(super) fn accept_all(&mut self) {
+        self.session.dialog = None;
+        let bulk = self.review.bulk(&self.session.review);
+        let open = |row: &&crate::app::review::ReviewRow| {
+            self.open.as_ref().and_then(|open| open.frame(row.frame)).is_some_and(is_suggested)
+        };
+        let frames: Vec<usize> = bulk.rows.iter().filter(open).map(|row| row.frame).collect();
+        if frames.is_empty() {
+            self.session.notify(Level::Info, "No suggestion is that certain.");
+            return;
+        }
+        let count = match frames.len() {
+            1 => "1 suggestion".to_owned(),
+            count => format!("{count} suggestions"),
+        };
+        if !self.begin_step(Step::on_document(format!("Accept {count}"))) {
+            return;
+        }
+        if let Some(open) = &mut self.open {
+            for index in frames {
+                if let Some(frame) = open.document.frames.get_mut(index) {
+                    frame.status = FrameStatus::Reference;
+                    frame.reason = None;
+                }
+            }
+        }
+        self.commit();
+        let undo = self.settings.keys.shown(crate::app::Command::Undo);
+        self.session.notify(Level::Info, format!("{count} accepted. {undo} takes all of it back."));
+    }
+
+    /// Has the forest learn from a frame, or not.
+    pub(super) fn set_teaches(&mut self, index: usize, teaches: bool) {
+        let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
+        if frame.teaches() == teaches || frame.status != FrameStatus::Reference {
+            return;
+        }
+        let name = if teaches { "Let it teach" } else { "Let it not teach" };
+        if self.begin_step(Step::on_frame(name, index)) {
+            if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
+                frame.set_teaches(teaches);
+            }
+            self.commit();
+        }
+    }
+
+    pub(super) fn toggle_teaches(&mut self) {
+        match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.teaches())) {
+            Some((true, teaches)) => self.set_teaches(self.session.frame, !teaches),
+            _ => self.session.notify(Level::Info, "Only a reference teaches: accept this frame first."),
+        }
+    }
+}
+
+fn is_suggested(frame: &Frame) -> bool {
+    frame.status == FrameStatus::Suggested
+}

@@ -1,0 +1,131 @@
+//! Suggestions to be accepted together: how many, which, the least certain first.
+
+use super::{has_just_opened, sheet};
+use crate::app::review::{BulkAccept, DISAGREES_PX, percent};
+use crate::app::{Action, Command};
+use crate::ui::{Panel, miniature, review, theme};
+use egui::{
+    Align, Align2, Button, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, Stroke, Ui,
+    WidgetInfo, vec2,
+};
+
+/// The sheet's size, points.
+const SIZE: egui::Vec2 = vec2(720.0, 500.0);
+/// A miniature's size, points.
+const PICTURE: egui::Vec2 = vec2(134.0, 76.0);
+/// The line below it, points.
+const CAPTION: f32 = 18.0;
+/// Between two of them, points.
+const GAP: f32 = 8.0;
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let opened = has_just_opened(ctx, "accept all");
+    let bulk = panel.app.review().bulk(&panel.app.session.review);
+    sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
+        ui.horizontal(|ui| {
+            ui.label("Every suggestion that is right with at least");
+            review::threshold(panel, ui);
+        });
+        ui.add(Label::new(RichText::new(told(panel, &bulk)).color(theme::STRONG)).wrap());
+        disagreeing(panel, ui, &bulk);
+        ui.add_space(theme::SPACE);
+        let room = ui.available_height().min(SIZE.y - 170.0);
+        ui.allocate_ui(vec2(ui.available_width(), room), |ui| grid(panel, ui, &bulk));
+        ui.add_space(theme::SPACE);
+        let row = vec2(ui.available_width(), 28.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| buttons(panel, ui, &bulk, opened));
+    });
+}
+
+fn told(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
+    let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
+        let best = panel.app.review().rows.iter().filter_map(|row| row.confidence).max_by(f64::total_cmp);
+        let best = best.map_or_else(String::new, |best| format!(" The most certain has {}.", percent(best)));
+        return format!("No suggestion is that certain.{best}");
+    };
+    let count = bulk.rows.len();
+    let plural = if count == 1 { "" } else { "s" };
+    // Each is right with its own probability: what is expected to be wrong follows.
+    let wrong: f64 = bulk.rows.iter().filter_map(|row| row.confidence).map(|confidence| 1.0 - confidence).sum();
+    let expected =
+        if wrong < 0.5 { "probably all right".to_owned() } else { format!("{wrong:.0} of them probably wrong") };
+    format!("{count} suggestion{plural}, {expected}; the least certain, {}, comes first.", percent(lowest))
+}
+
+fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
+    let before = panel.app.session.review.with_disagreeing;
+    if !before && bulk.left_out == 0 {
+        return;
+    }
+    let mut with = before;
+    let says = match bulk.left_out {
+        0 => format!("Also those more than {DISAGREES_PX:.0} px from the motion of the frames around them"),
+        count => format!("Also the {count} more than {DISAGREES_PX:.0} px from the motion of the frames around them"),
+    };
+    ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours is a wrong camera, a cut, or a fast pan.");
+    if with != before {
+        panel.actions.push(Action::SetWithDisagreeing(with));
+    }
+}
+
+/// The suggestions in small; a click goes to one.
+fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
+    let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
+    let row = PICTURE.y + CAPTION;
+    ui.spacing_mut().item_spacing.y = GAP;
+    ScrollArea::vertical().id_salt("accept all").auto_shrink(false).show_rows(
+        ui,
+        row,
+        bulk.rows.len().div_ceil(columns),
+        |ui, range| {
+            for line in range {
+                let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), row), Sense::hover());
+                let first = line * columns;
+                for (column, suggestion) in bulk.rows.iter().skip(first).take(columns).enumerate() {
+                    let left = place.min + vec2(column as f32 * (PICTURE.x + GAP), 0.0);
+                    let confidence = suggestion.confidence.map(percent).unwrap_or_default();
+                    cell(panel, ui, suggestion.frame, &confidence, Rect::from_min_size(left, vec2(PICTURE.x, row)));
+                }
+            }
+        },
+    );
+}
+
+fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: Rect) {
+    let Some(open) = panel.app.open() else { return };
+    let response = ui.interact(place, Id::unique(("accept all cell", index)), Sense::click());
+    response
+        .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Look at frame {}, {confidence}", index + 1)));
+    let picture = Rect::from_min_size(place.min, PICTURE);
+    miniature::paint(panel, ui.painter(), open, index, picture);
+    if response.hovered() || response.has_focus() {
+        ui.painter().rect_stroke(picture, 2.0, Stroke::new(2.0, theme::ACCENT), egui::StrokeKind::Inside);
+    }
+    let line = place.bottom() - CAPTION / 2.0;
+    let small = FontId::proportional(11.0);
+    let painter = ui.painter();
+    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), theme::WEAK);
+    painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, theme::TEXT);
+    if response.on_hover_text("Click to look at it first.").clicked() {
+        panel.actions.push(Action::CloseDialog);
+        panel.actions.push(Action::GoTo(index));
+    }
+}
+
+fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
+    let count = bulk.rows.len();
+    let accept = ui.add_enabled(count > 0, Button::new(format!("Accept {count}")).fill(theme::ACCENT_GROUND));
+    if opened {
+        accept.request_focus();
+    }
+    let undo = panel.app.settings.keys.shown(Command::Undo);
+    if accept.on_hover_text(format!("Accept all of these at once; {undo} takes it back. (Enter)")).clicked() {
+        panel.actions.push(Action::AcceptAll);
+    }
+    if ui.button("Cancel").on_hover_text("Leave them as suggestions. (Esc)").clicked() {
+        panel.actions.push(Action::CloseDialog);
+    }
+    let said = format!("They become labels that do not teach the forest. {undo} takes all of it back.");
+    ui.add(Label::new(RichText::new(said).small().color(theme::WEAK)).truncate());
+}

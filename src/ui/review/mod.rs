@@ -1,0 +1,118 @@
+//! What is proposed, to be looked through: the list in an order, what is accepted together, what has no answer.
+
+mod list;
+
+use super::symbol::{self, Symbol};
+use super::{Panel, inspector, theme};
+use crate::app::guidance::without_answer;
+use crate::app::review::{ReviewOrder, percent};
+use crate::app::{Action, Command};
+use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
+
+/// Shows the panel.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    heading(panel, ui);
+    egui::Panel::bottom("review footer")
+        .resizable(false)
+        .frame(Frame::new().inner_margin(Margin::same(8)))
+        .show(ui, |ui| footer(panel, ui));
+    if panel.app.review().rows.is_empty() {
+        Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
+            let none = "Nothing is proposed. The forest proposes cameras once it has learnt from a few references.";
+            ui.add(Label::new(RichText::new(none).color(theme::WEAK)).wrap());
+        });
+        return;
+    }
+    orders(panel, ui);
+    list::show(panel, ui);
+}
+
+fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
+    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Review").heading().color(theme::STRONG));
+            let count = panel.app.review().rows.len();
+            let said = if count == 1 { "1 suggestion".to_owned() } else { format!("{count} suggestions") };
+            ui.label(RichText::new(said).color(theme::WEAK));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = symbol::button(ui, Symbol::Cross, "Close the review panel", theme::WEAK);
+                let key = panel.app.settings.keys.shown(Command::ReviewPanel);
+                if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
+                    panel.actions.push(Action::Command(Command::ReviewPanel));
+                }
+            });
+        });
+    });
+}
+
+fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
+    Frame::new().inner_margin(Margin::symmetric(8, 0)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = theme::SPACE;
+            let chosen = panel.app.session.review.order;
+            for order in ReviewOrder::ALL {
+                let says = Button::selectable(order == chosen, order.label());
+                if ui.add(says).on_hover_text(order.about()).clicked() {
+                    panel.actions.push(Action::SetReviewOrder(order));
+                }
+            }
+        });
+    });
+    ui.add_space(theme::SPACE);
+}
+
+/// Below the list: the frames without an answer as one row, what is accepted together, and the shown frame's button.
+fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
+    unanswered(panel, ui);
+    if !panel.app.review().rows.is_empty() {
+        together(panel, ui);
+        ui.add_space(theme::SPACE);
+    }
+    inspector::accept(panel, ui);
+}
+
+fn unanswered(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(text) = without_answer(&panel.app.review().unanswered) else { return };
+    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
+    let lit = response.hovered() || response.has_focus();
+    let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
+    symbol::paint(ui.painter(), Symbol::Info, sign, theme::ACCENT);
+    let galley = egui::WidgetText::from(RichText::new(&text).color(if lit { theme::STRONG } else { theme::TEXT }))
+        .into_galley(ui, Some(egui::TextWrapMode::Truncate), row.width() - 22.0, egui::TextStyle::Body);
+    ui.painter().galley(row.left_center() + vec2(22.0, -galley.size().y / 2.0), galley, theme::TEXT);
+    if response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
+        panel.actions.push(Action::Command(Command::NextUnanswered));
+    }
+}
+
+/// How certain is certain enough, and how many that are.
+fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let bulk = panel.app.review().bulk(&panel.app.session.review);
+        let command = Command::AcceptAllAbove;
+        let says = ui.add(Button::new(format!("Accept {} above…", bulk.rows.len())));
+        let lowest = bulk.rows.first().and_then(|row| row.confidence);
+        let lowest = lowest.map_or_else(String::new, |lowest| format!(" The least certain has {}.", percent(lowest)));
+        if says.on_hover_text(format!("{}{lowest}", panel.app.settings.keys.tooltip(command))).clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+        threshold(panel, ui);
+        if bulk.left_out > 0 {
+            ui.label(RichText::new(format!("{} disagree", bulk.left_out)).small().color(theme::CAUTION))
+                .on_hover_text("Certain, but far from the motion of the frames around them: look at each.");
+        }
+    });
+}
+
+/// The number field of the threshold.
+pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let before = 100.0 * panel.app.session.review.threshold;
+    let mut percent = before;
+    let field = DragValue::new(&mut percent).range(0.0..=99.9).speed(0.2).max_decimals(1).suffix(" %");
+    let tip = "Suggestions that are right with at least this probability are accepted together.";
+    ui.add(field).accessible_name("Accept above, per cent").on_hover_text(tip);
+    if percent != before {
+        panel.actions.push(Action::SetReviewThreshold(percent / 100.0));
+    }
+}
