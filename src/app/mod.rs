@@ -11,6 +11,7 @@ mod current;
 pub mod drawing;
 pub mod field_map;
 pub mod guidance;
+mod intake;
 mod keymap;
 pub mod naming;
 pub mod next_click;

@@ -22,7 +22,10 @@ pub struct OpenProject {
     pub read_only: Option<String>,
     /// Counts every edit that was journalled.
     pub revision: u64,
-    journalled: Document,
+    /// The newest forest that has proposed anything.
+    pub(super) forest_generation: u64,
+    /// The document as the journal has it.
+    pub(super) journalled: Document,
     model: Option<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,
 }
 
@@ -38,6 +41,7 @@ impl OpenProject {
             file: opened.file,
             read_only: opened.read_only,
             revision: 0,
+            forest_generation: 0,
             model: None,
         }
     }

@@ -33,6 +33,12 @@ impl Frame {
         self.status == FrameStatus::New && self.ptz.is_none() && self.clicks.is_empty() && asked
     }
 
+    /// Whether a label could help: its picture can be read.
+    fn is_unanswered_by_view(&self) -> bool {
+        let warnings = self.solution.iter().flat_map(|solution| &solution.warnings);
+        self.is_unanswered() && warnings.map(|warning| warning.code.as_str()).all(|code| code != "picture")
+    }
+
     /// Why the forest has no answer.
     #[must_use]
     pub fn no_answer(&self) -> Option<&str> {
@@ -52,7 +58,8 @@ pub fn unanswered(document: &Document) -> Unanswered {
     let mut by_pan: BTreeMap<i64, Vec<(usize, f64)>> = BTreeMap::new();
     let mut blind: Vec<usize> = Vec::new();
     for shot in shots(document) {
-        let here: Vec<usize> = shot.iter().copied().filter(|&index| document.frames[index].is_unanswered()).collect();
+        let can_be_labelled = |&index: &usize| document.frames[index].is_unanswered_by_view();
+        let here: Vec<usize> = shot.iter().copied().filter(can_be_labelled).collect();
         let pans = pans_of(document, &shot);
         if pans.is_empty() && here.len() > blind.len() {
             blind.clone_from(&here);

@@ -6,11 +6,14 @@ use touchline::app::session::{Dialog, Filter, Mode, Panel, needs_me};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::project::{
-    Camera, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
+    Camera, Change, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
     SolutionWarning, Target,
 };
+
+use touchline::proposals::{Answer, Asked, Proposal, Timings};
+use touchline::relocalize::NotFound;
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -61,13 +64,7 @@ struct Bench {
 impl Bench {
     fn new(document: Document) -> Self {
         let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
-        bench.act(Action::Opened(Box::new(Opened {
-            document,
-            folder: "/nowhere".into(),
-            file: "/nowhere/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        })));
+        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
         bench.effects.clear();
         bench
     }
@@ -258,4 +255,201 @@ fn ten_thousand_suggestions_are_listed_and_accepted_together() {
     bench.command(Command::Cancel);
     bench.command(Command::Undo);
     assert_eq!(bench.app.open().unwrap().count(FrameStatus::Reference), 0);
+}
+
+/// What the forest says of a frame as it is now.
+fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
+    let document = &bench.app.open().unwrap().document;
+    let outcome = match pan_deg {
+        Some(pan_deg) => Ok(Answer {
+            ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
+            covariance: Mat3::identity(),
+            rms_px: 1.0,
+            worst_corner_sigma_px: 2.0,
+            confidence: 0.9,
+            inliers: 100,
+            places: 20,
+        }),
+        None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
+    };
+    let asked = Asked::of(document, &document.frames[frame]);
+    Proposal { frame, asked, generation, outcome, timings: Timings::default() }
+}
+
+impl Bench {
+    /// The document as somebody has it who reads the journal.
+    fn journalled(&self, start: &Document) -> Document {
+        let mut document = start.clone();
+        for effect in &self.effects {
+            if let Effect::Journal { edit, .. } = effect {
+                edit.clone().apply(&mut document).unwrap();
+            }
+        }
+        document
+    }
+
+    fn pan_deg(&self, frame: usize) -> Option<f64> {
+        self.frames()[frame].ptz.as_ref().map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6)
+    }
+}
+
+#[test]
+fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
+    let start = blank(5);
+    let mut bench = Bench::new(start.clone());
+    bench.place("centre_mark");
+    bench.act(Action::GoTo(1));
+    bench.command(Command::Reject);
+    bench.act(Action::RejectAs(RejectReason::Blur));
+    let step = bench.app.open().unwrap().history.next_undo().cloned();
+    let batch = [0, 1, 2].map(|frame| proposal(&bench, frame, 1, Some(5.0)));
+    let unanswered = proposal(&bench, 3, 1, None);
+    bench.act(Action::Proposals(batch.into_iter().chain([unanswered]).collect()));
+    assert_eq!(bench.statuses(), "DXSNN");
+    assert!(bench.frames()[3].no_answer().unwrap().starts_with("3 features look like the references"));
+    let solution = bench.frames()[2].solution.as_ref().unwrap();
+    assert_eq!((solution.confidence, solution.source), (Some(0.9), Some(SolutionSource::Forest)));
+    assert_eq!(bench.app.open().unwrap().history.next_undo().cloned(), step, "nobody's step");
+    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+}
+
+#[test]
+fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
+    let start = blank(4);
+    let mut bench = Bench::new(start.clone());
+    let first = [0, 1, 2].map(|frame| proposal(&bench, frame, 1, Some(1.0)));
+    bench.act(Action::SetComment("before".into()));
+    bench.act(Action::Proposals(first.to_vec()));
+    bench.command(Command::AcceptAndStay);
+    bench.act(Action::GoTo(1));
+    bench.place("centre_mark");
+    let asked_of_untouched = Asked::of(&start, &start.frames[1]);
+    let second = [2, 3].map(|frame| proposal(&bench, frame, 2, Some(2.0)));
+    // Of frame 1 the answer arrives after it was clicked.
+    let late = Proposal { asked: asked_of_untouched, ..proposal(&bench, 1, 2, Some(2.0)) };
+    bench.act(Action::Proposals(second.into_iter().chain([late]).collect()));
+    assert_eq!(bench.statuses(), "RDSS");
+    for _ in 0..8 {
+        bench.command(Command::Undo);
+    }
+    assert!(bench.frames()[0].comment.is_none(), "everything was undone");
+    assert_eq!(bench.statuses(), "SSSS");
+    assert_eq!([0, 1, 2, 3].map(|frame| bench.pan_deg(frame)), [Some(1.0), Some(2.0), Some(2.0), Some(2.0)]);
+    for _ in 0..8 {
+        bench.command(Command::Redo);
+    }
+    assert_eq!(bench.statuses(), "RDSS");
+    assert_eq!([2, 3].map(|frame| bench.pan_deg(frame)), [Some(2.0); 2]);
+    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+}
+
+#[test]
+fn proposals_that_arrive_in_the_middle_of_a_drag_leave_it_alone() {
+    let start = blank(3);
+    let mut bench = Bench::new(start.clone());
+    let batch: Vec<Proposal> = (0..3).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
+    bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
+    bench.act(Action::Drag(ImagePoint::new(910.0, 600.0)));
+    bench.act(Action::Proposals(batch));
+    assert!(matches!(bench.app.session.mode, Mode::Dragging { .. }));
+    assert_eq!(bench.statuses(), "DSS");
+    assert!(bench.journalled(&start).frames[0].clicks.is_empty(), "half a drag is not journalled");
+    bench.command(Command::Cancel);
+    assert_eq!(bench.statuses(), "SSS", "without the point the frame is as it was proposed");
+    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
+    bench.act(Action::Release);
+    assert_eq!(bench.journalled(&start), *bench.app.open().unwrap().document);
+    bench.command(Command::Undo);
+    assert_eq!(bench.statuses(), "SSS");
+}
+
+#[test]
+fn answers_that_no_longer_hold_are_dropped() {
+    let mut bench = Bench::new(blank(4));
+    let old = proposal(&bench, 0, 1, Some(1.0));
+    bench.act(Action::Proposals(vec![proposal(&bench, 1, 2, Some(2.0))]));
+    bench.act(Action::Proposals(vec![old]));
+    assert_eq!(bench.statuses(), "NSNN", "an older forest is not heard any more");
+    bench.act(Action::Proposals(vec![proposal(&bench, 1, 3, None)]));
+    assert_eq!(bench.statuses(), "NNNN", "a better forest takes its suggestion back");
+    assert!(bench.frames()[1].is_unanswered() && bench.pan_deg(1).is_none());
+    let journalled = bench.effects.len();
+    bench.act(Action::Proposals(vec![proposal(&bench, 1, 4, None)]));
+    assert_eq!(bench.effects.len(), journalled, "the same is not said twice");
+    let mut other = proposal(&bench, 2, 4, Some(2.0));
+    other.asked.sha256 = Some("another picture".into());
+    let beyond = Proposal { frame: 99, ..proposal(&bench, 2, 4, Some(2.0)) };
+    bench.act(Action::Proposals(vec![other, beyond]));
+    assert_eq!(bench.statuses(), "NNNN");
+}
+
+#[test]
+fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back() {
+    let mut bench = Bench::new(blank(4));
+    let batch: Vec<Proposal> = (0..4).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
+    bench.act(Action::Proposals(batch.clone()));
+    bench.command(Command::AcceptAndStay);
+    let moved = |bench: &mut Bench, height_m: f64| {
+        let mut camera = (*bench.app.open().unwrap().document.cameras[0]).clone();
+        camera.position_m = Some(Vec3::new(1.0, -62.0, height_m));
+        bench.act(Action::BeginEdit("Set height"));
+        bench.act(Action::EditCamera(Box::new(camera)));
+        bench.act(Action::EndEdit);
+    };
+    moved(&mut bench, 20.0);
+    assert_eq!(bench.statuses(), "RNNN", "what was accepted stays");
+    assert!(bench.last_notice().starts_with("3 proposals were made for the old base"), "{}", bench.last_notice());
+    bench.act(Action::Proposals(batch));
+    assert_eq!(bench.statuses(), "RNNN", "made for the old base");
+    bench.act(Action::Proposals(vec![proposal(&bench, 1, 2, Some(9.0))]));
+    assert_eq!(bench.statuses(), "RSNN");
+    bench.command(Command::Undo);
+    assert_eq!(bench.statuses(), "RSSS");
+    assert_eq!(
+        [1, 2, 3].map(|frame| bench.pan_deg(frame)),
+        [Some(3.0); 3],
+        "each state has what was made for its base"
+    );
+    bench.command(Command::Redo);
+    assert_eq!(bench.pan_deg(1), Some(9.0));
+}
+
+#[test]
+fn ten_thousand_proposals_arrive_while_a_person_works() {
+    let start = blank(10_000);
+    let mut bench = Bench::new(start.clone());
+    for step in 0..300 {
+        bench.act(Action::SetComment(format!("{step}")));
+    }
+    for batch in 0..100 {
+        let frames = (100 * batch..100 * (batch + 1)).map(|frame| proposal(&bench, frame, 1, Some(3.0))).collect();
+        bench.act(Action::Proposals(frames));
+        bench.act(Action::GoTo(9_999 - batch));
+        bench.act(Action::Press { at: ImagePoint::new(900.0, 600.0), on: None });
+        bench.act(Action::Drag(ImagePoint::new(910.0, 600.0)));
+        bench.command(Command::Cancel);
+    }
+    assert_eq!(bench.app.open().unwrap().count(FrameStatus::Suggested), 10_000);
+    for _ in 0..302 {
+        bench.command(Command::Undo);
+    }
+    assert!(bench.frames()[0].comment.is_none());
+    assert_eq!(bench.app.open().unwrap().count(FrameStatus::Suggested), 10_000);
+    let shared = |frame: usize| bench.frames()[frame].is_same(&bench.journalled_frame(frame));
+    assert!(shared(17), "states share what they have in common");
+}
+
+impl Bench {
+    fn journalled_frame(&self, frame: usize) -> touchline::project::Shared<Frame> {
+        let changes = self.effects.iter().rev().filter_map(|effect| match effect {
+            Effect::Journal { edit, .. } => Some(&edit.changes),
+            _ => None,
+        });
+        let found = changes.flatten().find_map(|change| match change {
+            Change::Frame { index, frame: found } if *index == frame => Some(found.clone()),
+            _ => None,
+        });
+        found.unwrap()
+    }
 }

@@ -7,6 +7,7 @@ mod document;
 mod frames;
 mod naming;
 mod numbers;
+mod proposals;
 mod review;
 
 pub use commands::MAX_SCALE;
@@ -110,8 +111,7 @@ impl App {
             Action::EndEdit => self.end_edit(),
             Action::AbortEdit => self.abort(),
             Action::SolveAgain => self.solve_again(),
-            // Nothing asks for proposals yet.
-            Action::Proposals(_) => {}
+            Action::Proposals(proposals) => self.take_proposals(&proposals),
             Action::SetReviewOrder(order) => self.session.review.order = order,
             Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
@@ -178,6 +178,7 @@ impl App {
 
     /// Closes the step of undo; what changed goes into the journal.
     fn commit(&mut self) {
+        self.withdraw_outdated();
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
         if open.history.commit(&open.document) {

@@ -1,0 +1,95 @@
+//! What the forest proposes, and what of it no longer holds.
+
+use super::App;
+use crate::app::OpenProject;
+use crate::app::action::Effect;
+use crate::app::session::{Level, Saving};
+use crate::project::{Camera, CameraId, Document, FrameStatus};
+use crate::proposals::{NoProposal, Proposal};
+use std::collections::BTreeSet;
+
+impl App {
+    /// Takes proposals in: journalled, but nobody's step of undo. Those of an older forest than the last one are dropped.
+    pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
+        let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
+        let Some(edit) = open.take_proposals(proposals) else { return };
+        self.effects.push(Effect::Journal { edit, revision: open.revision });
+        if !matches!(self.session.saving, Saving::Failed { .. }) {
+            self.session.saving = Saving::Pending;
+        }
+        let mistake = proposals.iter().find_map(|proposal| match &proposal.outcome {
+            Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
+            _ => None,
+        });
+        if let Some(mistake) = mistake {
+            self.session.notify(Level::Error, format!("No proposal: {mistake}."));
+        }
+    }
+
+    /// Within a step that moved a camera: what was proposed for the old place goes.
+    pub(super) fn withdraw_outdated(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let Some(before) = open.history.before() else { return };
+        let outdated = outdated(before, &open.document);
+        if outdated.is_empty() {
+            return;
+        }
+        for &index in &outdated {
+            if let Some(frame) = open.document.frames.get_mut(index) {
+                frame.ptz = None;
+                frame.solution = None;
+                if frame.status != FrameStatus::Rejected {
+                    frame.status = frame.undecided();
+                }
+            }
+        }
+        let count = outdated.len();
+        let are = if count == 1 { "proposal was" } else { "proposals were" };
+        let text = format!("{count} {are} made for the old base and went: the forest learns the new one.");
+        self.session.notify(Level::Info, text);
+    }
+}
+
+/// The frames whose proposals were made for another base than their camera has by now. Accepted ones stay.
+fn outdated(before: &Document, now: &Document) -> Vec<usize> {
+    let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
+    let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
+    let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
+    let is_outdated = |index: &usize| {
+        let frame = &now.frames[*index];
+        let given_away = || {
+            let known = before.frames.get(*index);
+            known.is_some_and(|known| !known.is_same(frame) && known.camera != frame.camera)
+        };
+        let proposed = frame.status != FrameStatus::Reference && frame.is_suggestion();
+        proposed && (moved.contains(&frame.camera) || given_away())
+    };
+    (0..now.frames.len()).filter(is_outdated).collect()
+}
+
+impl OpenProject {
+    /// Writes proposals into the document and every state of its history; what is to be journalled, if anything.
+    fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<crate::project::Edit> {
+        use crate::app::intake::{Intake, edit, write};
+        let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
+        self.forest_generation = self.forest_generation.max(newest);
+        let current: Vec<&Proposal> =
+            proposals.iter().filter(|proposal| proposal.generation == self.forest_generation).collect();
+        let mut intake = Intake::new(&current);
+        let changes = intake.changes(&self.document);
+        if !changes.is_empty() {
+            write(&mut self.document, &changes);
+        }
+        self.history.amend(|state| {
+            let changes = intake.changes(state);
+            write(state, &changes);
+        });
+        let changes = intake.changes(&self.journalled);
+        write(&mut self.journalled, &changes);
+        if changes.is_empty() {
+            return None;
+        }
+        self.revision += 1;
+        Some(edit(changes))
+    }
+}
