@@ -17,6 +17,7 @@ mod document;
 mod doors;
 mod edit;
 mod error;
+mod evaluation;
 mod frame;
 mod history;
 mod journal;
@@ -45,6 +46,9 @@ pub use disagreement::disagreements_px;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
 pub use edit::{Change, Edit, EditMismatch};
 pub use error::StoreError;
+pub use evaluation::{
+    Evaluation, EvaluationError, FrameResult, FrameScores, Group, GroupKind, Measure, Unscored, evaluate,
+};
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
 pub use history::{History, Step};
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};

@@ -103,12 +103,12 @@ fn record(document: &mut Document, attempts: &[Attempt]) {
 }
 
 /// The fields of a document's frames, each built once.
-struct Fields {
+pub(super) struct Fields {
     models: Vec<(FieldSpec, FieldModel)>,
 }
 
 impl Fields {
-    fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
+    pub(super) fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
         let mut models: Vec<(FieldSpec, FieldModel)> = Vec::new();
         let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
         for spec in own.chain([&document.field]) {
@@ -119,7 +119,7 @@ impl Fields {
         Ok(Self { models })
     }
 
-    fn of_frame(&self, document: &Document, frame: &Frame) -> &FieldModel {
+    pub(super) fn of_frame(&self, document: &Document, frame: &Frame) -> &FieldModel {
         let spec = document.field_of(frame);
         let at = self.models.iter().position(|(known, _)| known == spec).unwrap_or(self.models.len() - 1);
         &self.models[at].1

@@ -18,6 +18,7 @@ mod base_truth;
 mod cli_documents;
 mod data;
 mod document;
+mod evaluate_command;
 mod features;
 mod fields;
 mod fields_command;
