@@ -19,6 +19,7 @@ mod edit;
 mod error;
 mod evaluation;
 mod frame;
+mod habits;
 mod history;
 mod journal;
 mod location;
@@ -50,13 +51,14 @@ pub use evaluation::{
     Evaluation, EvaluationError, FrameResult, FrameScores, Group, GroupKind, Measure, Unscored, evaluate,
 };
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use habits::habits;
 pub use history::{History, Step};
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};
 pub use lock::ReadOnly;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;
 pub use shots::shots;
-pub use solution::{FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
 pub use solve_all::{SolveOutcome, solve_document};
 pub use store::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use unanswered::{LabelNext, Unanswered, unanswered};

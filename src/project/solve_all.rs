@@ -1,6 +1,6 @@
 //! Every frame of a document, solved from its clicks.
 
-use super::{CalibrationError, Document, FieldSpec, Frame, Target, calibrate, solved_neighbours};
+use super::{CalibrationError, Document, FieldSpec, Frame, Target, calibrate};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::{FrameSolution, SolveError};
 use rayon::prelude::*;
@@ -77,7 +77,7 @@ fn attempt(document: &Document, index: usize, fields: &Fields) -> Attempt {
         return Attempt::TooFewClicks;
     }
     let field = fields.of_frame(document, frame);
-    match calibrate(document, frame, field, solved_neighbours(document, index)) {
+    match calibrate(document, frame, field, index) {
         Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => Attempt::TooFewClicks,
         result => Attempt::Done(result.map(Box::new)),
     }

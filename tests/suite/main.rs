@@ -26,6 +26,7 @@ mod forest;
 mod identity;
 mod journal;
 mod media;
+mod names_in_app;
 mod overlay_pixels;
 mod overlay_projection;
 mod pose;

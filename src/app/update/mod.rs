@@ -17,7 +17,7 @@ use super::current::{Current, FreshSolve};
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
-use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate, solved_neighbours};
+use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate};
 use crate::solve::{FrameSolution, SolveError};
 
 /// The whole application without a window.
@@ -240,7 +240,7 @@ impl App {
 fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
     let field = open.field_of(index).ok()?;
     let frame = open.document.frames.get(index)?;
-    let solved = calibrate(&open.document, frame, &field, solved_neighbours(&open.document, index));
+    let solved = calibrate(&open.document, frame, &field, index);
     let frame = open.document.frames.get_mut(index)?;
     match &solved {
         Ok(solved) => frame.record(solved),
