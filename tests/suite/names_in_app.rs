@@ -127,8 +127,12 @@ fn panned() -> Document {
     for index in 0..41 {
         let ptz = Ptz::from_degrees(-40.0 + 0.2 * index as f64, -12.0, 5000.0);
         let mut frame = frame(&format!("{index}.jpg"), ptz, &[]);
-        frame.video =
-            Some(VideoFrame { path: "match.mp4".into(), frame_index: index, pts_s: None, extra: Default::default() });
+        frame.video = Some(VideoFrame {
+            path: "match.mp4".into(),
+            frame_index: index,
+            pts_s: None,
+            extra: touchline::project::Extra::new(),
+        });
         if index % 2 == 0 && index < 40 {
             frame.ptz = Some(touchline::project::FramePtz::new(ptz, None));
             frame.status = FrameStatus::Reference;
