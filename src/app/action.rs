@@ -1,6 +1,7 @@
 //! What changes state, and what the outside then has to do.
 
 use super::review::ReviewOrder;
+use super::selection::{Scope, Selecting};
 use super::session::{Filter, Level, PictureView};
 use super::{Chord, Command, OverlayStyle};
 use crate::camera::Ptz;
@@ -74,6 +75,24 @@ pub enum Action {
 
     /// Another frame.
     GoTo(usize),
+    /// A frame of the filmstrip is added to the selection, or taken out.
+    SelectFrame {
+        /// Its place.
+        frame: usize,
+        /// How.
+        how: Selecting,
+    },
+    /// No frames are selected.
+    SelectNoFrames,
+    /// Frames are given to a camera.
+    GiveToCamera {
+        /// Which frames.
+        scope: Scope,
+        /// Which camera.
+        camera: CameraChoice,
+    },
+    /// The sheet on which frames are given is about others.
+    AskCamera(Scope),
     /// The frame (or its shot) is not calibratable.
     RejectAs(RejectReason),
     /// The frame's comment; empty: none.
@@ -191,6 +210,15 @@ pub enum Action {
     Copied(PathBuf),
     /// The window asked to close.
     CloseRequested,
+}
+
+/// A camera of the document, or one to be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CameraChoice {
+    /// The document has it.
+    Known(CameraId),
+    /// It gets this name, and pictures like those of the shown frame's camera.
+    New(CameraId),
 }
 
 /// A document that has just been opened.

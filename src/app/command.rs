@@ -41,7 +41,6 @@ pub enum Command {
     Reject,
     RejectShot,
     Comment,
-    MendNames,
     SwitchRoot,
     ZoomIn,
     ZoomOut,
@@ -60,6 +59,9 @@ pub enum Command {
     DropEstimatedBase,
     UseForBase,
     LoadCamera,
+    GiveToCamera,
+    SelectShot,
+    NewCameraFromChange,
     Palette,
     Keys,
     About,
@@ -147,7 +149,6 @@ rows! {
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
-    MendNames, "mend_names", Frame, "Take the names that fit", "Where other names fit the points better, or as well: swap, exchange or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
@@ -157,7 +158,7 @@ rows! {
     OverlayStyle, "overlay_style", View, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
     ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
     ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
-    Compare, "compare", View, "Compare (hold)", "While held down the other solution is drawn dashed: the other focal length, or the camera under other names.", ["B"];
+    Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
     Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
@@ -166,6 +167,9 @@ rows! {
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];
     UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "This frame's points take no part in the estimation of the base, or take part again.", [];
     LoadCamera, "load_camera", Camera, "Load a camera…", "Take the camera base from another project or dataset.", [];
+    GiveToCamera, "give_to_camera", Camera, "Give frames to a camera…", "Say which camera took this frame, the selected frames, the shot, or all from here on.", [];
+    NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "Where somebody moved the camera, the frames from there on get a camera of their own.", [];
+    SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot; Shift or Ctrl and a click on the filmstrip select single ones.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];

@@ -9,10 +9,10 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldError, FieldModel};
 use crate::geometry::ImagePoint;
 use crate::project::{
-    CalibrationError, Click, EstimatedBase, Frame, FramePtz, SolutionSource, Target, calibrate, camera_alone,
-    observations, solved_neighbours,
+    BetterCamera, CalibrationError, Click, EstimatedBase, Frame, FramePtz, SolutionSource, Target, calibrate,
+    camera_alone, observations, solved_neighbours,
 };
-use crate::solve::{FrameSolution, IdentityFinding, Judgement, Verdict, judge};
+use crate::solve::{FrameSolution, Judgement, Verdict, WarningCode, judge};
 use std::sync::Arc;
 
 /// How many solved frames of other shots, on either side, tell where a camera usually looks.
@@ -42,8 +42,8 @@ pub struct Current {
     pub next_clicks: Vec<NextClick>,
     /// Numbers by hand hold, and not what the clicks say.
     pub by_hand: bool,
-    /// The clicks that something contradicts: the other clicks, or the estimate of the base; in order.
-    pub disputed: Vec<usize>,
+    /// Another camera of the document, which fits the clicks where the frame's own does not.
+    pub better_camera: Option<BetterCamera>,
     /// What the frames of this camera say about its base.
     pub readiness: BaseReadiness,
     basis: Basis,
@@ -118,13 +118,15 @@ impl Current {
         };
         let base = open.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
         let by_hand = frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
-        let solve = |field| calibrate(&open.document, frame, field, index);
-        let solution = match &field {
-            Ok(field) if !by_hand && frame.clicks.iter().any(|click| click.target.is_some()) => {
-                Some(fresh.unwrap_or_else(|| solve(field)))
+        let asked = !by_hand && frame.clicks.iter().any(|click| click.target.is_some());
+        let solution = if asked { fresh.or_else(|| open.solve(index)) } else { None };
+        let better_camera = match &solution {
+            Some(Ok(solved)) if solved.warnings.iter().any(|warning| warning.code == WarningCode::OtherCamera) => {
+                open.better_camera(index, solved)
             }
             _ => None,
         };
+        let Some(frame) = open.document.frames.get(index) else { return Self::default() };
         let judgement = match &solution {
             Some(Ok(solved)) => Some(judge(solved, frame.image_size)),
             _ if by_hand => Some(Judgement { verdict: Verdict::Check, reason: "numbers set by hand".to_owned() }),
@@ -140,14 +142,19 @@ impl Current {
             _ => Vec::new(),
         };
         let readiness = BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), &frame.camera);
-        let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
-        if let Some(Ok(solved)) = &solution {
-            disputed.extend(solved.disputed());
-            disputed.sort_unstable();
-            disputed.dedup();
-        }
         let field = Some(field);
-        Self { field, base, solution, judgement, camera, next_clicks, by_hand, disputed, readiness, ..Self::default() }
+        Self {
+            field,
+            base,
+            solution,
+            judgement,
+            camera,
+            next_clicks,
+            by_hand,
+            better_camera,
+            readiness,
+            ..Self::default()
+        }
     }
 
     /// The frame's camera with a click that is being placed or named; without a base, what its own landmarks show.
@@ -160,7 +167,7 @@ impl Current {
             Some(click) => *with.clicks.get_mut(click)? = trial.click.clone(),
             None => with.clicks.push(trial.click.clone()),
         }
-        let solved = calibrate(&open.document, &with, field, index).ok()?;
+        let solved = calibrate(&open.document, &with, field, solved_neighbours(&open.document, index)).ok()?;
         Some(PtzCamera::new(base, solved.ptz))
     }
 
@@ -174,19 +181,6 @@ impl Current {
     #[must_use]
     pub fn solved(&self) -> Option<&FrameSolution> {
         self.solution.as_ref()?.as_ref().ok()
-    }
-
-    /// Names that fit the clicks better, or as well.
-    #[must_use]
-    pub fn other_names(&self) -> Option<&IdentityFinding> {
-        self.solved()?.identity.as_ref()
-    }
-
-    /// The camera to compare with: under other names, or with the other focal length.
-    #[must_use]
-    pub fn alternative(&self) -> Option<PtzCamera> {
-        let ptz = self.other_names().map(|found| found.ptz).or_else(|| self.other_root())?;
-        Some(PtzCamera::new(self.base?, ptz))
     }
 
     /// The other camera that fits two clicks as well, if there is one.
@@ -221,7 +215,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
     // A frame that was proposed or set by hand has a camera too; clicks decide as soon as they can.
-    let camera = calibrate(&open.document, &others, &field, frame_index)
+    let camera = calibrate(&open.document, &others, &field, neighbours.clone())
         .ok()
         .map(|solved| solved.ptz)
         .or_else(|| named.is_empty().then(|| frame.ptz.as_ref().map(FramePtz::ptz)).flatten())

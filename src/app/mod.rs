@@ -18,13 +18,14 @@ pub mod next_click;
 mod open_project;
 pub mod overlay;
 pub mod review;
+pub mod selection;
 pub mod session;
 mod settings;
 pub mod uncertainty;
 mod update;
 mod versioned;
 
-pub use action::{Action, Effect, Opened, Question};
+pub use action::{Action, CameraChoice, Effect, Opened, Question};
 pub use command::{Command, Group};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};

@@ -3,7 +3,11 @@
 use super::Versioned;
 use super::action::Opened;
 use crate::field::{FieldError, FieldModel};
-use crate::project::{Document, Edit, FieldSpec, Frame, FrameStatus, History, Shared, Step};
+use crate::project::{
+    BetterCamera, CalibrationError, Document, Edit, FieldSpec, Fields, Frame, FrameStatus, History, Shared, Step,
+    better_camera, calibrate, solved_neighbours,
+};
+use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,6 +30,7 @@ pub struct OpenProject {
     pub(super) forest_generation: u64,
     /// The document as the journal has it.
     pub(super) journalled: Document,
+    fields: Option<(Vec<FieldSpec>, Arc<Fields>)>,
     model: Option<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,
 }
 
@@ -42,6 +47,7 @@ impl OpenProject {
             read_only: opened.read_only,
             revision: 0,
             forest_generation: 0,
+            fields: None,
             model: None,
         }
     }
@@ -81,6 +87,46 @@ impl OpenProject {
         let model = spec.model(&self.folder).map(Arc::new);
         self.model = Some((spec, model.clone()));
         model
+    }
+
+    /// The fields of all cameras, each built once.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
+        let own = self.document.cameras.iter().filter_map(|camera| camera.field.as_ref());
+        let specs: Vec<FieldSpec> = own.chain([&self.document.field]).cloned().collect();
+        if let Some((known, fields)) = &self.fields
+            && *known == specs
+        {
+            return Ok(Arc::clone(fields));
+        }
+        let fields = Arc::new(Fields::of(&self.document, &self.folder)?);
+        self.fields = Some((specs, Arc::clone(&fields)));
+        Ok(fields)
+    }
+
+    /// What a frame's clicks say, another camera that fits better among the warnings. None where there is no such frame or
+    /// its field is not valid.
+    pub(super) fn solve(&mut self, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
+        let field = self.field_of(index).ok()?;
+        let frame = self.document.frames.get(index)?;
+        let mut solved = calibrate(&self.document, frame, &field, solved_neighbours(&self.document, index));
+        if let Ok(solved) = &mut solved
+            && let Some(better) = self.better_camera(index, solved)
+        {
+            solved.warnings.insert(0, better.warning());
+        }
+        Some(solved)
+    }
+
+    /// A camera that fits a solved frame better than its own.
+    pub(super) fn better_camera(&mut self, index: usize, solved: &FrameSolution) -> Option<BetterCamera> {
+        if self.document.cameras.len() < 2 {
+            return None;
+        }
+        let fields = self.fields().ok()?.of_cameras(&self.document);
+        better_camera(&self.document, self.frame(index)?, solved, &fields)
     }
 
     /// How many frames have each status.

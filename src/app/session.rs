@@ -3,10 +3,12 @@
 use super::base::BaseWork;
 use super::naming::NameCandidate;
 use super::review::ReviewChoice;
+use super::selection::Scope;
 use super::uncertainty::UncertaintyView;
 use super::{Command, Question};
 use crate::geometry::ImagePoint;
-use crate::project::{Frame, FrameStatus, RejectReason, Target};
+use crate::project::{CameraId, Frame, FrameStatus, RejectReason, Target};
+use std::collections::BTreeSet;
 
 /// How many candidates are offered at the cursor.
 pub const OFFERED: usize = 5;
@@ -16,6 +18,8 @@ pub const OFFERED: usize = 5;
 pub struct Session {
     /// The current frame's place in the document.
     pub frame: usize,
+    /// The frames selected on the filmstrip: none, or at least two.
+    pub frames_selected: BTreeSet<usize>,
     /// The selected click of the current frame.
     pub selected: Option<usize>,
     /// What has been begun.
@@ -48,6 +52,8 @@ pub struct Session {
     pub saving: Saving,
     /// What is being done about the camera's base.
     pub base: BaseWork,
+    /// Of which camera it was told last that it stops fitting, and at which frame.
+    pub told_change: Option<(CameraId, usize)>,
     /// A document is being read.
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
@@ -226,6 +232,8 @@ pub enum Dialog {
     AcceptAll,
     /// A comment on the frame.
     Comment(String),
+    /// Which camera took these frames.
+    GiveToCamera(Scope),
     /// A path, where the system has no file dialog.
     Path(Question),
 }

@@ -4,7 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::print;
-use crate::project::{Document, Problem, check_pictures, check_values};
+use crate::project::{Document, Problem, check_cameras, check_pictures, check_values};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
@@ -23,6 +23,7 @@ pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
     let bar = messages.progress(document.frames.len(), "Looking at pictures");
     let mut problems = check_values(&document, location.folder());
+    problems.extend(check_cameras(&document, location.folder()));
     problems.extend(check_pictures(&document, location.folder(), &|| bar.inc(1)));
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
     bar.finish_and_clear();

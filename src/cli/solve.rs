@@ -3,7 +3,8 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::project::{SolveOutcome, solve_document};
+use crate::project::{Document, SolveOutcome, check_cameras, solve_document};
+use std::path::Path;
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -32,8 +33,16 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
             messages.frame_failed(&frame.name(), &error.to_string());
         }
     }
+    report_cameras(&document, location.folder(), messages);
     args.output.write(&document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Tells of frames that fit another camera, and of cameras that stop fitting.
+fn report_cameras(document: &Document, folder: &Path, messages: Messages) {
+    for problem in check_cameras(document, folder) {
+        messages.note(&problem.to_string());
+    }
 }

@@ -6,13 +6,12 @@ use crate::geometry::ImagePoint;
 use serde::{Deserialize, Serialize};
 
 /// What of the field a click shows.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Target {
     /// A landmark: the click is its image.
-    Landmark(#[serde(with = "doors::name")] LandmarkId),
+    Landmark(LandmarkId),
     /// A line, circle or arc: the click lies somewhere on its image.
-    Line(#[serde(with = "doors::name")] LineId),
+    Line(LineId),
 }
 
 impl Target {

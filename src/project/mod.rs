@@ -6,6 +6,7 @@
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
 mod atomic;
+mod base_change;
 mod base_estimation;
 mod calibration;
 mod camera;
@@ -17,9 +18,8 @@ mod document;
 mod doors;
 mod edit;
 mod error;
-mod evaluation;
+mod fields;
 mod frame;
-mod habits;
 mod history;
 mod journal;
 mod location;
@@ -32,36 +32,36 @@ mod solve_all;
 mod store;
 mod teaching;
 mod unanswered;
+mod which_camera;
 mod write;
 
 pub use atomic::write_atomically;
+pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, mirrored_words,
 };
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
-pub use check::{Fault, Problem, check_pictures, check_values};
+pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
 pub use click::{Click, Target};
 pub use create::{NewDocument, document_from_frames};
 pub use disagreement::disagreements_px;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
 pub use edit::{Change, Edit, EditMismatch};
 pub use error::StoreError;
-pub use evaluation::{
-    Evaluation, EvaluationError, FrameResult, FrameScores, Group, GroupKind, Measure, Unscored, evaluate,
-};
+pub use fields::Fields;
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
-pub use habits::habits;
 pub use history::{History, Step};
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};
 pub use lock::ReadOnly;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;
 pub use shots::shots;
-pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use solution::{FramePtz, Solution, SolutionSource, SolutionWarning};
 pub use solve_all::{SolveOutcome, solve_document};
 pub use store::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use unanswered::{LabelNext, Unanswered, unanswered};
+pub use which_camera::{BetterCamera, GiveError, better_camera, warn_of_better_camera};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

@@ -1,7 +1,7 @@
 //! Every frame of a document, solved from its clicks.
 
-use super::{CalibrationError, Document, FieldSpec, Frame, Target, calibrate};
-use crate::field::{FieldError, FieldModel};
+use super::{CalibrationError, Document, Fields, Frame, Target, calibrate, solved_neighbours, warn_of_better_camera};
+use crate::field::FieldError;
 use crate::solve::{FrameSolution, SolveError};
 use rayon::prelude::*;
 use std::path::Path;
@@ -77,9 +77,13 @@ fn attempt(document: &Document, index: usize, fields: &Fields) -> Attempt {
         return Attempt::TooFewClicks;
     }
     let field = fields.of_frame(document, frame);
-    match calibrate(document, frame, field, index) {
+    match calibrate(document, frame, field, solved_neighbours(document, index)) {
         Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => Attempt::TooFewClicks,
-        result => Attempt::Done(result.map(Box::new)),
+        Ok(mut solved) => {
+            warn_of_better_camera(document, frame, &mut solved, &fields.of_cameras(document));
+            Attempt::Done(Ok(Box::new(solved)))
+        }
+        Err(error) => Attempt::Done(Err(error)),
     }
 }
 
@@ -99,29 +103,5 @@ fn record(document: &mut Document, attempts: &[Attempt]) {
         if let Attempt::Done(Ok(solved)) = attempt {
             frame.record(solved);
         }
-    }
-}
-
-/// The fields of a document's frames, each built once.
-pub(super) struct Fields {
-    models: Vec<(FieldSpec, FieldModel)>,
-}
-
-impl Fields {
-    pub(super) fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
-        let mut models: Vec<(FieldSpec, FieldModel)> = Vec::new();
-        let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
-        for spec in own.chain([&document.field]) {
-            if !models.iter().any(|(known, _)| known == spec) {
-                models.push((spec.clone(), spec.model(folder)?));
-            }
-        }
-        Ok(Self { models })
-    }
-
-    pub(super) fn of_frame(&self, document: &Document, frame: &Frame) -> &FieldModel {
-        let spec = document.field_of(frame);
-        let at = self.models.iter().position(|(known, _)| known == spec).unwrap_or(self.models.len() - 1);
-        &self.models[at].1
     }
 }

@@ -52,6 +52,8 @@ warning_codes! {
     WrongLine = "wrong_line",
     /// Two focal lengths fit.
     TwoRoots = "two_roots",
+    /// Another camera of the document fits the clicks, the frame's own does not.
+    OtherCamera = "other_camera",
     /// Pan, tilt or focal length is outside what this camera does.
     Implausible = "implausible",
     /// The clicks contradict each other or the base by more than their noise.

@@ -8,7 +8,7 @@ use egui::{Align, Button, Layout, RichText, Ui};
 use std::path::Path;
 
 /// A line is drawn above these.
-const SECTIONS: [Command; 17] = [
+const SECTIONS: [Command; 19] = [
     Command::Save,
     Command::LoadCamera,
     Command::Quit,
@@ -25,6 +25,8 @@ const SECTIONS: [Command; 17] = [
     Command::ShowMasks,
     Command::Compare,
     Command::CameraPanel,
+    Command::GiveToCamera,
+    Command::SelectShot,
     Command::About,
 ];
 

@@ -14,6 +14,8 @@ pub enum Symbol {
     OnLine,
     /// A point on a landmark.
     Landmark,
+    /// Chosen, with others.
+    Tick,
     /// The Enter key.
     Return,
     /// Something to look at.
@@ -47,6 +49,9 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
             for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
                 painter.line_segment([at(2.0 * x, 2.0 * y), at(6.0 * x, 6.0 * y)], stroke);
             }
+        }
+        Symbol::Tick => {
+            painter.line(vec![at(-3.0, 0.0), at(-0.8, 2.4), at(3.2, -2.4)], stroke);
         }
         Symbol::Return => {
             painter.line(vec![at(6.0, -5.0), at(6.0, 2.0), at(-5.0, 2.0)], stroke);

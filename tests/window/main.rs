@@ -6,7 +6,6 @@
 
 mod base;
 mod labelling;
-mod names;
 mod panels;
 mod viewport;
 mod window;

@@ -48,13 +48,17 @@ impl App {
             C::Teaches if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
                 Some("Only a reference teaches.")
             }
+            C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all of its frames."),
+            C::GiveToCamera | C::NewCameraFromChange if self.is_read_only() => {
+                Some("The document is open to look at only.")
+            }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
             C::EstimateBase if self.is_read_only() => Some("The document is open to look at only."),
             C::Compare if self.current.proposal.is_some() => None,
-            C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
-            C::Compare if self.current.alternative().is_none() => Some("Nothing else fits these points."),
-            C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
+            C::SwitchRoot | C::Compare if self.current.other_root().is_none() => {
+                Some("Only one focal length fits these points.")
+            }
             _ => None,
         }
     }
@@ -144,7 +148,6 @@ impl App {
                 let comment = self.frame().and_then(|frame| frame.comment.clone()).unwrap_or_default();
                 self.session.dialog = Some(Dialog::Comment(comment));
             }
-            C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
@@ -160,6 +163,9 @@ impl App {
             }
             C::CameraPanel => self.toggle_panel(Panel::Camera),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
+            C::GiveToCamera => self.ask_camera(),
+            C::SelectShot => self.select_shot(),
+            C::NewCameraFromChange => self.new_camera_from_change(),
             C::EstimateBase => self.estimate_base(),
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),
@@ -208,6 +214,7 @@ impl App {
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
             Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
+            Mode::Idle if self.session.selected.is_none() => self.session.frames_selected.clear(),
             Mode::Idle => self.session.selected = None,
         }
     }

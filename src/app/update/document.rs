@@ -33,6 +33,7 @@ impl App {
         self.open = Some(open);
         self.current = Current::default();
         self.review = super::Review::default();
+        self.watched = None;
     }
 
     pub(super) fn save(&mut self) {

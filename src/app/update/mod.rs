@@ -1,6 +1,7 @@
 //! The only place that changes state: an action in, effects out.
 
 mod base;
+mod cameras;
 mod clicks;
 mod commands;
 mod document;
@@ -17,7 +18,7 @@ use super::current::{Current, FreshSolve};
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
-use crate::project::{CalibrationError, Frame, FrameStatus, Step, calibrate};
+use crate::project::{CalibrationError, Frame, FrameStatus, Step};
 use crate::solve::{FrameSolution, SolveError};
 
 /// The whole application without a window.
@@ -31,6 +32,7 @@ pub struct App {
     current: Current,
     fresh: Option<FreshSolve>,
     review: Review,
+    watched: Option<cameras::Watched>,
     effects: Vec<Effect>,
 }
 
@@ -75,6 +77,7 @@ impl App {
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
+        self.watch_camera();
         std::mem::take(&mut self.effects)
     }
 
@@ -99,6 +102,10 @@ impl App {
             Action::DeleteClick(click) => self.delete_click(click),
             Action::SetCheck { click, check } => self.set_check(click, check),
             Action::GoTo(frame) => self.go_to(frame),
+            Action::SelectFrame { frame, how } => self.select_frame(frame, how),
+            Action::SelectNoFrames => self.session.frames_selected.clear(),
+            Action::GiveToCamera { scope, camera } => self.give_to_camera(scope, &camera),
+            Action::AskCamera(scope) => self.session.dialog = Some(Dialog::GiveToCamera(scope)),
             Action::RejectAs(reason) => self.reject_as(reason),
             Action::SetComment(comment) => self.set_comment(&comment),
             Action::SetFilter(filter) => self.session.filter = filter,
@@ -238,9 +245,7 @@ impl App {
 /// Writes what a frame's clicks say into the frame. Where they give no camera an earlier proposal stays, but an earlier
 /// solve goes; a camera without a base changes nothing. None where there is nothing to solve with.
 fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
-    let field = open.field_of(index).ok()?;
-    let frame = open.document.frames.get(index)?;
-    let solved = calibrate(&open.document, frame, &field, index);
+    let solved = open.solve(index)?;
     let frame = open.document.frames.get_mut(index)?;
     match &solved {
         Ok(solved) => frame.record(solved),

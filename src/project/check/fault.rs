@@ -78,6 +78,30 @@ pub enum Fault {
         /// The camera's name.
         camera: String,
     },
+    /// The clicks fit another camera of the document.
+    #[error(
+        "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; give it to that one"
+    )]
+    OtherCamera {
+        /// The camera that fits.
+        camera: String,
+        /// How well, px.
+        rms_px: f64,
+        /// How well its own does, px.
+        own_rms_px: f64,
+    },
+    /// The base fits the frames before and not those after.
+    #[error(
+        "stopped fitting at {frame} ({before_px:.0} → {after_px:.0} px); give the frames from there on to a new camera"
+    )]
+    StoppedFitting {
+        /// The first frame that does not fit.
+        frame: String,
+        /// Median distance of the clicks before, px.
+        before_px: f64,
+        /// And from there on, px.
+        after_px: f64,
+    },
     /// The frame and its camera disagree about the size of the picture.
     #[error("{} where its camera has {}; give it a camera of its own size", size(*frame), size(*camera))]
     CameraSize {
@@ -209,6 +233,8 @@ impl Fault {
             Self::DuplicateFrame { .. } => "duplicate_frame",
             Self::NoPicture => "no_picture",
             Self::UnknownCamera { .. } => "unknown_camera",
+            Self::OtherCamera { .. } => "other_camera",
+            Self::StoppedFitting { .. } => "stopped_fitting",
             Self::CameraSize { .. } => "camera_size",
             Self::UnknownLandmark { .. } => "unknown_landmark",
             Self::UnknownLine { .. } => "unknown_line",

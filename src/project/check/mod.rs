@@ -1,9 +1,11 @@
 //! Everything wrong with a document, by name.
 
+mod cameras;
 mod fault;
 mod pictures;
 mod values;
 
+pub use cameras::check_cameras;
 pub use fault::{Fault, Problem};
 pub use pictures::check_pictures;
 pub use values::check_values;

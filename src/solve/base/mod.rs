@@ -5,6 +5,7 @@
 //! cross-validation.
 
 mod adjust;
+mod change;
 mod disputes;
 mod estimate;
 mod frame_block;
@@ -13,6 +14,7 @@ mod parameters;
 mod start;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
+pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base};
 pub use model_choice::{BaseModel, CrownModel, LensModel, ModelScore};

@@ -6,6 +6,7 @@ mod evidence;
 mod field;
 mod masks;
 mod numbers;
+mod over_time;
 mod stand;
 
 use super::{Panel, theme};
@@ -32,7 +33,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ScrollArea::vertical().id_salt("camera panel").auto_shrink(false).show(ui, |ui| {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
+            of_frames(panel, ui, &camera);
             estimate::show(panel, ui, &camera);
+            over_time::show(panel, ui, &camera);
             if camera.base().is_some() {
                 numbers::position(panel, ui, &camera);
                 numbers::rotation(panel, ui, &camera);
@@ -80,6 +83,31 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
         });
     });
+}
+
+/// How many frames the camera has, and the way to give some to another one.
+fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let Some(open) = panel.app.open() else { return };
+    let frames = open.document.frames.iter().filter(|frame| frame.camera == camera.id).count();
+    let selected = panel.app.session.frames_selected.len();
+    let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
+    let told = match selected {
+        0 if cameras == 1 => format!("Took all {all} frames"),
+        0 => format!("Took {frames} of {all} frames"),
+        selected => format!("{selected} frames selected"),
+    };
+    numbers::line(
+        ui,
+        &told,
+        "The frames of this camera; Shift or Ctrl and a click on the filmstrip select some.",
+        |ui| {
+            let command = Command::GiveToCamera;
+            let give = ui.add_enabled(panel.app.why_not(command).is_none(), Button::new("Give to a camera…").small());
+            if give.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                panel.actions.push(Action::Command(command));
+            }
+        },
+    );
 }
 
 /// Nothing is known of where the camera stands.

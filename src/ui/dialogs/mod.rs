@@ -1,10 +1,12 @@
-//! What lies over the window when asked for: palette, keys, about, overlay style, comment, path. Escape closes each of them,
+//! What lies over the window when asked for: palette, keys, about, overlay style, comment, which camera,
+//! path. Escape closes each of them,
 //! and so does a click beside it.
 
 mod about;
 mod accept_all;
 mod comment;
 mod fuzzy;
+mod give;
 mod keys;
 mod overlay_style;
 mod palette;
@@ -28,6 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::GiveToCamera(scope)) => give::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
     }
 }

@@ -1,6 +1,7 @@
 //! One frame of the filmstrip.
 
 use super::strip::SHOT_GAP;
+use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
 use crate::app::{Action, OpenProject};
 use crate::project::Frame;
@@ -35,12 +36,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     let response = ui.interact(place, Id::unique(("filmstrip frame", index)), Sense::click());
     let current = index == app.session.frame;
     response.widget_info(|| {
-        let label = format!("Frame {}, {}, {}", index + 1, file_name(&frame.name()), status_label(frame.status));
+        let selected = if app.session.frames_selected.contains(&index) { ", selected" } else { "" };
+        let status = status_label(frame.status);
+        let label = format!("Frame {}, {}, {status}{selected}", index + 1, file_name(&frame.name()));
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     paint(panel, ui, open, index, frame, place, response.hovered());
     if response.clicked() {
-        panel.actions.push(Action::GoTo(index));
+        let modifiers = ui.input(|input| input.modifiers);
+        match (modifiers.shift, modifiers.command) {
+            (true, _) => panel.actions.push(Action::SelectFrame { frame: index, how: Selecting::Range }),
+            (false, true) => panel.actions.push(Action::SelectFrame { frame: index, how: Selecting::Toggle }),
+            (false, false) => panel.actions.extend([Action::SelectNoFrames, Action::GoTo(index)]),
+        }
     }
     tooltip(response, index, frame);
 }
@@ -76,6 +84,12 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
         for line in [2.5, 5.5] {
             painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
         }
+    }
+    if panel.app.session.frames_selected.contains(&index) {
+        painter.rect_filled(picture, CornerRadius::same(3), theme::ACCENT.gamma_multiply(0.35));
+        let mark = picture.left_bottom() + vec2(9.0, -9.0);
+        painter.circle_filled(mark, 6.0, theme::ACCENT);
+        symbol::paint(painter, Symbol::Tick, Rect::from_center_size(mark, vec2(12.0, 12.0)), theme::STRONG);
     }
     let frame_line = match (current, hovered) {
         (true, _) => Stroke::new(2.0, theme::ACCENT),

@@ -1,0 +1,48 @@
+//! The fields of a document: the cameras may stand at different venues.
+
+use super::{Camera, Document, FieldSpec, Frame};
+use crate::field::{FieldError, FieldModel};
+use std::path::Path;
+use std::sync::Arc;
+
+/// The fields that a document's cameras look at, each built once.
+#[derive(Clone, Debug)]
+pub struct Fields {
+    /// The document's own comes last.
+    models: Vec<(FieldSpec, Arc<FieldModel>)>,
+}
+
+impl Fields {
+    /// Every field of a document; `folder` is the document's.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
+        let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
+        let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
+        for spec in own.filter(|spec| **spec != document.field).chain([&document.field]) {
+            if !models.iter().any(|(known, _)| known == spec) {
+                models.push((spec.clone(), Arc::new(spec.model(folder)?)));
+            }
+        }
+        Ok(Self { models })
+    }
+
+    /// The field that a frame shows.
+    #[must_use]
+    pub fn of_frame(&self, document: &Document, frame: &Frame) -> &Arc<FieldModel> {
+        self.of_spec(document.field_of(frame))
+    }
+
+    /// The field of each camera, in the document's order.
+    #[must_use]
+    pub fn of_cameras(&self, document: &Document) -> Vec<Arc<FieldModel>> {
+        let of_camera = |camera: &Camera| self.of_spec(camera.field.as_ref().unwrap_or(&document.field));
+        document.cameras.iter().map(|camera| Arc::clone(of_camera(camera))).collect()
+    }
+
+    fn of_spec(&self, spec: &FieldSpec) -> &Arc<FieldModel> {
+        let at = self.models.iter().position(|(known, _)| known == spec).unwrap_or(self.models.len() - 1);
+        &self.models[at].1
+    }
+}

@@ -1,0 +1,132 @@
+//! How well the camera fits its frames over time; where it stops fitting is marked. A click goes there.
+
+use super::section;
+use crate::app::{Action, Command};
+use crate::project::Camera;
+use crate::ui::symbol::{self, Symbol};
+use crate::ui::{Panel, theme};
+use egui::{Align2, Button, CornerRadius, FontId, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+
+/// The plot's height, points.
+const HEIGHT: f32 = 72.0;
+/// The scale goes up to this at least, px at 1920 px width.
+const SCALE_PX: f64 = 8.0;
+/// Fewer frames make no course.
+const MIN_FRAMES: usize = 3;
+
+/// A frame of the camera whose clicks can be wrong.
+struct Point {
+    frame: usize,
+    rms_px: f64,
+}
+
+/// Shows the residuals of a camera's frames in their order, and what is to be done where they jump.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let points = points(panel, camera);
+    if points.len() < MIN_FRAMES {
+        return;
+    }
+    section(ui, "FIT OVER TIME");
+    plot(panel, ui, camera, &points);
+    let Some(change) = panel.app.camera_change().filter(|change| change.camera == camera.id).cloned() else { return };
+    ui.add_space(theme::SPACE);
+    ui.horizontal_top(|ui| {
+        symbol::show(ui, Symbol::Warning, theme::CAUTION);
+        ui.vertical(|ui| {
+            ui.add(Label::new(change.told()).wrap());
+            ui.horizontal(|ui| {
+                let command = Command::NewCameraFromChange;
+                let tip = panel.app.settings.keys.tooltip(command);
+                if ui.add(Button::new("New camera from here").small()).on_hover_text(tip).clicked() {
+                    panel.actions.push(Action::Command(command));
+                }
+                if ui.add(Button::new("Go there").small()).clicked() {
+                    panel.actions.push(Action::GoTo(change.frame));
+                }
+            });
+        });
+    });
+}
+
+fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
+    let frames = panel.app.open().map_or(&[][..], |open| &open.document.frames);
+    let of_camera = frames.iter().enumerate().filter(|(_, frame)| frame.camera == camera.id);
+    of_camera
+        .filter_map(|(index, frame)| {
+            let rms_px = frame.solution.as_ref()?.rms_px.filter(|px| px.is_finite())?;
+            Some(Point { frame: index, rms_px })
+        })
+        .collect()
+}
+
+fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
+    let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
+    let told = format!("Fit of {} frames over time, {} to {}", points.len(), first.frame + 1, last.frame + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &told));
+    let small = FontId::proportional(10.0);
+    let painter = ui.painter_at(rect);
+    painter.rect_filled(rect, CornerRadius::same(4), theme::BACKDROP);
+    let area = Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0));
+    let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
+    let span = (last.frame - first.frame).max(1) as f64;
+    let x_of = |frame: usize| {
+        let share = (frame as f64 - first.frame as f64) / span;
+        area.left() + area.width() * share.clamp(0.0, 1.0) as f32
+    };
+    let at = |point: &Point| -> Pos2 {
+        pos2(x_of(point.frame), area.bottom() - area.height() * (point.rms_px / highest).min(1.0) as f32)
+    };
+    painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, theme::LINE));
+    painter.text(
+        rect.left_top() + vec2(6.0, 1.0),
+        Align2::LEFT_TOP,
+        format!("{highest:.0} px"),
+        small.clone(),
+        theme::WEAK,
+    );
+    let change = panel.app.camera_change().filter(|change| change.camera == camera.id).map(|change| change.frame);
+    let shown = panel.app.session.frame;
+    if (first.frame..=last.frame).contains(&shown) {
+        painter.vline(x_of(shown), area.y_range(), Stroke::new(1.0, theme::WEAK));
+    }
+    if let Some(frame) = change {
+        painter.vline(x_of(frame), area.y_range(), Stroke::new(2.0, theme::CAUTION));
+    }
+    for point in points {
+        let after = change.is_some_and(|change| point.frame >= change);
+        let colour = if after { theme::CAUTION } else { theme::ACCENT };
+        let radius = if point.frame == shown { 3.5 } else { 2.0 };
+        painter.circle_filled(at(point), radius, colour);
+    }
+    let below = rect.bottom() - 1.0;
+    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, first.frame + 1, small.clone(), theme::WEAK);
+    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, last.frame + 1, small, theme::WEAK);
+
+    let nearest = |pointer: Pos2| {
+        points.iter().min_by(|a, b| {
+            let distance = |point: &Point| at(point).distance_sq(pointer);
+            distance(a).total_cmp(&distance(b))
+        })
+    };
+    let under = response.hover_pos().and_then(nearest);
+    if response.clicked()
+        && let Some(point) = under
+    {
+        panel.actions.push(Action::GoTo(point.frame));
+    }
+    if let Some(point) = under {
+        painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, theme::STRONG));
+        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(crate::project::Frame::name);
+        let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
+        response.on_hover_text_at_pointer(text);
+    }
+}
+
+/// The upper end of the scale: what nearly all frames stay below, and a little more.
+fn scale_px(points: &[Point], least_px: f64) -> f64 {
+    let mut sorted: Vec<f64> = points.iter().map(|point| point.rms_px).collect();
+    sorted.sort_by(f64::total_cmp);
+    let high = sorted[(sorted.len() - 1) * 19 / 20];
+    least_px.max(1.2 * high).ceil()
+}
