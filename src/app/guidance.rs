@@ -140,11 +140,16 @@ pub fn without_answer(unanswered: &Unanswered) -> Option<String> {
         frames => format!("{frames} frames have no answer"),
     };
     Some(match (unanswered.frames, unanswered.label_next.and_then(|next| next.pan_deg)) {
-        // Adding 0 turns −0 into 0.
-        (_, Some(pan_deg)) => format!("{frames}: label one near pan {:.0}°.", pan_deg.round() + 0.0),
+        (_, Some(pan_deg)) => format!("{frames}: label one near pan\u{a0}{}.", whole_degrees(pan_deg)),
         (1, None) => format!("{frames}: label it."),
         (_, None) => format!("{frames}: label one of them."),
     })
+}
+
+/// Degrees as a person reads them, with a minus that no line breaks at.
+fn whole_degrees(degrees: f64) -> String {
+    let sign = if degrees.round() < 0.0 { "−" } else { "" };
+    format!("{sign}{:.0}°", degrees.round().abs())
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
@@ -226,10 +231,8 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
         _ => match proposed(frame) {
             Some(_) => Guidance::say("Dashed = proposed. Enter takes it, a click corrects it, X rejects it."),
-            None => Guidance::say(match frame.no_answer() {
-                Some(reason) => format!("No proposal: {reason}."),
-                None => first_point().to_owned(),
-            }),
+            None if frame.is_unanswered() => Guidance::say(format!("No proposal here. {}", first_point())),
+            None => Guidance::say(first_point()),
         },
     }
 }

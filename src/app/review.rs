@@ -2,9 +2,9 @@
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
-use crate::project::{Frame, FrameStatus, Unanswered, disagreements_px, unanswered};
+use crate::project::{Disagreement, Frame, FrameStatus, Unanswered, disagreements, unanswered};
 
-/// Suggestions that lie farther than this from their neighbours' motion are to be looked at one by one, px at 1920 px width.
+/// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
 
 /// What the list of suggestions begins with.
@@ -13,7 +13,7 @@ pub enum ReviewOrder {
     /// The most certain.
     #[default]
     Confidence,
-    /// The one farthest from its neighbours' motion.
+    /// The one farthest from its neighbours' way.
     Disagreement,
     /// The first in the document.
     Time,
@@ -38,7 +38,7 @@ impl ReviewOrder {
     pub const fn about(self) -> &'static str {
         match self {
             Self::Confidence => "The most certain first: what lies above a line can be accepted at once.",
-            Self::Disagreement => "Those first that lie farthest from the motion of the frames around them.",
+            Self::Disagreement => "Those first that lie farthest from the way between the frames before and after.",
             Self::Time => "In the order of the frames.",
         }
     }
@@ -68,15 +68,22 @@ pub struct ReviewRow {
     pub frame: usize,
     /// The probability that it is right, if the program gave one.
     pub confidence: Option<f64>,
-    /// How far it is from its neighbours' motion, px at 1920 px width; none where they say nothing.
-    pub disagreement_px: Option<f64>,
+    /// How it lies to the frames before and after; none where there are none.
+    pub disagreement: Option<Disagreement>,
 }
 
 impl ReviewRow {
-    /// Whether it is to be looked at by itself.
+    /// Whether it is to be looked at by itself: it lies off its neighbours' way by more than they are apart, since between
+    /// frames that are seconds apart a camera goes anywhere.
     #[must_use]
     pub fn disagrees(&self) -> bool {
-        self.disagreement_px.is_some_and(|px| px > DISAGREES_PX)
+        self.disagreement.is_some_and(|found| found.apart_px > DISAGREES_PX.max(found.neighbours_px))
+    }
+
+    /// How far it is from its neighbours' way, px.
+    #[must_use]
+    pub fn apart_px(&self) -> Option<f64> {
+        self.disagreement.map(|found| found.apart_px)
     }
 }
 
@@ -123,12 +130,12 @@ impl Review {
             .map(|frame| &**frame)
             .enumerate()
             .filter(suggested)
-            .map(|(index, frame)| ReviewRow { frame: index, confidence: confidence(frame), disagreement_px: None })
+            .map(|(index, frame)| ReviewRow { frame: index, confidence: confidence(frame), disagreement: None })
             .collect();
         if with_neighbours && !rows.is_empty() {
-            let disagreements = disagreements_px(&open.document);
+            let found = disagreements(&open.document);
             for row in &mut rows {
-                row.disagreement_px = disagreements.get(row.frame).copied().flatten();
+                row.disagreement = found.get(row.frame).copied().flatten();
             }
         }
         // A stable sort: equal ones stay in the order of time.
@@ -139,7 +146,7 @@ impl Review {
         };
         match order {
             ReviewOrder::Confidence => rows.sort_by(descending(|row| row.confidence)),
-            ReviewOrder::Disagreement => rows.sort_by(descending(|row| row.disagreement_px)),
+            ReviewOrder::Disagreement => rows.sort_by(descending(ReviewRow::apart_px)),
             ReviewOrder::Time => {}
         }
         Self { rows, unanswered: unanswered(&open.document), derived_from: None }
@@ -229,7 +236,8 @@ mod tests {
     #[test]
     fn together_are_accepted_the_certain_ones_that_agree_with_their_neighbours() {
         let mut review = review(&[Some(0.97), Some(0.99), Some(0.5), None], ReviewOrder::Time);
-        review.rows[1].disagreement_px = Some(DISAGREES_PX + 1.0);
+        review.rows[1].disagreement = Some(Disagreement { apart_px: DISAGREES_PX + 1.0, neighbours_px: 5.0 });
+        review.rows[0].disagreement = Some(Disagreement { apart_px: 90.0, neighbours_px: 100.0 });
         let choice = ReviewChoice { threshold: 0.9, ..ReviewChoice::default() };
         let bulk = review.bulk(&choice);
         assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0], 1));

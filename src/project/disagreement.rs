@@ -2,30 +2,36 @@
 
 use super::{Document, Frame, FramePtz, FrameStatus, shots};
 use crate::camera::{Ptz, PtzCamera};
-use crate::geometry::{Angle, ImageSize};
+use crate::geometry::{ImageSize, Vec2};
+use nalgebra::SVector;
 
 /// Neighbours farther away than this say nothing: a camera has had time to go anywhere.
 const WITHIN: f64 = 50.0;
 
-/// For every frame how far its picture's corners lie from where a steady motion between the solved frames before and after
-/// it would have them: root mean square, px at 1920 px width. None without a camera of its own or without two neighbours
-/// in its shot.
+/// A corner that another camera has behind it lies this far off, px.
+const BEHIND_PX: f64 = 20_000.0;
+
+/// How a frame lies to the solved frames before and after it, px at 1920 px width: root mean square over the picture's
+/// corners.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// From the way that leads from the frame before to the one after, wherever on it the frame may be.
+    pub apart_px: f64,
+    /// How far that way is.
+    pub neighbours_px: f64,
+}
+
+/// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
 #[must_use]
-pub fn disagreements_px(document: &Document) -> Vec<Option<f64>> {
+pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
     let mut found = vec![None; document.frames.len()];
     for shot in shots(document) {
         let solved: Vec<(usize, &Frame, Ptz)> = shot.iter().filter_map(|&index| solved(document, index)).collect();
         for three in solved.windows(3) {
-            let [(_, before, from), (index, frame, _), (_, after, to)] = *three else { continue };
-            let (behind, ahead) = (way(before, three[0].0, frame, index), way(frame, index, after, three[2].0));
-            if !(behind > 0.0 && ahead > 0.0 && behind + ahead <= WITHIN) {
-                continue;
+            let [(before_index, before, from), (index, frame, _), (after_index, after, to)] = *three else { continue };
+            if way(before, before_index, after, after_index) <= WITHIN {
+                found[index] = document.pointed(frame).map(|camera| disagreement(&camera, from, to, frame.image_size));
             }
-            let expected = between(from, to, behind / (behind + ahead));
-            found[index] = document.pointed(frame).and_then(|camera| {
-                let expected = PtzCamera::new(*camera.base(), expected);
-                Some(corners_apart_px(&camera, &expected, frame.image_size)? / frame.image_size.scale_from_1920())
-            });
         }
     }
     found
@@ -45,26 +51,23 @@ fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> f64 {
     }
 }
 
-/// A camera on the way from one to another.
-fn between(from: Ptz, to: Ptz, share: f64) -> Ptz {
-    let turned = |from: Angle, to: Angle| {
-        Angle::from_radians(from.radians() + share * (to - from).wrapped().radians()).wrapped()
-    };
-    Ptz {
-        pan: turned(from.pan, to.pan),
-        tilt: turned(from.tilt, to.tilt),
-        focal_px: from.focal_px * (to.focal_px / from.focal_px).powf(share),
-    }
+fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> Disagreement {
+    let [from, to] = [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
+    let way = to - from;
+    // Between neighbours the corners move on lines that are nearly straight.
+    let share = if way.norm_squared() > 0.0 { (-from.dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    // Over four corners, at 1920 px width.
+    let scale = 0.5 / image_size.scale_from_1920();
+    Disagreement { apart_px: scale * (from + way * share).norm(), neighbours_px: scale * way.norm() }
 }
 
-/// How far one camera's corners lie in the picture of another, px; none where a corner has no image there.
-fn corners_apart_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> Option<f64> {
-    let mut squares = 0.0;
-    for corner in image_size.corners() {
-        let seen = other.image_from_ray(own.ray_from_image(corner).ok()?).ok()?;
-        squares += seen.distance_px(corner).powi(2);
-    }
-    Some((squares / 4.0).sqrt())
+/// Where another camera has the corners of a camera's picture, from these corners, px: x and y of each.
+fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> SVector<f64, 8> {
+    let offsets = image_size.corners().map(|corner| {
+        let seen = own.ray_from_image(corner).ok().and_then(|ray| other.image_from_ray(ray).ok());
+        seen.map_or(Vec2::new(BEHIND_PX, 0.0), |seen| seen.offset_from(corner))
+    });
+    SVector::from_iterator(offsets.iter().flat_map(|offset| [offset.x, offset.y]))
 }
 
 #[cfg(test)]
@@ -76,7 +79,7 @@ mod tests {
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
-    /// A shot whose frames look at these pans, one every second frame of the document's numbering.
+    /// A shot whose frames look at these pans.
     fn document(pans_deg: &[f64]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         let mut camera = Camera::new("main".into(), SIZE);
@@ -94,28 +97,28 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_pan_agrees_and_a_jump_stands_out() {
-        let mut document = document(&[0.0, 0.5, 1.0, 1.5, 2.0]);
-        let steady = disagreements_px(&document);
-        assert_eq!((steady[0], steady[4]), (None, None), "no neighbour on one side");
-        assert!(steady[1..4].iter().all(|px| px.unwrap() < 1e-6), "{steady:?}");
+    fn a_pan_agrees_however_fast_and_a_jump_stands_out() {
+        let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0]);
+        let pan = disagreements(&document);
+        assert_eq!((pan[0], pan[4]), (None, None), "no neighbour on one side");
+        assert!(pan[1..4].iter().all(|found| found.unwrap().apart_px < 0.5), "{pan:?}");
+        // A degree of pan at 2000 px is 35 px in the middle of the picture, more at its corners.
+        assert!((52.0..66.0).contains(&pan[1].unwrap().neighbours_px), "{pan:?}");
         if let Some(ptz) = &mut document.frames[2].ptz {
-            ptz.pan_deg += 1.0;
+            ptz.tilt_deg += 1.0;
         }
-        let jump = disagreements_px(&document);
-        // A degree of pan at 2000 px is 35 px in the middle of the picture.
-        assert!((34.0..45.0).contains(&jump[2].unwrap()), "{jump:?}");
-        assert!(jump[1].unwrap() < 0.6 * jump[2].unwrap());
+        let jump = disagreements(&document);
+        assert!((34.0..45.0).contains(&jump[2].unwrap().apart_px), "{jump:?}");
+        document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(170.0, -10.0, 2000.0), None));
+        assert!(disagreements(&document)[2].unwrap().apart_px > 10_000.0, "it looks the other way");
     }
 
     #[test]
-    fn only_solved_frames_of_the_shot_count_at_their_distance() {
-        let mut document = document(&[0.0, 0.5, 9.0, 2.0]);
+    fn only_solved_frames_of_the_shot_count() {
+        let mut document = document(&[0.0, 0.5, 9.0, 1.5]);
         document.frames[2].ptz = None;
-        // Half a degree a frame: after the gap two frames farther on.
-        document.frames[3].ptz.as_mut().unwrap().pan_deg = 1.5;
-        assert!(disagreements_px(&document)[1].unwrap() < 1e-6);
+        assert!(disagreements(&document)[1].unwrap().apart_px < 0.5);
         document.frames[3].clip = Some(Clip::Number(2));
-        assert_eq!(disagreements_px(&document), [None; 4]);
+        assert_eq!(disagreements(&document), [None; 4]);
     }
 }

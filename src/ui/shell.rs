@@ -74,6 +74,13 @@ impl Shell {
         matches!(self.pictures.current(), PictureState::Ready(..))
     }
 
+    /// Whether every thumbnail in view is there.
+    #[must_use]
+    pub const fn has_thumbnails(&self) -> bool {
+        let progress = self.pictures.thumbnails_in_view();
+        progress.done == progress.wanted
+    }
+
     /// Whether everything that was begun in the background has ended.
     #[must_use]
     pub fn is_idle(&self) -> bool {

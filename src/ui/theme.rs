@@ -74,8 +74,9 @@ pub const fn verdict_colour(verdict: Verdict) -> Color32 {
     }
 }
 
-/// Paints the bar of a status: empty, half, dashed, full or crossed out.
-pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus) {
+/// Paints the bar of a status: empty, half, dashed, full or crossed out. The dashes of a suggestion are as full as it is
+/// certain.
+pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confidence: Option<f64>) {
     let colour = status_look(status).colour;
     let fill = |from: f32, to: f32| {
         let part =
@@ -91,9 +92,17 @@ pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus) {
             fill(0.0, 0.5);
         }
         FrameStatus::Suggested => {
+            let certain = confidence.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
             for dash in 0..5 {
-                let from = dash as f32 * 0.21;
-                fill(from, from + 0.15);
+                let (from, to) = (dash as f32 * 0.21, dash as f32 * 0.21 + 0.15);
+                let outline = Rect::from_x_y_ranges(
+                    bar.left() + from * bar.width()..=bar.left() + to * bar.width(),
+                    bar.y_range(),
+                );
+                painter.rect_stroke(outline, 1.0, Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+                if certain > from {
+                    fill(from, to.min(certain));
+                }
             }
         }
         FrameStatus::Reference => fill(0.0, 1.0),

@@ -7,5 +7,6 @@
 mod base;
 mod labelling;
 mod panels;
+mod review;
 mod viewport;
 mod window;

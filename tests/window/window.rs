@@ -13,7 +13,10 @@ use touchline::app::{App, OverlayStyle};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, Landmark, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string};
+use touchline::project::{
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+    document_to_string,
+};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::ui::Shell;
 
@@ -104,6 +107,28 @@ impl Window {
             };
             frame.clicks = field().landmarks.iter().filter_map(seen).collect();
             frame.status = FrameStatus::Draft;
+        }
+        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        Some(Self::on(folder, size, 1.0))
+    }
+
+    /// Opens a project of plain frames with a camera proposed for each, as certain as this; none: no answer.
+    pub fn open_suggested(confidences: &[Option<f64>], size: [f32; 2]) -> Option<Self> {
+        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+        let folder = tempfile::tempdir().unwrap();
+        write_project(folder.path(), confidences.len(), &mut offscreen);
+        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
+            let mut solution =
+                Solution { source: Some(SolutionSource::Forest), confidence: *confidence, ..Solution::default() };
+            if confidence.is_some() {
+                frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
+                frame.status = FrameStatus::Suggested;
+            } else {
+                let reason = "3 features look like the references, 12 are needed".to_owned();
+                solution.warnings.push(SolutionWarning::new("coverage", reason));
+            }
+            frame.solution = Some(solution);
         }
         std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
         Some(Self::on(folder, size, 1.0))

@@ -60,8 +60,8 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     }
     let mut with = before;
     let says = match bulk.left_out {
-        0 => format!("Also those more than {DISAGREES_PX:.0} px from the motion of the frames around them"),
-        count => format!("Also the {count} more than {DISAGREES_PX:.0} px from the motion of the frames around them"),
+        0 => format!("Also those more than {DISAGREES_PX:.0} px off the way between their neighbours"),
+        count => format!("Also the {count} more than {DISAGREES_PX:.0} px off the way between their neighbours"),
     };
     ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours is a wrong camera, a cut, or a fast pan.");
     if with != before {

@@ -1,6 +1,7 @@
 //! One frame of the filmstrip.
 
 use super::strip::SHOT_GAP;
+use crate::app::review::percent;
 use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
 use crate::app::{Action, OpenProject};
@@ -14,9 +15,9 @@ use egui::{
 };
 
 /// The height of the line below a thumbnail, points.
-const CAPTION: f32 = 14.0;
+pub const CAPTION: f32 = 14.0;
 /// The height of the status bar, points.
-const BAR: f32 = 4.0;
+pub const BAR: f32 = 4.0;
 
 /// A thin line before a shot, with its name.
 pub fn separator(ui: &Ui, first: Rect, name: String) {
@@ -67,13 +68,17 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
         painter.text(picture.center(), Align2::CENTER_CENTER, "no picture", FontId::proportional(11.0), theme::WEAK);
     }
     let bar = Rect::from_min_size(pos2(place.left(), picture.bottom() + 2.0), vec2(place.width(), BAR));
-    theme::paint_status_bar(painter, bar, frame.status);
+    theme::paint_status_bar(painter, bar, frame.status, confidence(frame));
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let current = index == panel.app.session.frame;
     let number = if current { theme::STRONG } else { theme::WEAK };
     painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), number);
-    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, look.letter, small, look.colour);
+    let mark = match confidence(frame) {
+        Some(confidence) => format!("{} {}", percent(confidence), look.letter),
+        None => look.letter.to_string(),
+    };
+    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, look.colour);
     if frame.solution.as_ref().is_some_and(|solution| !solution.warnings.is_empty()) {
         let corner = Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
         symbol::paint(painter, Symbol::Warning, corner, theme::CAUTION);
@@ -99,6 +104,12 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
     painter.rect_stroke(picture.expand(1.0), CornerRadius::same(4), frame_line, StrokeKind::Outside);
 }
 
+/// The probability that a suggestion is right; none for a frame of another status.
+fn confidence(frame: &Frame) -> Option<f64> {
+    let suggested = frame.status == crate::project::FrameStatus::Suggested;
+    frame.solution.as_ref().filter(|_| suggested).and_then(|solution| solution.confidence)
+}
+
 /// A picture's place within a box, in its own shape.
 fn fitted(size: egui::Vec2, within: Rect) -> Rect {
     let scale = (within.width() / size.x.max(1.0)).min(within.height() / size.y.max(1.0));
@@ -110,6 +121,9 @@ fn tooltip(response: Response, index: usize, frame: &Frame) {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(theme::STRONG));
         let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!("Frame {} · {}{}", index + 1, status_label(frame.status), reason.unwrap_or_default()));
+        if let Some(confidence) = confidence(frame) {
+            ui.label(format!("Right with probability {}", percent(confidence)));
+        }
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
             ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));
         }

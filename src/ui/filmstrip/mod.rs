@@ -1,5 +1,6 @@
 //! The frames in a row, by shot: thumbnail, status, what is wrong. Only what is in view is laid out.
 
+mod fold;
 mod item;
 mod strip;
 
@@ -8,7 +9,7 @@ use crate::app::Action;
 use crate::app::session::Filter;
 use crate::project::FrameStatus;
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
-use strip::Strip;
+use strip::{Cell, Strip};
 
 /// The width of the column with the filter, points.
 const COLUMN: f32 = 116.0;
@@ -68,15 +69,15 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
     let height = ui.available_height();
     let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
-    let strip = Strip::new(open, app.session.filter, item.x);
-    if strip.frames.is_empty() {
+    let strip = Strip::new(open, app.session.filter, app.session.frame, item.x);
+    if strip.cells.is_empty() {
         ui.centered_and_justified(|ui| {
             let none = format!("No frame is “{}”.", app.session.filter.label());
             ui.label(RichText::new(none).color(theme::WEAK));
         });
         return;
     }
-    let moved = has_moved(ui, (app.session.frame, app.session.filter, strip.frames.len()));
+    let moved = has_moved(ui, (app.session.frame, app.session.filter, strip.cells.len()));
     ScrollArea::horizontal().auto_shrink(false).show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());
@@ -90,7 +91,10 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             if let Some(shot) = strip.shot_beginning_at(at) {
                 item::separator(ui, place(at), shot);
             }
-            item::show(panel, ui, strip.frames[at], place(at));
+            match strip.cells[at] {
+                Cell::Frame(frame) => item::show(panel, ui, frame, place(at)),
+                Cell::Unanswered { first, last, count } => fold::show(panel, ui, (first, last), count, place(at)),
+            }
         }
     });
 }

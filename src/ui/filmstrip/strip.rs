@@ -2,43 +2,81 @@
 
 use crate::app::OpenProject;
 use crate::app::session::Filter;
-use crate::project::Clip;
+use crate::project::{Clip, Frame};
 use std::ops::Range;
 
 /// Between two frames of a shot, points.
 const GAP: f32 = 4.0;
 /// Before the first frame of a shot, points; its name stands there.
 pub const SHOT_GAP: f32 = 18.0;
+/// So many frames in a row without an answer fold into one cell.
+const FOLDED: usize = 4;
+
+/// What stands in a place of the strip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cell {
+    /// A frame of the document.
+    Frame(usize),
+    /// Frames of one shot that the forest has no answer for, one after the other.
+    Unanswered {
+        /// The first.
+        first: usize,
+        /// The last.
+        last: usize,
+        /// How many.
+        count: usize,
+    },
+}
+
+impl Cell {
+    const fn last(self) -> usize {
+        match self {
+            Self::Frame(frame) => frame,
+            Self::Unanswered { last, .. } => last,
+        }
+    }
+}
 
 /// The frames that a filter shows, side by side, with a wider gap before each shot.
 pub struct Strip<'a> {
-    /// Places in the document.
-    pub frames: Vec<usize>,
-    /// Where each shot begins, within `frames`, and its name.
+    /// What stands in each place.
+    pub cells: Vec<Cell>,
+    /// Where each shot begins, within `cells`, and its name.
     shots: Vec<(usize, Option<&'a Clip>)>,
     item: f32,
 }
 
 impl<'a> Strip<'a> {
-    /// Lays the frames of a document out, `item` points wide each.
-    pub fn new(open: &'a OpenProject, filter: Filter, item: f32) -> Self {
-        let mut frames = Vec::new();
+    /// Lays the frames of a document out, `item` points wide each. The `shown` frame is never folded away.
+    pub fn new(open: &'a OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
+        let mut cells: Vec<Cell> = Vec::new();
+        // How many of the last cells are frames without an answer.
+        let mut run = 0;
+        let folds =
+            |index: usize, frame: &Frame| filter != Filter::Unanswered && index != shown && frame.is_unanswered();
         let mut shots: Vec<(usize, Option<&Clip>)> = Vec::new();
         for (index, frame) in open.document.frames.iter().enumerate() {
             if filter.shows(frame) {
                 let clip = frame.clip.as_ref();
                 if shots.last().is_none_or(|(_, last)| *last != clip) {
-                    shots.push((frames.len(), clip));
+                    fold(&mut cells, std::mem::take(&mut run));
+                    shots.push((cells.len(), clip));
                 }
-                frames.push(index);
+                if folds(index, frame) {
+                    run += 1;
+                } else {
+                    fold(&mut cells, std::mem::take(&mut run));
+                }
+                cells.push(Cell::Frame(index));
             }
         }
-        Self { frames, shots, item }
+        fold(&mut cells, run);
+        Self { cells, shots, item }
     }
 
     /// The width of the whole strip, points.
     pub fn width(&self) -> f32 {
-        self.frames.len().checked_sub(1).map_or(0.0, |last| self.left(last) + self.item + GAP)
+        self.cells.len().checked_sub(1).map_or(0.0, |last| self.left(last) + self.item + GAP)
     }
 
     /// Where a frame begins, points from the strip's start.
@@ -49,12 +87,17 @@ impl<'a> Strip<'a> {
 
     /// Where a frame of the document stands.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
-        self.frames.binary_search(&frame).ok()
+        let at = self.cells.partition_point(|cell| cell.last() < frame);
+        let stands = |cell: &Cell| match *cell {
+            Cell::Frame(here) => here == frame,
+            Cell::Unanswered { first, .. } => first <= frame,
+        };
+        self.cells.get(at).is_some_and(stands).then_some(at)
     }
 
-    /// The frames between two places, points, and one more on each side.
+    /// The cells between two places, points, and one more on each side.
     pub fn within(&self, left: f32, right: f32) -> Range<usize> {
-        let count = self.frames.len();
+        let count = self.cells.len();
         let first = partition(count, |at| self.left(at) + self.item < left);
         let last = partition(count, |at| self.left(at) <= right);
         first.saturating_sub(1)..(last + 1).min(count)
@@ -66,6 +109,17 @@ impl<'a> Strip<'a> {
         let named = self.shots.len() > 1 || self.shots[0].1.is_some();
         named.then(|| self.shots[shot].1.map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
     }
+}
+
+/// Folds the last `run` cells into one where they are enough.
+fn fold(cells: &mut Vec<Cell>, run: usize) {
+    if run < FOLDED {
+        return;
+    }
+    let begin = cells.len() - run;
+    let (first, last) = (cells[begin].last(), cells[cells.len() - 1].last());
+    cells.truncate(begin);
+    cells.push(Cell::Unanswered { first, last, count: run });
 }
 
 /// How many of the first `count` numbers `is_before` holds for; it holds for a beginning of them.
@@ -83,7 +137,7 @@ mod tests {
     use super::*;
     use crate::app::Opened;
     use crate::geometry::ImageSize;
-    use crate::project::{Document, FieldSpec, Frame, FrameStatus};
+    use crate::project::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
 
     fn open(clips: &[i64]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
@@ -99,8 +153,8 @@ mod tests {
     #[test]
     fn shots_stand_apart_and_only_what_is_in_view_is_laid_out() {
         let open = open(&[1, 1, 1, 2, 2, 3]);
-        let strip = Strip::new(&open, Filter::All, 100.0);
-        assert_eq!(strip.frames, [0, 1, 2, 3, 4, 5]);
+        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        assert_eq!(strip.cells, [0, 1, 2, 3, 4, 5].map(Cell::Frame));
         assert!((strip.left(1) - strip.left(0) - 104.0).abs() < 1e-3);
         assert!((strip.left(3) - strip.left(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
         assert_eq!(strip.shot_beginning_at(3).as_deref(), Some("shot 2"));
@@ -113,9 +167,32 @@ mod tests {
     #[test]
     fn a_filter_leaves_frames_out_and_a_lack_of_shots_shows_none() {
         let open = open(&[1, 1, 1, 2]);
-        let strip = Strip::new(&open, Filter::Status(FrameStatus::Reference), 100.0);
-        assert_eq!(strip.frames, [1, 3]);
+        let strip = Strip::new(&open, Filter::Status(FrameStatus::Reference), 0, 100.0);
+        assert_eq!(strip.cells, [1, 3].map(Cell::Frame));
         assert_eq!((strip.place_of(3), strip.place_of(2)), (Some(1), None));
-        assert!(Strip::new(&open, Filter::Status(FrameStatus::Rejected), 100.0).frames.is_empty());
+        assert!(Strip::new(&open, Filter::Status(FrameStatus::Rejected), 0, 100.0).cells.is_empty());
+    }
+
+    #[test]
+    fn frames_without_an_answer_fold_within_their_shot_but_not_the_shown_one() {
+        let mut open = open(&[1, 1, 1, 1, 1, 1, 2, 2, 2, 2, 2]);
+        for index in 1..11 {
+            let frame = &mut open.document.frames[index];
+            frame.status = FrameStatus::New;
+            frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
+        }
+        let fold = |first, last| Cell::Unanswered { first, last, count: last - first + 1 };
+        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        assert_eq!(strip.cells, [Cell::Frame(0), fold(1, 5), fold(6, 10)]);
+        assert_eq!(
+            [0, 1, 5, 6, 10, 11].map(|frame| strip.place_of(frame)),
+            [0, 1, 1, 2, 2, 9].map(|at| (at < 9).then_some(at))
+        );
+        assert_eq!(strip.shot_beginning_at(2).as_deref(), Some("shot 2"));
+        let shown = Strip::new(&open, Filter::All, 6, 100.0);
+        assert_eq!(shown.cells, [Cell::Frame(0), fold(1, 5), Cell::Frame(6), fold(7, 10)]);
+        let middle = Strip::new(&open, Filter::All, 3, 100.0);
+        assert_eq!(middle.cells.len(), 7, "two and two are too few to fold");
+        assert_eq!(Strip::new(&open, Filter::Unanswered, 0, 100.0).cells.len(), 10);
     }
 }

@@ -1,8 +1,9 @@
 //! One word on the solution, its reason, and at most one way out.
 
+use crate::app::review::percent;
 use crate::app::selection::Scope;
 use crate::app::{Action, App, CameraChoice, Command};
-use crate::project::{CalibrationError, FrameStatus};
+use crate::project::{CalibrationError, Frame, FrameStatus};
 use crate::solve::{SolveError, Verdict, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -33,8 +34,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ways_out(panel, ui, &judgement.reason);
             }
             (None, Some(Err(error))) => said(ui, &in_words(error)),
-            (None, _) if app.frame().is_some_and(|frame| frame.status == FrameStatus::Suggested) => {
-                said(ui, "Proposed by the program. Nobody has looked at it yet.");
+            (None, _) if app.frame().is_some_and(proposed) => proposal(panel, ui),
+            (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
+                let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not know what it shows");
+                said(ui, &format!("No proposal: {reason}."));
             }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
                 said(ui, "Taken from the document. No point of this frame says anything about it.");
@@ -42,6 +45,29 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             (None, _) => said(ui, "No verdict before there is a solution."),
         }
     });
+}
+
+/// Whether the program proposed the frame's camera and nobody has changed it.
+fn proposed(frame: &Frame) -> bool {
+    matches!(frame.status, FrameStatus::Suggested | FrameStatus::Reference) && frame.is_suggestion()
+}
+
+/// How certain a proposal is; once it is accepted, whether it teaches.
+fn proposal(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(frame) = panel.app.frame() else { return };
+    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+    let certain = confidence.map(|confidence| format!(": right with probability {}", percent(confidence)));
+    let accepted = frame.status == FrameStatus::Reference;
+    let state = if accepted { "Accepted as it is." } else { "Nobody has looked at it yet." };
+    said(ui, &format!("Proposed{}. {state}", certain.unwrap_or_default()));
+    if accepted {
+        let mut teaches = frame.teaches();
+        let switch = ui.checkbox(&mut teaches, "Teaches the forest");
+        switch.on_hover_text("An accepted proposal is a label. Let it teach where no clicked reference looks.");
+        if teaches != frame.teaches() {
+            panel.actions.push(Action::SetTeaches { frame: panel.app.session.frame, teaches });
+        }
+    }
 }
 
 fn said(ui: &mut Ui, text: &str) {

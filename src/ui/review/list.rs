@@ -61,8 +61,10 @@ fn has_moved(ui: &Ui, now: (usize, ReviewOrder)) -> bool {
 /// What lies above the line is accepted together.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     painter.hline(row.x_range(), row.top(), Stroke::new(1.0, theme::ACCENT));
-    let at = row.right_top() + vec2(-14.0, 0.0);
-    painter.text(at, Align2::RIGHT_TOP, percent(threshold), FontId::proportional(9.0), theme::ACCENT);
+    let said = painter.layout_no_wrap(percent(threshold), FontId::proportional(10.0), theme::ACCENT);
+    let place = Align2::CENTER_CENTER.anchor_size(row.center_top(), said.size());
+    painter.rect_filled(place.expand2(vec2(4.0, 0.0)), CornerRadius::ZERO, theme::PANEL);
+    painter.galley(place.min, said, theme::ACCENT);
 }
 
 fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
@@ -71,7 +73,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
     let confidence = row.confidence.map_or_else(|| "not known".to_owned(), percent);
-    let neighbours = row.disagreement_px.map(|px| format!("{px:.0} px from neighbours"));
+    let neighbours = row.apart_px().map(|px| format!("{px:.0} px from neighbours"));
     response.widget_info(|| {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
         let label = format!("Suggestion, frame {}, {name}, {confidence}{apart}", row.frame + 1);
@@ -107,7 +109,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let tip = format!(
         "{}: right with probability {confidence}{}. Click to look at it.",
         frame.name(),
-        neighbours.map(|text| format!(", {text}' motion")).unwrap_or_default()
+        neighbours.map(|text| format!(", {text}")).unwrap_or_default()
     );
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(row.frame));

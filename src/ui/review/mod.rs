@@ -73,14 +73,20 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn unanswered(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(text) = without_answer(&panel.app.review().unanswered) else { return };
-    let (row, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    let galley = egui::WidgetText::from(RichText::new(&text)).into_galley(
+        ui,
+        Some(egui::TextWrapMode::Wrap),
+        ui.available_width() - 22.0,
+        egui::TextStyle::Body,
+    );
+    let size = vec2(ui.available_width(), galley.size().y.max(theme::LIST_ROW));
+    let (row, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
     let lit = response.hovered() || response.has_focus();
     let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
     symbol::paint(ui.painter(), Symbol::Info, sign, theme::ACCENT);
-    let galley = egui::WidgetText::from(RichText::new(&text).color(if lit { theme::STRONG } else { theme::TEXT }))
-        .into_galley(ui, Some(egui::TextWrapMode::Truncate), row.width() - 22.0, egui::TextStyle::Body);
-    ui.painter().galley(row.left_center() + vec2(22.0, -galley.size().y / 2.0), galley, theme::TEXT);
+    let left = row.left_center() + vec2(22.0, -galley.size().y / 2.0);
+    ui.painter().galley(left, galley, if lit { theme::STRONG } else { theme::TEXT });
     if response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
         panel.actions.push(Action::Command(Command::NextUnanswered));
     }
@@ -100,7 +106,7 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
         threshold(panel, ui);
         if bulk.left_out > 0 {
             ui.label(RichText::new(format!("{} disagree", bulk.left_out)).small().color(theme::CAUTION))
-                .on_hover_text("Certain, but far from the motion of the frames around them: look at each.");
+                .on_hover_text("Certain, but far off the way between the frames before and after: look at each.");
         }
     });
 }

@@ -1,0 +1,46 @@
+//! Frames in a row that the forest has no answer for, as one cell.
+
+use super::item::{BAR, CAPTION};
+use crate::app::Action;
+use crate::ui::{Panel, theme};
+use egui::{
+    Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+};
+
+/// How far the sheets of the stack lie apart, points.
+const SHEET: f32 = 3.0;
+
+/// Shows the cell; a click goes to the frame in the middle, which unfolds them.
+pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count: usize, place: Rect) {
+    let response = ui.interact(place, Id::unique(("filmstrip fold", first)), Sense::click());
+    let said = format!("{count} frames without an answer, {} to {}", first + 1, last + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
+    let middle = first.midpoint(last);
+    let painter = ui.painter();
+    let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));
+    let top = Rect::from_min_max(picture.min + vec2(0.0, 2.0 * SHEET), picture.max - vec2(2.0 * SHEET, 0.0));
+    for sheet in [2.0, 1.0, 0.0] {
+        let shape = top.translate(vec2(SHEET * sheet, -SHEET * sheet));
+        painter.rect_filled(shape, CornerRadius::same(3), theme::RAISED);
+        painter.rect_stroke(shape, CornerRadius::same(3), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+    }
+    if let Some(open) = panel.app.open()
+        && let Some(texture) = panel.pictures.thumbnail(open, middle)
+    {
+        let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+        painter.image(texture.id(), top.shrink(1.0), whole, Color32::from_gray(70));
+    }
+    painter.text(top.center(), Align2::CENTER_CENTER, count, FontId::proportional(18.0), theme::STRONG);
+    let below = top.center() + vec2(0.0, 16.0);
+    painter.text(below, Align2::CENTER_CENTER, "no answer", FontId::proportional(11.0), theme::TEXT);
+    let line = place.bottom() - CAPTION / 2.0;
+    let numbers = format!("{}–{}", first + 1, last + 1);
+    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, numbers, FontId::proportional(11.0), theme::WEAK);
+    if response.hovered() || response.has_focus() {
+        painter.rect_stroke(top.expand(1.0), CornerRadius::same(4), Stroke::new(1.0, theme::WEAK), StrokeKind::Outside);
+    }
+    let tip = format!("{said}. The forest does not know what they show: a label on one of them may answer the others.");
+    if response.on_hover_text(tip).clicked() {
+        panel.actions.push(Action::GoTo(middle));
+    }
+}

@@ -1,0 +1,85 @@
+//! Suggestions looked through in the window: the panel's list, one after the other, several together.
+
+use crate::window::Window;
+use egui::Key;
+use egui::accesskit::Role;
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use touchline::app::session::{Dialog, Panel};
+use touchline::project::FrameStatus;
+use touchline::ui::Shell;
+
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+fn statuses(window: &Window) -> Vec<FrameStatus> {
+    window.app().open().unwrap().document.frames.iter().map(|frame| frame.status).collect()
+}
+
+#[test]
+fn the_list_leads_from_suggestion_to_suggestion() {
+    use FrameStatus::{New, Reference, Suggested};
+    let Some(mut window) = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE) else { return };
+    window.key(Key::F4);
+    assert_eq!(window.app().session.panel, Panel::Review);
+    window.harness.get_by_label_contains("Suggestion, frame 2, 0001.png, 99 %").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frame, 1);
+    window.key(Key::Enter);
+    assert_eq!(statuses(&window), [Suggested, Reference, Suggested, New]);
+    assert_eq!(window.app().session.frame, 2, "the next most certain");
+    window.harness.get_by_label("Time").click();
+    window.harness.run_steps(2);
+    window.key(Key::N);
+    assert_eq!(window.app().session.frame, 0);
+    window.harness.get_by_label("1 frame has no answer: label one near pan\u{a0}−15°.").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frame, 3);
+    window.harness.get_by_label("Close the review panel").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.panel, Panel::Frame);
+    window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
+}
+
+#[test]
+fn the_panel_and_the_filmstrip_look_like_this() {
+    let mut confidences = vec![Some(0.99), Some(0.97), Some(0.71)];
+    confidences.extend([None; 5]);
+    let Some(mut window) = Window::open_suggested(&confidences, SIZE) else { return };
+    window.key(Key::F4);
+    window.harness.get_by_label("5 frames without an answer, 4 to 8");
+    let panel = egui::Rect::from_min_max(egui::pos2(980.0, 24.0), egui::pos2(1280.0, 700.0));
+    window.wait_for(Shell::has_thumbnails);
+    window.snapshot_of("review_panel", panel);
+}
+
+#[test]
+fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
+    use FrameStatus::{Reference, Suggested};
+    let Some(mut window) = Window::open_suggested(&[Some(0.99), Some(0.5), Some(0.97)], SIZE) else { return };
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window.harness.run_steps(3);
+    assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
+    window.harness.get_by_label("2 suggestions, probably all right; the least certain, 97 %, comes first.");
+    window.harness.get_by_label("Look at frame 3, 97 %");
+    window.key(Key::Escape);
+    assert_eq!(window.app().session.dialog, None);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window.harness.run_steps(3);
+    window.key(Key::Enter);
+    assert_eq!(statuses(&window), [Reference, Suggested, Reference]);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+    window.harness.run_steps(2);
+    assert_eq!(statuses(&window), [Suggested; 3]);
+}
+
+#[test]
+fn an_accepted_suggestion_has_a_switch_to_teach() {
+    let Some(mut window) = Window::open_suggested(&[Some(0.97)], SIZE) else { return };
+    window.harness.get_by_label("Proposed: right with probability 97 %. Nobody has looked at it yet.");
+    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Teaches the forest").is_none());
+    window.key(Key::Enter);
+    let switch = window.harness.get_by_role_and_label(Role::CheckBox, "Teaches the forest");
+    assert_eq!(switch.accesskit_node().toggled(), Some(egui::accesskit::Toggled::False));
+    switch.click();
+    window.harness.run_steps(2);
+    assert!(window.app().frame().unwrap().teaches());
+}
