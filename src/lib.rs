@@ -13,7 +13,7 @@
 //! |---|---|
 //! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
 //! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
-//! | 6 | [`app`] (the whole application without a window) |
+//! | 6 | [`app`] (the whole application without a window), [`experiments`] (tables and figures of what was measured) |
 //! | 5 | [`proposals`] (references teach, the other frames get a camera proposed) |
 //! | 4 | [`project`] (the document), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
@@ -24,6 +24,7 @@
 pub mod app;
 pub mod camera;
 pub mod cli;
+pub mod experiments;
 pub mod features;
 pub mod field;
 pub mod geometry;

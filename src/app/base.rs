@@ -3,7 +3,7 @@
 use super::OpenProject;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
-use crate::project::{CameraId, EstimatedBase, Frame, LANDMARKS_ALONE, calibrate, solved_neighbours};
+use crate::project::{CameraId, EstimatedBase, Frame, LANDMARKS_ALONE, calibrate};
 use std::sync::Arc;
 
 /// So many wide frames, left, centre and right, tell where a camera stands.
@@ -113,7 +113,7 @@ impl WithProposal {
         found.write_camera(&mut document);
         let field = document.field_of(frame).model(&open.folder).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
-        let solved = calibrate(&document, frame, &field, solved_neighbours(&document, index));
+        let solved = calibrate(&document, frame, &field, index);
         let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));
         Some(Self { field: Arc::new(field), camera })
     }

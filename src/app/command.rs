@@ -41,6 +41,7 @@ pub enum Command {
     Reject,
     RejectShot,
     Comment,
+    MendNames,
     SwitchRoot,
     ZoomIn,
     ZoomOut,
@@ -149,6 +150,7 @@ rows! {
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
+    MendNames, "mend_names", Frame, "Take the names that fit", "Where other names fit the points better, or as well: swap, exchange or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
@@ -158,7 +160,7 @@ rows! {
     OverlayStyle, "overlay_style", View, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
     ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
     ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
-    Compare, "compare", View, "Compare (hold)", "While held down the overlay shows the other solution.", ["B"];
+    Compare, "compare", View, "Compare (hold)", "While held down the other solution is drawn dashed: the other focal length, or the camera under other names.", ["B"];
     Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];

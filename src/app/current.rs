@@ -12,7 +12,7 @@ use crate::project::{
     BetterCamera, CalibrationError, Click, EstimatedBase, Frame, FramePtz, SolutionSource, Target, calibrate,
     camera_alone, observations, solved_neighbours,
 };
-use crate::solve::{FrameSolution, Judgement, Verdict, WarningCode, judge};
+use crate::solve::{FrameSolution, IdentityFinding, Judgement, Verdict, WarningCode, judge};
 use std::sync::Arc;
 
 /// How many solved frames of other shots, on either side, tell where a camera usually looks.
@@ -42,6 +42,8 @@ pub struct Current {
     pub next_clicks: Vec<NextClick>,
     /// Numbers by hand hold, and not what the clicks say.
     pub by_hand: bool,
+    /// The clicks that something contradicts: the other clicks, or the estimate of the base; in order.
+    pub disputed: Vec<usize>,
     /// Another camera of the document, which fits the clicks where the frame's own does not.
     pub better_camera: Option<BetterCamera>,
     /// What the frames of this camera say about its base.
@@ -142,6 +144,12 @@ impl Current {
             _ => Vec::new(),
         };
         let readiness = BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), &frame.camera);
+        let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
+        if let Some(Ok(solved)) = &solution {
+            disputed.extend(solved.disputed());
+            disputed.sort_unstable();
+            disputed.dedup();
+        }
         let field = Some(field);
         Self {
             field,
@@ -151,6 +159,7 @@ impl Current {
             camera,
             next_clicks,
             by_hand,
+            disputed,
             better_camera,
             readiness,
             ..Self::default()
@@ -167,7 +176,7 @@ impl Current {
             Some(click) => *with.clicks.get_mut(click)? = trial.click.clone(),
             None => with.clicks.push(trial.click.clone()),
         }
-        let solved = calibrate(&open.document, &with, field, solved_neighbours(&open.document, index)).ok()?;
+        let solved = calibrate(&open.document, &with, field, index).ok()?;
         Some(PtzCamera::new(base, solved.ptz))
     }
 
@@ -181,6 +190,19 @@ impl Current {
     #[must_use]
     pub fn solved(&self) -> Option<&FrameSolution> {
         self.solution.as_ref()?.as_ref().ok()
+    }
+
+    /// Names that fit the clicks better, or as well.
+    #[must_use]
+    pub fn other_names(&self) -> Option<&IdentityFinding> {
+        self.solved()?.identity.as_ref()
+    }
+
+    /// The camera to compare with: under other names, or with the other focal length.
+    #[must_use]
+    pub fn alternative(&self) -> Option<PtzCamera> {
+        let ptz = self.other_names().map(|found| found.ptz).or_else(|| self.other_root())?;
+        Some(PtzCamera::new(self.base?, ptz))
     }
 
     /// The other camera that fits two clicks as well, if there is one.
@@ -215,7 +237,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
     // A frame that was proposed or set by hand has a camera too; clicks decide as soon as they can.
-    let camera = calibrate(&open.document, &others, &field, neighbours.clone())
+    let camera = calibrate(&open.document, &others, &field, frame_index)
         .ok()
         .map(|solved| solved.ptz)
         .or_else(|| named.is_empty().then(|| frame.ptz.as_ref().map(FramePtz::ptz)).flatten())

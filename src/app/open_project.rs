@@ -5,7 +5,7 @@ use super::action::Opened;
 use crate::field::{FieldError, FieldModel};
 use crate::project::{
     BetterCamera, CalibrationError, Document, Edit, FieldSpec, Fields, Frame, FrameStatus, History, Shared, Step,
-    better_camera, calibrate, solved_neighbours,
+    better_camera, calibrate,
 };
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
@@ -111,7 +111,7 @@ impl OpenProject {
     pub(super) fn solve(&mut self, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
         let field = self.field_of(index).ok()?;
         let frame = self.document.frames.get(index)?;
-        let mut solved = calibrate(&self.document, frame, &field, solved_neighbours(&self.document, index));
+        let mut solved = calibrate(&self.document, frame, &field, index);
         if let Ok(solved) = &mut solved
             && let Some(better) = self.better_camera(index, solved)
         {

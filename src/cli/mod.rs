@@ -5,6 +5,7 @@
 
 mod check;
 mod document;
+mod evaluate;
 mod export;
 mod features;
 mod fields;
@@ -39,6 +40,7 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Check(check::CheckArgs),
+    Evaluate(evaluate::EvaluateArgs),
     Export(export::ExportArgs),
     Fields(fields::FieldsArgs),
     New(new::NewArgs),
@@ -84,6 +86,7 @@ pub fn run() -> Next {
     }
     let result: anyhow::Result<Outcome> = match command {
         Command::Check(args) => check::check(&args, messages),
+        Command::Evaluate(args) => evaluate::evaluate(&args, messages),
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::New(args) => new::new(&args, messages),

@@ -235,7 +235,7 @@ fn solve_as_reference(
             ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
         })
         .collect();
-    let Ok(solved) = calibrate(project, &clicked, field, Vec::new()) else { return false };
+    let Ok(solved) = calibrate(project, &clicked, field, project.frames.len()) else { return false };
     clicked.record(&solved);
     clicked.status = FrameStatus::Reference;
     *frame = clicked;

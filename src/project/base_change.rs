@@ -1,6 +1,6 @@
 //! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
 
-use super::{Camera, CameraId, Document, Fields, Frame, GiveError, calibrate, observations};
+use super::{Camera, CameraId, Document, Fields, GiveError, calibrate, observations};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;
 use crate::solve::base::{FrameClicks, base_change};
@@ -75,7 +75,7 @@ pub fn camera_change(document: &Document, camera: &CameraId, field: &FieldModel)
         {
             places.push(index);
             clicks.push(FrameClicks { observations, start: None });
-            pointed.push(ptz_by_clicks(document, frame, known, field));
+            pointed.push(ptz_by_clicks(document, index, known, field));
         }
     }
     let found = base_change(field, &clicks, &pointed, &base)?;
@@ -90,10 +90,11 @@ pub fn camera_change(document: &Document, camera: &CameraId, field: &FieldModel)
 }
 
 /// A frame's camera as its clicks have it; one that is recorded need not be solved again.
-fn ptz_by_clicks(document: &Document, frame: &Frame, camera: &Camera, field: &FieldModel) -> Option<Ptz> {
+fn ptz_by_clicks(document: &Document, index: usize, camera: &Camera, field: &FieldModel) -> Option<Ptz> {
+    let frame = &document.frames[index];
     match camera.pointed(frame) {
         Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
-        _ => calibrate(document, frame, field, Vec::new()).ok().map(|solved| solved.ptz),
+        _ => calibrate(document, frame, field, index).ok().map(|solved| solved.ptz),
     }
 }
 

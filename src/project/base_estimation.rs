@@ -2,7 +2,6 @@
 
 use super::{
     CalibrationError, Camera, CameraId, Document, Frame, FrameStatus, SolutionWarning, Target, calibrate, observations,
-    solved_neighbours,
 };
 use crate::camera::{CameraBase, PtzCamera};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
@@ -238,6 +237,10 @@ impl EstimatedBase {
             }
             if let (Some((better, distance_px)), Some(named), Some(error_px)) =
                 (&disputed.fits_better, named, disputed.error_px)
+                && solution
+                    .warnings
+                    .iter()
+                    .all(|known| known.renames.iter().all(|rename| rename.click != disputed.click))
             {
                 let message = format!(
                     "Point {} is {error_px:.0} px off as {named}, {distance_px:.1} px as {better}.",
@@ -249,7 +252,8 @@ impl EstimatedBase {
         }
         for mirrored in &self.estimate.mirrored {
             let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
-            if let Some(solution) = solution {
+            let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
+            if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
                 let message = format!("The names look mirrored: {}.", mirrored_words(mirrored));
                 solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
             }
@@ -293,7 +297,7 @@ fn solve_again(document: &mut Document, index: usize, field: &FieldModel, turned
     if frame.clicks.is_empty() {
         return;
     }
-    let solved = calibrate(document, frame, field, solved_neighbours(document, index));
+    let solved = calibrate(document, frame, field, index);
     let frame = &mut document.frames[index];
     match solved {
         Ok(solved) => {

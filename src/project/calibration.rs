@@ -1,6 +1,6 @@
 //! From a frame's clicks to its camera: the document's side of the solve.
 
-use super::{Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target};
+use super::{BetterName, Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target, habits};
 use crate::camera::Ptz;
 use crate::field::FieldModel;
 use crate::solve::{
@@ -58,8 +58,8 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
         .collect()
 }
 
-/// The camera of a frame from its clicks and its camera's base; names that fit better exchanged come first among its
-/// warnings.
+/// The camera of a frame from its clicks and its camera's base. `index` is its place in the document (`frame` may be a
+/// changed copy): the frames around it decide where its clicks cannot. Names that fit better come first among its warnings.
 ///
 /// # Errors
 /// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
@@ -67,7 +67,7 @@ pub fn calibrate(
     document: &Document,
     frame: &Frame,
     field: &FieldModel,
-    neighbours: Vec<Ptz>,
+    index: usize,
 ) -> Result<FrameSolution, CalibrationError> {
     let camera = document
         .camera_of(frame)
@@ -75,11 +75,14 @@ pub fn calibrate(
     let base =
         camera.base_for(frame).ok_or_else(|| CalibrationError::NoBase { camera: frame.camera.as_str().to_owned() })?;
     let observations = observations(frame, field)?;
-    let context = SolveContext { neighbours, ..SolveContext::new(frame.image_size) };
-    let mut solution = solve_frame(&base, &observations, &context)?;
+    let context = SolveContext {
+        neighbours: solved_neighbours(document, index),
+        habits: habits(document, index),
+        ..SolveContext::new(frame.image_size)
+    };
+    let solution = solve_frame(&base, &observations, &context)?;
     let finding = check_identity(&base, field, &observations, &solution, &context);
-    solution.warnings.splice(0..0, finding.map(|finding| finding.warning()));
-    Ok(solution)
+    Ok(solution.with_identity(finding))
 }
 
 /// Where the camera was in the nearest solved frames of the same camera and shot, nearest first.
@@ -125,12 +128,15 @@ impl Frame {
             worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
             source: Some(SolutionSource::Clicks),
             confidence: None,
-            disputed: Vec::new(),
+            disputed: solved.disputed(),
             warnings: solved
                 .warnings
                 .iter()
-                .map(|warning| SolutionWarning {
+                .enumerate()
+                .map(|(place, warning)| SolutionWarning {
                     clicks: warning.clicks.clone(),
+                    // The first warning tells of the names.
+                    renames: solved.identity.iter().filter(|_| place == 0).flat_map(BetterName::all).collect(),
                     ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
                 })
                 .collect(),

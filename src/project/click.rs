@@ -6,12 +6,13 @@ use crate::geometry::ImagePoint;
 use serde::{Deserialize, Serialize};
 
 /// What of the field a click shows.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A landmark: the click is its image.
-    Landmark(LandmarkId),
+    Landmark(#[serde(with = "doors::name")] LandmarkId),
     /// A line, circle or arc: the click lies somewhere on its image.
-    Line(LineId),
+    Line(#[serde(with = "doors::name")] LineId),
 }
 
 impl Target {

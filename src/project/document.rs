@@ -168,6 +168,11 @@ impl Frame {
             renumber(&mut solution.disputed);
             for warning in &mut solution.warnings {
                 renumber(&mut warning.clicks);
+                warning.renames.retain_mut(|rename| {
+                    let kept = new_index.get(rename.click).copied().flatten();
+                    rename.click = kept.unwrap_or(rename.click);
+                    kept.is_some()
+                });
             }
         }
     }

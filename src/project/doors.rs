@@ -27,6 +27,19 @@ fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
     }
 }
 
+/// The name of a landmark or line.
+pub(super) mod name {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(name: &impl std::fmt::Display, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(name)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>, T: for<'a> From<&'a str>>(deserializer: D) -> Result<T, D::Error> {
+        Ok(T::from(&String::deserialize(deserializer)?))
+    }
+}
+
 /// A plain number.
 pub(super) mod number {
     use super::*;

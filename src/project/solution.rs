@@ -1,8 +1,9 @@
 //! What a solve says about a frame.
 
-use super::{Extra, doors};
+use super::{Extra, Target, doors};
 use crate::camera::Ptz;
 use crate::geometry::Mat3;
+use crate::solve::{IdentityFinding, Name};
 use serde::{Deserialize, Serialize};
 
 /// Pan, tilt and focal length of a frame in the document's units.
@@ -102,6 +103,9 @@ pub struct SolutionWarning {
     /// Indices of the clicks it is about.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub clicks: Vec<usize>,
+    /// Names that fit better: all of them together mend what the warning is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub renames: Vec<BetterName>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -111,6 +115,32 @@ impl SolutionWarning {
     /// A warning about the frame as a whole.
     #[must_use]
     pub fn new(code: &str, message: String) -> Self {
-        Self { code: code.to_owned(), message, clicks: Vec::new(), extra: Extra::new() }
+        Self { code: code.to_owned(), message, clicks: Vec::new(), renames: Vec::new(), extra: Extra::new() }
+    }
+}
+
+/// A name that fits a click better than its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BetterName {
+    /// Which click, from 0.
+    pub click: usize,
+    /// What it seems to show.
+    #[serde(flatten)]
+    pub target: Target,
+}
+
+impl BetterName {
+    /// Every name that a finding would change.
+    pub fn all(found: &IdentityFinding) -> impl Iterator<Item = Self> + '_ {
+        found.renames.iter().map(|rename| Self { click: rename.click, target: Target::from(&rename.name) })
+    }
+}
+
+impl From<&Name> for Target {
+    fn from(name: &Name) -> Self {
+        match name {
+            Name::Landmark(id) => Self::Landmark(id.clone()),
+            Name::Line(id) => Self::Line(id.clone()),
+        }
     }
 }

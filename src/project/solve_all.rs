@@ -1,6 +1,6 @@
 //! Every frame of a document, solved from its clicks.
 
-use super::{CalibrationError, Document, Fields, Frame, Target, calibrate, solved_neighbours, warn_of_better_camera};
+use super::{CalibrationError, Document, Fields, Frame, Target, calibrate, warn_of_better_camera};
 use crate::field::FieldError;
 use crate::solve::{FrameSolution, SolveError};
 use rayon::prelude::*;
@@ -77,7 +77,7 @@ fn attempt(document: &Document, index: usize, fields: &Fields) -> Attempt {
         return Attempt::TooFewClicks;
     }
     let field = fields.of_frame(document, frame);
-    match calibrate(document, frame, field, solved_neighbours(document, index)) {
+    match calibrate(document, frame, field, index) {
         Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => Attempt::TooFewClicks,
         Ok(mut solved) => {
             warn_of_better_camera(document, frame, &mut solved, &fields.of_cameras(document));

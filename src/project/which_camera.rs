@@ -1,6 +1,6 @@
 //! Which camera took a frame: giving frames to a camera, and noticing that another one fits better.
 
-use super::{Camera, CameraId, Document, Fields, Frame, FrameStatus, calibrate, observations, solved_neighbours};
+use super::{Camera, CameraId, Document, Fields, Frame, FrameStatus, calibrate, observations};
 use crate::camera::CameraBase;
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
@@ -195,7 +195,7 @@ impl Document {
         let by_clicks = frame.ptz.is_none() || frame.is_solved_by_clicks();
         if base.is_some() && by_clicks && !frame.clicks.is_empty() {
             let field = fields.of_frame(self, frame);
-            if let Ok(mut solved) = calibrate(self, frame, field, solved_neighbours(self, index)) {
+            if let Ok(mut solved) = calibrate(self, frame, field, index) {
                 warn_of_better_camera(self, frame, &mut solved, &fields.of_cameras(self));
                 self.frames[index].record(&solved);
             }

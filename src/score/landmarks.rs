@@ -1,14 +1,15 @@
 //! Landmarks: where the estimate puts what the truth shows.
 
+use super::FieldView;
+use super::view::same_names;
 use crate::camera::PtzCamera;
-use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::markings::project_landmarks;
 
 /// The error of one landmark that the picture shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LandmarkError {
-    /// Which landmark: index into [`FieldModel::landmarks`].
+    /// Which landmark of the true field, by its number.
     pub landmark: usize,
     /// The distance between its images by the two cameras, px; none where the estimate gives it no image.
     pub image_px: Option<f64>,
@@ -17,24 +18,21 @@ pub struct LandmarkError {
     pub ground_m: Option<f64>,
 }
 
-/// The errors of all landmarks that the picture shows by the true camera, in the field's order.
+/// The errors of all landmarks that the picture shows by the true camera and both fields have, in the true field's order.
 #[must_use]
-pub fn landmark_errors(
-    field: &FieldModel,
-    truth: &PtzCamera,
-    estimate: &PtzCamera,
-    size: ImageSize,
-) -> Vec<LandmarkError> {
-    project_landmarks(field, truth, size, 0.0)
+pub fn landmark_errors(truth: FieldView, estimate: FieldView, size: ImageSize) -> Vec<LandmarkError> {
+    let twins = same_names(&truth.field.landmarks, &estimate.field.landmarks, |landmark| landmark.id.as_str());
+    project_landmarks(truth.field, truth.camera, size, 0.0)
         .into_iter()
-        .map(|shown| {
-            let landmark = &field.landmarks[shown.landmark];
-            let at = field.landmark_in_world(landmark);
-            LandmarkError {
+        .filter_map(|shown| {
+            let landmark = &estimate.field.landmarks[twins[shown.landmark]?];
+            let at = estimate.field.landmark_in_world(landmark);
+            let ground_m = || ground_error_m(estimate.camera, shown.image, at);
+            Some(LandmarkError {
                 landmark: shown.landmark,
-                image_px: estimate.image_from_world(at).ok().map(|image| image.distance_px(shown.image)),
-                ground_m: if landmark.nominal_m.z == 0.0 { ground_error_m(estimate, shown.image, at) } else { None },
-            }
+                image_px: estimate.camera.image_from_world(at).ok().map(|image| image.distance_px(shown.image)),
+                ground_m: if landmark.nominal_m.z == 0.0 { ground_m() } else { None },
+            })
         })
         .collect()
 }
@@ -62,7 +60,11 @@ mod tests {
             let base = CameraBase::new(Vec3::new(x_m, 0.0, 100.0), down, ImagePoint::new(640.0, 360.0));
             PtzCamera::new(base, Ptz::from_degrees(0.0, 0.0, 2000.0))
         };
-        let errors = landmark_errors(&field, &at(0.0), &at(1.0), size);
+        let errors = landmark_errors(
+            FieldView { field: &field, camera: &at(0.0) },
+            FieldView { field: &field, camera: &at(1.0) },
+            size,
+        );
         // 64 m × 36 m around the centre mark: it, and the four marks of the circle.
         assert_eq!(errors.len(), 5);
         for error in errors {
@@ -77,7 +79,11 @@ mod tests {
         let base = CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, ImagePoint::new(640.0, 360.0));
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let [truth, away] = [0.0, 180.0].map(|pan| PtzCamera::new(base, Ptz::from_degrees(pan, -10.0, 1500.0)));
-        let errors = landmark_errors(&field, &truth, &away, ImageSize::new(1280, 720));
+        let errors = landmark_errors(
+            FieldView { field: &field, camera: &truth },
+            FieldView { field: &field, camera: &away },
+            ImageSize::new(1280, 720),
+        );
         assert!(!errors.is_empty() && errors.iter().all(|error| error.image_px.is_none()));
     }
 }

@@ -7,6 +7,8 @@
 //! the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
 //! task's own `evaluate_camera.py`, 2023.)
 
+use super::FieldView;
+use super::view::same_names;
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
@@ -104,16 +106,22 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
 }
 
 impl MarkingMatch {
-    /// Compares annotated markings with a camera's; a line that is too short to count is passed over.
+    /// Compares markings that were annotated on one field with those that a camera shows of its own; a line that is too
+    /// short to count is passed over.
     #[must_use]
-    pub fn of(field: &FieldModel, annotated: &[AnnotatedLine], estimate: &PtzCamera, size: ImageSize) -> Self {
-        let seen = seen_lines(field, estimate, size);
+    pub fn of(field: &FieldModel, annotated: &[AnnotatedLine], estimate: FieldView, size: ImageSize) -> Self {
+        let mut of_estimate = seen_lines(estimate.field, estimate.camera, size);
+        let twins = same_names(&field.lines, &estimate.field.lines, |line| line.id.as_str());
+        let seen: Seen = twins
+            .iter()
+            .map(|twin| twin.map(|line| std::mem::take(&mut of_estimate[line])).unwrap_or_default())
+            .collect();
         let plain = Self::compare(field, annotated, &seen, size, Some);
         let turned = Self::compare(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
         });
-        // The better one at the smallest threshold of the task, then by how near it comes.
+        // The better one at the smallest threshold of the task.
         if turned.jaccard(5.0) > plain.jaccard(5.0) { turned } else { plain }
     }
 
@@ -185,13 +193,17 @@ mod tests {
         PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
     }
 
+    fn view<'a>(field: &'a FieldModel, camera: &'a PtzCamera) -> FieldView<'a> {
+        FieldView { field, camera }
+    }
+
     #[test]
     fn the_right_camera_finds_everything_and_names_are_free_up_to_half_a_turn() {
         let field = soccer();
         let truth = broadcast(30.0, -12.0, 2000.0);
         let annotated = annotated_lines(&field, &truth, SIZE);
         assert!(annotated.len() > 8, "{}", annotated.len());
-        let right = MarkingMatch::of(&field, &annotated, &truth, SIZE);
+        let right = MarkingMatch::of(&field, &annotated, view(&field, &truth), SIZE);
         assert!((right.jaccard(1.0) - 1.0).abs() < 1e-12, "{right:?}");
         // From the other side, turned by half a turn, the same picture with the other names.
         let base = CameraBase::new(
@@ -200,7 +212,7 @@ mod tests {
             SIZE.centre(),
         );
         let opposite = PtzCamera::new(base, truth.ptz());
-        let turned = MarkingMatch::of(&field, &annotated, &opposite, SIZE);
+        let turned = MarkingMatch::of(&field, &annotated, view(&field, &opposite), SIZE);
         assert!((turned.jaccard(1.0) - 1.0).abs() < 1e-9, "{turned:?}");
     }
 
@@ -219,7 +231,7 @@ mod tests {
         let truth = broadcast(0.0, -12.0, 2000.0);
         let annotated = annotated_lines(&field, &truth, SIZE);
         let off = broadcast((10.0f64 / 2000.0).to_degrees(), -12.0, 2000.0);
-        let found = MarkingMatch::of(&field, &annotated, &off, SIZE);
+        let found = MarkingMatch::of(&field, &annotated, view(&field, &off), SIZE);
         let worst = found.worst_px.iter().copied().fold(0.0, f64::max);
         assert!((4.5..6.5).contains(&worst), "{found:?}");
         assert!(found.jaccard(20.0) > found.jaccard(4.0));
@@ -242,7 +254,7 @@ mod tests {
     fn a_camera_that_looks_away_finds_nothing() {
         let field = soccer();
         let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 2000.0), SIZE);
-        let found = MarkingMatch::of(&field, &annotated, &broadcast(0.0, 60.0, 2000.0), SIZE);
+        let found = MarkingMatch::of(&field, &annotated, view(&field, &broadcast(0.0, 60.0, 2000.0)), SIZE);
         assert_eq!((found.only_annotated, found.only_estimated), (annotated.len(), 0));
         assert!(found.jaccard(20.0) == 0.0);
     }

@@ -17,6 +17,7 @@ mod marking_match;
 mod overlap;
 mod polygon;
 mod statistics;
+mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use coverage::{Coverage, squared_sigmas};
@@ -25,3 +26,4 @@ pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, JACCARD_WIDTH_PX, MarkingMatch, annotated_lines};
 pub use overlap::{iou_part, iou_whole};
 pub use statistics::{Summary, quantile};
+pub use view::FieldView;

@@ -27,6 +27,7 @@ pub(super) fn warnings(
     let mut found = Vec::new();
     found.extend(failed_checks(solution));
     found.extend(contradiction(solution));
+    found.extend(underground(camera));
     found.extend(implausible(solution, context));
     found.extend(two_roots(solution, context));
     found.extend(separation(camera, used, solution, context));
@@ -81,7 +82,17 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
     Some(Warning { code: WarningCode::Contradiction, message, clicks: vec![worst.click] })
 }
 
-/// A solution outside of what this camera can do.
+/// A camera that sees the pitch from below.
+fn underground(camera: &PtzCamera) -> Option<Warning> {
+    let height_m = camera.base().position_m.z;
+    (height_m <= 0.0).then(|| Warning {
+        code: WarningCode::Implausible,
+        message: format!("Implausible: the camera stands {:.1} m below the pitch. Check its height.", -height_m),
+        clicks: Vec::new(),
+    })
+}
+
+/// A solution outside of what this camera can do, or usually does.
 fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
     let (ptz, ranges) = (solution.ptz, &context.ranges);
     let what = if !ranges.pan.contains(&ptz.pan) {
@@ -92,7 +103,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
         let [focal, from, upto] = [ptz.focal_px, *ranges.focal_px.start(), *ranges.focal_px.end()].map(grouped);
         format!("focal length {focal} px (usual {from} to {upto})")
     } else {
-        return None;
+        return context.habits.warning(&ptz, &solution.slack());
     };
     let message = format!("Implausible: {what}. Check the names of the points, or the camera base.");
     Some(Warning { code: WarningCode::Implausible, message, clicks: Vec::new() })

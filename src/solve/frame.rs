@@ -5,8 +5,8 @@ use super::refine::{distance_px, refine, squared_sigmas};
 use super::starts::{camera_distance, starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
-    Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, SolveContext, SolveError, Target,
-    Uncertainty, checks,
+    Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, PtzStep, SolveContext, SolveError,
+    Target, Uncertainty, checks,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
@@ -76,6 +76,7 @@ pub fn solve_frame(
             .collect(),
         uncertainty,
         warnings: Vec::new(),
+        identity: None,
     };
     solution.warnings = checks::warnings(&camera, &used, &solution, context);
     Ok(solution)
@@ -194,17 +195,24 @@ fn fit(base: &CameraBase, ptz: Ptz, cost: f64, used: &[Observation], context: &S
 }
 
 /// Chooses among candidates: plausible before implausible, the better fit before the worse; where the clicks cannot tell,
-/// the one nearest to the start or to the neighbouring frames. Gives the others, best first.
+/// the one nearest to the start, or what the camera usually does, or the one nearest to the neighbouring frames. Gives the
+/// others, best first.
 fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<Candidate>)> {
     fits.sort_by_key(|fit| !fit.candidate.plausible);
     let first = fits.first()?;
     let (plausible, best_cost) = (first.candidate.plausible, first.cost);
     let as_good =
         fits.iter().take_while(|fit| fit.candidate.plausible == plausible && fit.cost <= best_cost + SAME_FIT).count();
-    let chosen = context.expected().map_or(0, |expected| {
-        let distance = |fit: &Fit| camera_distance(&fit.candidate.ptz, &expected);
-        (0..as_good).min_by(|&a, &b| distance(&fits[a]).total_cmp(&distance(&fits[b]))).unwrap_or(0)
-    });
+    let expected = context.expected();
+    let surprise = |fit: &Fit| match context.start {
+        Some(_) => 0.0,
+        None => context.habits.surprise(&fit.candidate.ptz, &PtzStep::ZERO),
+    };
+    let distance = |fit: &Fit| expected.map_or(0.0, |expected| camera_distance(&fit.candidate.ptz, &expected));
+    // The first of equals is the best fit.
+    let by_what_is_known =
+        |a: &Fit, b: &Fit| surprise(a).total_cmp(&surprise(b)).then_with(|| distance(a).total_cmp(&distance(b)));
+    let chosen = (0..as_good).min_by(|&a, &b| by_what_is_known(&fits[a], &fits[b])).unwrap_or(0);
     let chosen = fits.remove(chosen).candidate;
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
 }

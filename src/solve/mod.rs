@@ -8,6 +8,7 @@ mod checks;
 mod covariance;
 mod error;
 mod frame;
+mod habits;
 mod identity;
 mod line;
 mod observation;
@@ -23,11 +24,12 @@ mod warning;
 pub use covariance::Uncertainty;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
-pub use identity::{IdentityFinding, IdentityKind, Name, Rename, check_identity};
+pub use habits::{Habits, Motion, PtzStep};
+pub use identity::{Evidence, IdentityFinding, IdentityKind, Name, Rename, check_identity};
 pub use observation::{Observation, Target, WorldCurve};
 pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
 pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
-pub use refine::{Refined, refine};
+pub use refine::{Refined, distance_px, refine};
 pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzPrior, PtzRanges, SolveContext};
 pub use two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,

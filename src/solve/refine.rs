@@ -81,7 +81,8 @@ pub(super) fn cost(camera: &PtzCamera, observations: &[Observation], loss: Loss)
 }
 
 /// The distance of a click from what it shows, px; none where that has no image.
-pub(super) fn distance_px(camera: &PtzCamera, observation: &Observation) -> Option<f64> {
+#[must_use]
+pub fn distance_px(camera: &PtzCamera, observation: &Observation) -> Option<f64> {
     match observation.target {
         Target::Landmark(at) => Some(camera.image_from_world(at).ok()?.distance_px(observation.image)),
         Target::Line(curve) => Some(line_distance_px(camera, &curve, observation.image)?.abs()),

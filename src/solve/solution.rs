@@ -1,6 +1,6 @@
 //! What a solve is given beside the clicks, and what it gives back.
 
-use super::{Uncertainty, Warning};
+use super::{Habits, IdentityFinding, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::{Angle, ImageSize, Mat3, Vec2};
 use std::ops::RangeInclusive;
@@ -15,6 +15,9 @@ pub struct SolveContext {
     /// Solved frames just before and after, nearest first: they choose between candidates, and start the search where
     /// the clicks alone have no closed form. They do not pull on the result.
     pub neighbours: Vec<Ptz>,
+    /// What this camera usually does: it decides where the clicks cannot, and what is out of the usual is warned of. It
+    /// does not pull on the result.
+    pub habits: Habits,
     /// Where to start, for example the solution before a click moved; as `neighbours`, it does not pull on the result.
     pub start: Option<Ptz>,
     /// How strongly clicks that disagree with the others still pull (see [`Loss`]).
@@ -45,6 +48,7 @@ impl SolveContext {
             image_size,
             ranges: PtzRanges::for_width(image_size.width),
             neighbours: Vec::new(),
+            habits: Habits::default(),
             start: None,
             loss: Loss::default(),
             prior: None,
@@ -189,6 +193,9 @@ pub struct FrameSolution {
     pub checks: Vec<CheckResult>,
     /// What to look at before trusting it, the most serious first.
     pub warnings: Vec<Warning>,
+    /// Names that fit better, or as well; the first of the warnings tells of them. Only
+    /// [`check_identity`](super::check_identity) finds them.
+    pub identity: Option<IdentityFinding>,
 }
 
 impl FrameSolution {
@@ -216,6 +223,37 @@ impl FrameSolution {
     #[must_use]
     pub fn sigma_tilt(&self) -> Angle {
         Angle::from_degrees(self.covariance[(1, 1)].sqrt())
+    }
+
+    /// Adds what the search for other names found, before all other warnings.
+    #[must_use]
+    pub fn with_identity(mut self, found: Option<IdentityFinding>) -> Self {
+        self.warnings.splice(0..0, found.as_ref().map(IdentityFinding::warning));
+        self.identity = found;
+        self
+    }
+
+    /// The clicks that the others, or the camera, contradict, in order.
+    #[must_use]
+    pub fn disputed(&self) -> Vec<usize> {
+        let of = |warning: &&Warning| match warning.code {
+            WarningCode::Swapped | WarningCode::WrongLine | WarningCode::CheckFailed => true,
+            // Two clicks that contradict the base say nothing about which of them is wrong.
+            WarningCode::Contradiction => warning.clicks.len() < self.residuals.len().max(2),
+            _ => false,
+        };
+        let mut clicks: Vec<usize> =
+            self.warnings.iter().filter(of).flat_map(|warning| &warning.clicks).copied().collect();
+        clicks.sort_unstable();
+        clicks.dedup();
+        clicks
+    }
+
+    /// How far off the result may be because clicks scatter: three sigmas.
+    pub(super) fn slack(&self) -> PtzStep {
+        let angle = |sigma: Angle| Angle::from_radians(3.0 * sigma.radians());
+        let log_focal = 3.0 * self.sigma_focal_px() / self.ptz.focal_px;
+        PtzStep { pan: angle(self.sigma_pan()), tilt: angle(self.sigma_tilt()), log_focal }
     }
 
     /// 1-σ of the focal length, px.

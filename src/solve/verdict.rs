@@ -1,6 +1,6 @@
 //! One word on a solved frame, and why.
 
-use super::{FrameSolution, WarningCode};
+use super::{Evidence, FrameSolution, Warning, WarningCode};
 use crate::geometry::ImageSize;
 use std::fmt;
 
@@ -43,18 +43,20 @@ pub struct Judgement {
     pub reason: String,
 }
 
-/// Judges a solved frame by its check clicks, the contradiction among its clicks, its warnings and its worst corner, in
+/// Judges a solved frame by its check clicks, its names, the contradiction among its clicks, its warnings and its worst corner, in
 /// this order.
 #[must_use]
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let judgement = |verdict, reason| Judgement { verdict, reason };
     let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
-    if let Some(warning) = solution.warnings.iter().find(|warning| {
-        matches!(
-            warning.code,
-            WarningCode::OtherCamera | WarningCode::CheckFailed | WarningCode::Swapped | WarningCode::WrongLine
-        )
-    }) {
+    // Names that fit better are wrong; where they fit as well, and only the camera's habits speak for them, look at it.
+    let contradicted = solution.identity.as_ref().is_some_and(|found| found.evidence == Evidence::Clicks);
+    let tells_of_names = |code| matches!(code, WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored);
+    let wrong = |warning: &&Warning| {
+        matches!(warning.code, WarningCode::CheckFailed | WarningCode::OtherCamera)
+            || (contradicted && tells_of_names(warning.code))
+    };
+    if let Some(warning) = solution.warnings.iter().find(wrong) {
         return judgement(Verdict::Wrong, warning.message.clone());
     }
     // A single surplus equation is large by chance more often than the mean of many.

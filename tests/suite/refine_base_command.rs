@@ -85,11 +85,11 @@ fn a_camera_is_found_from_clicks_alone_and_every_frame_solved() {
     assert!(z.amax() < 4.0 && base.sigma.position_m.amax() < 1.0, "{base:?}");
     assert!((refined.field.params["crown_m"] - 0.15).abs() < 0.1);
     let marked = refined.frames[4].solution.as_ref().unwrap();
-    assert!(marked.warnings.iter().any(|warning| warning.code == "mirrored"));
+    assert_eq!(marked.warnings.iter().filter(|warning| warning.code == "mirrored").count(), 1, "told once");
     let disputed = refined.frames[8].solution.as_ref().unwrap();
     assert_eq!(disputed.disputed, [wrong]);
     let warning = disputed.warnings.iter().find(|warning| warning.code == "wrong_line").unwrap();
-    assert!(warning.clicks == [wrong] && warning.message.ends_with(" px as goal_area_far_right_front."));
+    assert!(warning.clicks == [wrong] && warning.message.ends_with(" px as Goal area, far right, front corner."));
     for (frame, before) in refined.frames.iter().zip(&document.frames) {
         assert_eq!((frame.status, &frame.clicks), (before.status, &before.clicks));
     }

@@ -180,7 +180,7 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
             let right = asked.frames[index].camera.clone();
             asked.frames[index].camera = camera.id.clone();
             let frame = &asked.frames[index];
-            let Ok(solved) = calibrate(&asked, frame, fields.of_frame(&asked, frame), Vec::new()) else { continue };
+            let Ok(solved) = calibrate(&asked, frame, fields.of_frame(&asked, frame), index) else { continue };
             let better = better_camera(&asked, frame, &solved, &of_cameras).map(|better| better.camera);
             if camera.id == right {
                 tested += 1;

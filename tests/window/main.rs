@@ -6,6 +6,7 @@
 
 mod base;
 mod labelling;
+mod names;
 mod panels;
 mod review;
 mod viewport;

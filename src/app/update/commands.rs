@@ -56,9 +56,9 @@ impl App {
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
             C::EstimateBase if self.is_read_only() => Some("The document is open to look at only."),
             C::Compare if self.current.proposal.is_some() => None,
-            C::SwitchRoot | C::Compare if self.current.other_root().is_none() => {
-                Some("Only one focal length fits these points.")
-            }
+            C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
+            C::Compare if self.current.alternative().is_none() => Some("Nothing else fits these points."),
+            C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
         }
     }
@@ -148,6 +148,7 @@ impl App {
                 let comment = self.frame().and_then(|frame| frame.comment.clone()).unwrap_or_default();
                 self.session.dialog = Some(Dialog::Comment(comment));
             }
+            C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::current::rank_names;
 use crate::app::naming::certain;
 use crate::app::session::{Level, Mode, OFFERED};
-use crate::project::Target;
+use crate::project::{BetterName, Target};
 
 impl App {
     /// What a person calls a landmark or line; its id where the field lacks it.
@@ -103,6 +103,26 @@ impl App {
         match known.filter(|_| matches!(target, Target::Landmark(_))) {
             Some(click) => self.session.selected = Some(click),
             None => self.session.mode = Mode::Placing(target),
+        }
+    }
+
+    /// Gives the clicks the names that fit: one step of undo.
+    pub(super) fn mend_names(&mut self) {
+        let Some(found) = self.current.other_names() else { return };
+        let (step, renames): (String, Vec<BetterName>) = (found.step(), BetterName::all(found).collect());
+        self.session.mode = Mode::Idle;
+        self.session.named_unasked = None;
+        self.session.held.compare = false;
+        if self.begin(step) {
+            if let Some(frame) = self.frame_mut() {
+                for BetterName { click, target } in renames {
+                    if let Some(click) = frame.clicks.get_mut(click) {
+                        click.target = Some(target);
+                    }
+                }
+            }
+            self.clicks_changed();
+            self.commit();
         }
     }
 

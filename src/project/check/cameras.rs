@@ -1,6 +1,6 @@
 //! What the clicks say against the cameras that took them: another one fits, or one stops fitting.
 
-use super::super::{Document, Fields, better_camera, calibrate, camera_change, solved_neighbours};
+use super::super::{Document, Fields, better_camera, calibrate, camera_change};
 use super::fault::{Fault, Problem};
 use super::place_of;
 use rayon::prelude::*;
@@ -18,7 +18,7 @@ pub fn check_cameras(document: &Document, folder: &Path) -> Vec<Problem> {
         .filter_map(|index| {
             let frame = &document.frames[index];
             let field = fields.of_frame(document, frame);
-            let solved = calibrate(document, frame, field, solved_neighbours(document, index)).ok()?;
+            let solved = calibrate(document, frame, field, index).ok()?;
             let better = better_camera(document, frame, &solved, &of_cameras)?;
             let fault = Fault::OtherCamera {
                 camera: better.camera.as_str().to_owned(),

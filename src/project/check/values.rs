@@ -176,7 +176,9 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
 fn check_solution(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
     let Some(solution) = &frame.solution else { return };
     let clicks = frame.clicks.len();
-    let spoken_of = solution.disputed.iter().chain(solution.warnings.iter().flat_map(|warning| &warning.clicks));
+    let renamed = solution.warnings.iter().flat_map(|warning| warning.renames.iter().map(|rename| &rename.click));
+    let warned_of = solution.warnings.iter().flat_map(|warning| &warning.clicks);
+    let spoken_of = solution.disputed.iter().chain(warned_of).chain(renamed);
     if let Some(&click) = spoken_of.filter(|click| **click >= clicks).max() {
         problem(Fault::NoSuchClick { click, clicks });
     }

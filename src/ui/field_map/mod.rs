@@ -104,7 +104,6 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, super::viewport::colour(SURROUND));
     let clicks = app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
-    let solution = app.frame().and_then(|frame| frame.solution.as_ref());
     let scene = OverlayScene {
         field,
         camera: app.current().preview.as_ref().or(app.current().camera.as_ref()),
@@ -112,7 +111,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
         image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
         clicks,
         selected: app.session.selected,
-        disputed: solution.map(|solution| solution.disputed.as_slice()).unwrap_or_default(),
+        disputed: &app.current().disputed,
         style: &app.settings.overlay,
         zoom: placement.scale,
     };

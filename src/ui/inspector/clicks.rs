@@ -132,10 +132,7 @@ fn name(app: &App, click: &Click) -> String {
 
 /// The colour that the point has on the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    let recorded = app.frame().and_then(|frame| frame.solution.as_ref());
-    let disputed = app.current().solved().is_some_and(|solved| is_disputed(solved, index))
-        || recorded.is_some_and(|solution| solution.disputed.contains(&index));
-    shown(if disputed {
+    shown(if app.current().disputed.contains(&index) {
         DISPUTED
     } else if click.target.is_none() {
         UNNAMED
@@ -143,15 +140,6 @@ fn colour(app: &App, index: usize, click: &Click) -> Color32 {
         CHECK
     } else {
         CLICK
-    })
-}
-
-fn is_disputed(solved: &FrameSolution, index: usize) -> bool {
-    use crate::solve::WarningCode as W;
-    solved.warnings.iter().any(|warning| {
-        matches!(warning.code, W::Contradiction | W::CheckFailed | W::WrongLine | W::Swapped)
-            && warning.clicks.len() < solved.residuals.len().max(2)
-            && warning.clicks.contains(&index)
     })
 }
 

@@ -4,7 +4,7 @@ use crate::app::review::percent;
 use crate::app::selection::Scope;
 use crate::app::{Action, App, CameraChoice, Command};
 use crate::project::{CalibrationError, Frame, FrameStatus};
-use crate::solve::{SolveError, Verdict, WarningCode};
+use crate::solve::{IdentityKind, SolveError, Verdict, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Button, Label, RichText, Ui};
@@ -93,34 +93,26 @@ fn sentence(text: &str) -> String {
     format!("{first}{}{stop}", letters.as_str())
 }
 
-/// The button of the warning that is shown, and how many more there are.
+/// The buttons of the warning that is shown, and how many more there are.
 fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     let more = hidden(panel.app, reason);
-    let two_roots = panel
-        .app
-        .current()
-        .solved()
-        .is_some_and(|solved| solved.warnings.iter().any(|warning| warning.code == WarningCode::TwoRoots));
+    let mend = mend(panel.app);
     let better = panel.app.current().better_camera.as_ref();
-    if more == 0 && !two_roots && better.is_none() {
+    if more == 0 && mend.is_none() && better.is_none() {
         return;
     }
     ui.horizontal(|ui| {
-        let keys = &panel.app.settings.keys;
         if let Some(better) = better {
             let says = format!("Give to {}", better.camera);
             if ui.add(Button::new(says).truncate()).on_hover_text("This frame was taken by that camera.").clicked() {
                 let camera = CameraChoice::Known(better.camera.clone());
                 panel.actions.push(Action::GiveToCamera { scope: Scope::Frame, camera });
             }
-        }
-        if two_roots {
-            let command = Command::SwitchRoot;
-            if ui.add(Button::new("Switch")).on_hover_text(keys.tooltip(command)).clicked() {
+        } else if let Some((command, word)) = mend {
+            if ui.button(word).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
                 panel.actions.push(Action::Command(command));
             }
-            let compare = keys.shown(Command::Compare);
-            ui.label(RichText::new(format!("hold {compare} to compare")).small().color(theme::WEAK));
+            compare(panel, ui);
         }
         if more > 0 {
             let told = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
@@ -129,6 +121,33 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             }
         }
     });
+}
+
+/// What mends the frame in one click: the command, and what its button says.
+fn mend(app: &App) -> Option<(Command, &'static str)> {
+    let solved = app.current().solved()?;
+    if let Some(found) = app.current().other_names() {
+        let word = match found.kind {
+            IdentityKind::Swapped => "Swap",
+            IdentityKind::Mirrored(_) => "Exchange",
+            IdentityKind::WrongName | IdentityKind::OtherPart { .. } => "Rename",
+        };
+        return Some((Command::MendNames, word));
+    }
+    let two_roots = solved.warnings.iter().any(|warning| warning.code == WarningCode::TwoRoots);
+    (two_roots && app.current().other_root().is_some()).then_some((Command::SwitchRoot, "Switch"))
+}
+
+/// A button that shows the other solution for as long as it is held down, as its key does.
+fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let response = ui.button("Compare").on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
+    let pressed = egui::Id::unique("compare is pressed");
+    let before = ui.data(|data| data.get_temp::<bool>(pressed)).unwrap_or(false);
+    let down = response.is_pointer_button_down_on();
+    if down != before {
+        ui.data_mut(|data| data.insert_temp(pressed, down));
+        panel.actions.push(Action::Hold(Command::Compare, down));
+    }
 }
 
 /// How many warnings are not the reason of the verdict.

@@ -5,7 +5,6 @@ use crate::app::OverlayStyle;
 use crate::app::drawing::{Drawing, Label};
 use crate::app::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
 use crate::app::{App, session::Mode};
-use crate::camera::PtzCamera;
 use crate::project::FrameStatus;
 use crate::render::Layer;
 use crate::ui::masks;
@@ -40,14 +39,14 @@ impl Overlay {
             return Self::default();
         }
         if let (Some(frame), Some(field)) = (app.frame(), app.current().field()) {
-            let disputed = frame.solution.as_ref().map(|solution| solution.disputed.as_slice()).unwrap_or_default();
             let proposal = app.current().proposal.as_ref().filter(|_| !app.session.held.compare);
             let field = proposal.map_or(field, |proposal| &proposal.field);
             let camera = match proposal {
                 Some(proposal) => proposal.camera,
-                None => shown_camera(app),
+                None => app.current().camera,
             };
-            let preview = app.current().preview.as_ref().filter(|_| proposal.is_none());
+            let compared = app.current().alternative().filter(|_| app.session.held.compare);
+            let preview = compared.as_ref().or(app.current().preview.as_ref()).filter(|_| proposal.is_none());
             let style = app.settings.overlay;
             let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
             let scene = OverlayScene {
@@ -57,7 +56,7 @@ impl Overlay {
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.selected,
-                disputed,
+                disputed: &app.current().disputed,
                 style: if preview.is_some() { &behind } else { &style },
                 zoom,
             };
@@ -92,13 +91,6 @@ impl Overlay {
     pub fn labels(&self) -> impl Iterator<Item = &Label> {
         self.drawings.iter().flat_map(|drawing| &drawing.labels)
     }
-}
-
-/// The frame's camera, or with the key held down the other one that fits as well.
-fn shown_camera(app: &App) -> Option<PtzCamera> {
-    let current = app.current();
-    let other = current.other_root().zip(current.base).filter(|_| app.session.held.compare);
-    other.map(|(ptz, base)| PtzCamera::new(base, ptz)).or(current.camera)
 }
 
 /// Whether a click of the frame waits for its name and nobody is about to give it one.

@@ -1,0 +1,214 @@
+//! What a camera usually does, known from its other frames: the directions it looked in, and how fast it moves.
+//!
+//! Names and numbers that fit a frame's clicks can still be nonsense; a camera that suddenly looks elsewhere is the one
+//! thing that gives two mirrored clicks away.
+
+use super::{PtzRanges, Warning, WarningCode};
+use crate::camera::Ptz;
+use crate::geometry::Angle;
+
+/// What a camera usually does.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Habits {
+    /// What pan, tilt and focal length the accepted frames have; none while they are too few.
+    pub seen: Option<PtzRanges>,
+    /// Where it was a moment ago and how far it moves in that time; none where that is not known.
+    pub motion: Option<Motion>,
+}
+
+/// Where a camera was in the nearest solved frame of the shot, and how far it usually gets from there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Pan, tilt and focal length there.
+    pub from: Ptz,
+    /// How many frames lie between, at least 1.
+    pub frames: u64,
+    /// What nine of ten moves over so many frames stay within.
+    pub usual: PtzStep,
+}
+
+/// A change of pan, tilt and focal length, each without its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PtzStep {
+    /// Of the pan.
+    pub pan: Angle,
+    /// Of the tilt.
+    pub tilt: Angle,
+    /// Of the focal length, as the logarithm of the ratio.
+    pub log_focal: f64,
+}
+
+impl PtzStep {
+    /// No change.
+    pub const ZERO: Self = Self { pan: Angle::ZERO, tilt: Angle::ZERO, log_focal: 0.0 };
+
+    /// How far it is from one direction to another.
+    #[must_use]
+    pub fn between(from: &Ptz, to: &Ptz) -> Self {
+        Self {
+            pan: (to.pan - from.pan).wrapped().abs(),
+            tilt: (to.tilt - from.tilt).abs(),
+            log_focal: (to.focal_px / from.focal_px).ln().abs(),
+        }
+    }
+
+    /// In degrees, degrees and the logarithm.
+    const fn values(&self) -> [f64; 3] {
+        [self.pan.degrees(), self.tilt.degrees(), self.log_focal]
+    }
+}
+
+/// A jump is one from this many usual moves on.
+const JUMP: f64 = 3.0;
+
+/// Below this nothing is a jump: degrees, degrees, log f.
+const NO_JUMP: [f64; 3] = [0.3, 0.2, 0.03];
+
+/// How far beyond the accepted frames is still usual, at least (degrees, degrees, log f), and as a share of their span.
+const MARGIN: [f64; 3] = [15.0, 4.0, 0.5];
+const MARGIN_SHARE: f64 = 0.5;
+
+/// χ² for what lies a whole limit or margin beyond its limit; twice that at most.
+const SURPRISE: f64 = 25.0;
+
+/// What is out of the usual.
+struct Odd {
+    /// Which: pan, tilt, focal length.
+    which: usize,
+    /// How far beyond the limit, in limits.
+    excess: f64,
+}
+
+impl Habits {
+    /// How far a camera is from what it usually does, as χ² counts: 0 within, 25 at twice what is usual, 50 at most.
+    /// `slack` is how far off it may be because its clicks scatter.
+    #[must_use]
+    pub fn surprise(&self, ptz: &Ptz, slack: &PtzStep) -> f64 {
+        let odd = [self.jump(ptz, slack), self.elsewhere(ptz, slack)];
+        odd.into_iter().flatten().map(|odd| SURPRISE * odd.excess.min(2.0)).fold(0.0, f64::max)
+    }
+
+    /// The largest jump from the nearest frame, if it is one.
+    fn jump(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
+        let motion = self.motion.as_ref()?;
+        let (moved, usual) = (PtzStep::between(&motion.from, ptz).values(), motion.usual.values());
+        let limit = |which: usize| (JUMP * usual[which]).max(NO_JUMP[which]) + slack.values()[which];
+        largest((0..3).map(|which| Odd { which, excess: moved[which] / limit(which) - 1.0 }))
+    }
+
+    /// What lies farthest outside of what the accepted frames have, if something does.
+    fn elsewhere(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
+        let (at, slack) = (in_numbers(ptz), slack.values());
+        let bounds = self.seen.as_ref()?.bounds();
+        let outside = |which: usize| {
+            let [from, upto] = bounds[which];
+            let margin = MARGIN[which].max(MARGIN_SHARE * (upto - from)) + slack[which];
+            let beyond = (from - at[which]).max(at[which] - upto) - margin;
+            Odd { which, excess: beyond / margin }
+        };
+        largest((0..3).map(outside))
+    }
+
+    /// What a person reads about a camera that does what it never does.
+    pub(super) fn warning(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Warning> {
+        let message = if let (Some(odd), Some(motion)) = (self.jump(ptz, slack), &self.motion) {
+            let moved = PtzStep::between(&motion.from, ptz);
+            let frames = if motion.frames == 1 { "one frame".to_owned() } else { format!("{} frames", motion.frames) };
+            let what = match odd.which {
+                0 => format!("pan jumps {:.1} in {frames} (usual ≤ {:.1})", moved.pan, motion.usual.pan),
+                1 => format!("tilt jumps {:.1} in {frames} (usual ≤ {:.1})", moved.tilt, motion.usual.tilt),
+                _ => {
+                    let [by, usual] = [moved.log_focal, motion.usual.log_focal].map(|log| 100.0 * log.exp_m1());
+                    format!("the focal length changes by {by:.0} % in {frames} (usual ≤ {usual:.0} %)")
+                }
+            };
+            format!("Implausible: {what}. Cut or wrong name?")
+        } else {
+            let (odd, seen) = (self.elsewhere(ptz, slack)?, self.seen.as_ref()?);
+            let what = match odd.which {
+                0 => {
+                    format!("pan {:.1}, accepted frames have {:.1} to {:.1}", ptz.pan, seen.pan.start(), seen.pan.end())
+                }
+                1 => {
+                    let (from, upto) = (seen.tilt.start(), seen.tilt.end());
+                    format!("tilt {:.1}, accepted frames have {from:.1} to {upto:.1}", ptz.tilt)
+                }
+                _ => {
+                    let (from, upto) = (seen.focal_px.start(), seen.focal_px.end());
+                    format!("focal length {:.0} px, accepted frames have {from:.0} to {upto:.0}", ptz.focal_px)
+                }
+            };
+            format!("Implausible: {what}. Check the names of the points.")
+        };
+        Some(Warning { code: WarningCode::Implausible, message, clicks: Vec::new() })
+    }
+}
+
+impl PtzRanges {
+    /// From and up to, in degrees, degrees and log f.
+    fn bounds(&self) -> [[f64; 2]; 3] {
+        [
+            [self.pan.start().degrees(), self.pan.end().degrees()],
+            [self.tilt.start().degrees(), self.tilt.end().degrees()],
+            [self.focal_px.start().ln(), self.focal_px.end().ln()],
+        ]
+    }
+}
+
+fn in_numbers(ptz: &Ptz) -> [f64; 3] {
+    [ptz.pan.degrees(), ptz.tilt.degrees(), ptz.focal_px.ln()]
+}
+
+/// The largest excess, if one is over the limit.
+fn largest(all: impl Iterator<Item = Odd>) -> Option<Odd> {
+    all.filter(|odd| odd.excess > 0.0).max_by(|a, b| a.excess.total_cmp(&b.excess))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn habits() -> Habits {
+        let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
+        let seen = PtzRanges { pan: degrees(-30.0, 20.0), tilt: degrees(-14.0, -8.0), focal_px: 1500.0..=3000.0 };
+        let usual = PtzStep { pan: Angle::from_degrees(0.4), tilt: Angle::from_degrees(0.1), log_focal: 0.01 };
+        let motion = Motion { from: Ptz::from_degrees(10.0, -10.0, 2000.0), frames: 1, usual };
+        Habits { seen: Some(seen), motion: Some(motion) }
+    }
+
+    fn said(habits: &Habits, pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Option<String> {
+        let ptz = Ptz::from_degrees(pan_deg, tilt_deg, focal_px);
+        let warning = habits.warning(&ptz, &PtzStep::ZERO);
+        assert_eq!(warning.is_some(), habits.surprise(&ptz, &PtzStep::ZERO) > 0.0);
+        warning.map(|warning| warning.message)
+    }
+
+    #[test]
+    fn a_jump_is_told_with_what_is_usual() {
+        let habits = habits();
+        assert_eq!(said(&habits, 11.1, -10.1, 2040.0), None);
+        let jump = said(&habits, 16.2, -10.0, 2000.0).unwrap();
+        assert_eq!(jump, "Implausible: pan jumps 6.2° in one frame (usual ≤ 0.4°). Cut or wrong name?");
+        let zoom = said(&habits, 10.0, -10.0, 3000.0).unwrap();
+        assert!(zoom.contains("focal length changes by 50 % in one frame (usual ≤ 1 %)"), "{zoom}");
+    }
+
+    #[test]
+    fn far_outside_of_the_accepted_frames_is_out_of_the_usual() {
+        let habits = Habits { motion: None, ..habits() };
+        assert_eq!(said(&habits, 40.0, -10.0, 2000.0), None, "half of the span beyond is still usual");
+        let far = said(&habits, 80.0, -10.0, 2000.0).unwrap();
+        assert!(far.starts_with("Implausible: pan 80.0°, accepted frames have -30.0° to 20.0°"), "{far}");
+        assert!(said(&habits, 0.0, -30.0, 2000.0).unwrap().contains("tilt"));
+        assert!(said(&habits, 0.0, -10.0, 9000.0).unwrap().contains("focal length"));
+        assert_eq!(said(&Habits::default(), 170.0, -80.0, 99_999.0), None, "nothing is known");
+    }
+
+    #[test]
+    fn what_clicks_leave_open_is_no_jump() {
+        let ptz = Ptz::from_degrees(13.0, -10.0, 2000.0);
+        let slack = PtzStep { pan: Angle::from_degrees(2.5), ..PtzStep::ZERO };
+        assert!(habits().warning(&ptz, &PtzStep::ZERO).is_some());
+        assert!(habits().warning(&ptz, &slack).is_none());
+    }
+}

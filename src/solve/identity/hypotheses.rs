@@ -1,0 +1,343 @@
+//! Sets of clicks with some names changed, and the cameras that fit them.
+
+use super::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::field::{Curve, FieldLine, FieldModel, Landmark, Symmetry};
+use crate::geometry::Vec3;
+use crate::solve::frame::best_fit;
+use crate::solve::habits::PtzStep;
+use crate::solve::refine::distance_px;
+use crate::solve::{FrameSolution, Loss, Observation, SolveContext, Target, WorldCurve};
+use std::collections::BTreeSet;
+
+/// A name fits a click that lies within this many sigmas of it.
+const FITS_SIGMAS: f64 = 4.0;
+
+/// Parts of the field and lines tried at most, those with the most clicks first.
+const MAX_GROUPS: usize = 12;
+
+/// Clicks with some names changed.
+pub(super) struct Hypothesis {
+    kind: IdentityKind,
+    clicks: Vec<Observation>,
+    renames: Vec<Rename>,
+}
+
+/// A hypothesis with the camera that fits it best.
+pub(super) struct Judged {
+    hypothesis: Hypothesis,
+    ptz: Ptz,
+    rms_px: f64,
+    pub chi_squared: f64,
+    /// How far the camera is from what it usually does, as χ² counts.
+    pub surprise: f64,
+}
+
+impl Judged {
+    /// Of equally good explanations the one that changes least.
+    pub fn penalty(&self) -> f64 {
+        self.chi_squared + self.surprise + 4.0 * self.hypothesis.renames.len() as f64
+    }
+
+    pub fn finding(self, evidence: Evidence, as_named_px: f64) -> IdentityFinding {
+        let Hypothesis { kind, renames, .. } = self.hypothesis;
+        IdentityFinding { kind, evidence, renames, ptz: self.ptz, as_named_px, renamed_px: self.rms_px }
+    }
+}
+
+pub(super) struct Search<'a> {
+    pub base: &'a CameraBase,
+    pub field: &'a FieldModel,
+    pub clicks: &'a [Observation],
+    pub context: SolveContext,
+    /// How far off the camera may be without being out of the usual.
+    pub slack: PtzStep,
+}
+
+impl Search<'_> {
+    /// Surplus equations, at least 1.
+    pub fn redundancy(&self) -> usize {
+        let equations: usize = self.clicks.iter().map(|click| click.target.equations()).sum();
+        equations.saturating_sub(3).max(1)
+    }
+
+    pub fn judged(&self, hypothesis: Hypothesis) -> Option<Judged> {
+        let best = best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
+        let surprise = self.context.habits.surprise(&best.ptz, &self.slack);
+        Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
+    }
+
+    /// The mirrored sides, swaps, and single clicks of another landmark or line. With few clicks all of them; with many the
+    /// majority tells which are odd.
+    pub fn single_mistakes(&self, few_clicks: bool) -> Vec<Hypothesis> {
+        let mut found: Vec<Hypothesis> = Symmetry::ALL.into_iter().filter_map(|side| self.mirrored(side)).collect();
+        if few_clicks {
+            found.extend(self.swaps());
+            found.extend(self.left_out_one_by_one());
+        } else {
+            found.extend(self.by_majority());
+        }
+        found
+    }
+
+    /// All clicks on one part of the field, or on one line, taken for another.
+    pub fn group_mistakes(&self) -> Vec<Hypothesis> {
+        let mut found = self.other_parts();
+        found.extend(self.parallel_lines());
+        // Stable: the same order on every run.
+        found.sort_by_key(|hypothesis| std::cmp::Reverse(hypothesis.renames.len()));
+        found.truncate(MAX_GROUPS);
+        found
+    }
+
+    /// A few clicks that fit: does the mirrored side fit them as well?
+    pub fn equal_mirror(&self, solution: &FrameSolution, surprise: f64) -> Option<IdentityFinding> {
+        /// χ² that is no evidence against a set of names.
+        const AS_WELL: f64 = 4.0;
+        // What the frames before and after saw has decided already.
+        if self.context.expected().is_some() {
+            return None;
+        }
+        let mirrors = Symmetry::ALL.into_iter().filter_map(|symmetry| self.judged(self.mirrored(symmetry)?));
+        mirrors
+            .filter(|judged| judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL)
+            .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
+            .map(|judged| judged.finding(Evidence::None, solution.rms_px))
+    }
+
+    /// All names of the mirrored side; none if the field lacks one of them, or nothing would change.
+    fn mirrored(&self, symmetry: Symmetry) -> Option<Hypothesis> {
+        let mut named = Vec::with_capacity(self.clicks.len());
+        for click in self.clicks {
+            named.push(match click.target {
+                Target::Landmark(at) => self.as_landmark(symmetry.landmark_twin(self.field, self.landmark_at(at)?)?),
+                Target::Line(curve) => self.as_line(symmetry.line_twin(self.field, self.line_of(&curve)?)?),
+            });
+        }
+        let Hypothesis { clicks, renames, .. } =
+            self.with_names(IdentityKind::Mirrored(symmetry), named.into_iter().map(Some))?;
+        // Where all but two clicks lie on the mirror, it is a swap.
+        let kind = if self.exchanges_two(&clicks) { IdentityKind::Swapped } else { IdentityKind::Mirrored(symmetry) };
+        Some(Hypothesis { kind, clicks, renames })
+    }
+
+    fn landmark_at(&self, at: Vec3) -> Option<&Landmark> {
+        const SAME_PLACE_M: f64 = 1e-6;
+        self.field.landmarks.iter().find(|landmark| (self.field.landmark_in_world(landmark) - at).norm() < SAME_PLACE_M)
+    }
+
+    fn line_of(&self, curve: &WorldCurve) -> Option<&FieldLine> {
+        self.field.lines.iter().find(|line| line.curve == *curve.nominal())
+    }
+
+    fn as_landmark(&self, landmark: &Landmark) -> Named {
+        let target = Target::Landmark(self.field.landmark_in_world(landmark));
+        Named { target, name: Name::Landmark(landmark.id.clone()), label: landmark.label.clone() }
+    }
+
+    fn as_line(&self, line: &FieldLine) -> Named {
+        let target = Target::Line(WorldCurve::on_field(self.field, line.curve));
+        Named { target, name: Name::Line(line.id.clone()), label: line.label.clone() }
+    }
+
+    /// The clicks under new names, one for each click, none where it keeps its own; none if nothing changes.
+    fn with_names(&self, kind: IdentityKind, names: impl Iterator<Item = Option<Named>>) -> Option<Hypothesis> {
+        let mut clicks = self.clicks.to_vec();
+        let mut renames = Vec::new();
+        for (click, named) in clicks.iter_mut().zip(names) {
+            if let Some(Named { target, name, label }) = named
+                && target != click.target
+            {
+                click.target = target;
+                renames.push(Rename { click: click.click, name, label });
+            }
+        }
+        (!renames.is_empty()).then_some(Hypothesis { kind, clicks, renames })
+    }
+
+    /// Every pair of landmarks exchanged.
+    fn swaps(&self) -> Vec<Hypothesis> {
+        let mut found = Vec::new();
+        for i in 0..self.clicks.len() {
+            for j in i + 1..self.clicks.len() {
+                found.extend(self.swap(i, j));
+            }
+        }
+        found
+    }
+
+    fn swap(&self, i: usize, j: usize) -> Option<Hypothesis> {
+        let (Target::Landmark(one), Target::Landmark(two)) = (self.clicks[i].target, self.clicks[j].target) else {
+            return None;
+        };
+        let (to_two, to_one) = (self.as_landmark(self.landmark_at(two)?), self.as_landmark(self.landmark_at(one)?));
+        let named = (0..self.clicks.len()).map(|index| match index {
+            _ if index == i => Some(to_two.clone()),
+            _ if index == j => Some(to_one.clone()),
+            _ => None,
+        });
+        self.with_names(IdentityKind::Swapped, named)
+    }
+
+    /// Each click left out in turn: what would it show in the camera that the others see?
+    fn left_out_one_by_one(&self) -> Vec<Hypothesis> {
+        let mut found = Vec::new();
+        for left_out in 0..self.clicks.len() {
+            let mut others = self.clicks.to_vec();
+            others.remove(left_out);
+            if let Some(camera) = self.camera_of(&others, Loss::Squared) {
+                found.extend(self.renamed(&camera, &[left_out]));
+            }
+        }
+        found
+    }
+
+    /// The camera that most clicks agree on, and new names for the others.
+    fn by_majority(&self) -> Option<Hypothesis> {
+        let camera = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
+        let odd: Vec<usize> = (0..self.clicks.len())
+            .filter(|&i| {
+                let click = &self.clicks[i];
+                distance_px(&camera, click).is_none_or(|distance| distance > FITS_SIGMAS * click.sigma_px)
+            })
+            .collect();
+        // More odd ones than others are no majority.
+        if odd.is_empty() || 2 * odd.len() > self.clicks.len() {
+            return None;
+        }
+        self.renamed(&camera, &odd)
+    }
+
+    fn camera_of(&self, clicks: &[Observation], loss: Loss) -> Option<PtzCamera> {
+        let context = SolveContext { loss, ..self.context.clone() };
+        let best = best_fit(self.base, clicks, &context).filter(|best| best.plausible)?;
+        Some(PtzCamera::new(*self.base, best.ptz))
+    }
+
+    /// The clicks with the odd ones named as they fit; none if one of them fits nothing.
+    fn renamed(&self, camera: &PtzCamera, odd: &[usize]) -> Option<Hypothesis> {
+        let mut named = vec![None; self.clicks.len()];
+        for &index in odd {
+            named[index] = Some(self.name_for(camera, &self.clicks[index])?);
+        }
+        let found = self.with_names(IdentityKind::WrongName, named.into_iter())?;
+        let kind = if self.exchanges_two(&found.clicks) { IdentityKind::Swapped } else { IdentityKind::WrongName };
+        Some(Hypothesis { kind, ..found })
+    }
+
+    /// Whether clicks differ from the given ones in two names that changed places.
+    fn exchanges_two(&self, clicks: &[Observation]) -> bool {
+        let changed: Vec<usize> = (0..clicks.len()).filter(|&i| clicks[i].target != self.clicks[i].target).collect();
+        matches!(*changed, [i, j]
+            if clicks[i].target == self.clicks[j].target && clicks[j].target == self.clicks[i].target)
+    }
+
+    /// The landmark (for a click on a line: the line) nearest to a click, if it fits.
+    fn name_for(&self, camera: &PtzCamera, click: &Observation) -> Option<Named> {
+        let candidates: Vec<Named> = match click.target {
+            Target::Landmark(_) => self.field.landmarks.iter().map(|landmark| self.as_landmark(landmark)).collect(),
+            Target::Line(_) => self.field.lines.iter().map(|line| self.as_line(line)).collect(),
+        };
+        candidates
+            .into_iter()
+            .filter(|named| named.target != click.target)
+            .filter_map(|named| {
+                let distance = distance_px(camera, &Observation { target: named.target, ..*click })?;
+                (distance < FITS_SIGMAS * click.sigma_px).then_some((distance, named))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map(|(_, named)| named)
+    }
+
+    /// Two or more clicks on a part of the field, named as points of another part: names that differ in their beginning
+    /// only, such as those of goal area and penalty area.
+    fn other_parts(&self) -> Vec<Hypothesis> {
+        let named: Vec<Option<Name>> = self.clicks.iter().map(|click| self.name_of(click)).collect();
+        let mut parts: BTreeSet<(String, String)> = BTreeSet::new();
+        for name in named.iter().flatten() {
+            let id = name.as_str();
+            for (end, _) in id.match_indices('_') {
+                let (part, rest) = id.split_at(end);
+                let others = self.ids_like(name).filter_map(|other| other.strip_suffix(rest));
+                parts.extend(others.filter(|other| *other != part).map(|other| (part.to_owned(), other.to_owned())));
+            }
+        }
+        let mut found: Vec<Hypothesis> = Vec::new();
+        // The longest beginnings first: they name the part best.
+        for (part, other) in parts.into_iter().rev() {
+            let renamed = named.iter().map(|name| self.in_part(name.as_ref()?, &part, &other));
+            let [in_words, other_in_words] = [&part, &other].map(|part| part.replace('_', " "));
+            let kind = IdentityKind::OtherPart { named: in_words, fits: other_in_words };
+            let Some(hypothesis) = self.with_names(kind, renamed) else { continue };
+            if hypothesis.renames.len() > 1 && found.iter().all(|known| known.renames != hypothesis.renames) {
+                found.push(hypothesis);
+            }
+        }
+        found
+    }
+
+    /// The name of a click.
+    fn name_of(&self, click: &Observation) -> Option<Name> {
+        match click.target {
+            Target::Landmark(at) => Some(Name::Landmark(self.landmark_at(at)?.id.clone())),
+            Target::Line(curve) => Some(Name::Line(self.line_of(&curve)?.id.clone())),
+        }
+    }
+
+    /// The names of everything of a name's kind.
+    fn ids_like(&self, name: &Name) -> Box<dyn Iterator<Item = &str> + '_> {
+        match name {
+            Name::Landmark(_) => Box::new(self.field.landmarks.iter().map(|landmark| landmark.id.as_str())),
+            Name::Line(_) => Box::new(self.field.lines.iter().map(|line| line.id.as_str())),
+        }
+    }
+
+    /// What a name of one part is called in the other.
+    fn in_part(&self, name: &Name, part: &str, other: &str) -> Option<Named> {
+        let rest = name.as_str().strip_prefix(part).filter(|rest| rest.starts_with('_'))?;
+        let id = format!("{other}{rest}");
+        match name {
+            Name::Landmark(_) => self.field.landmark(&id).map(|landmark| self.as_landmark(landmark)),
+            Name::Line(_) => self.field.line(&id).map(|line| self.as_line(line)),
+        }
+    }
+
+    /// Two or more clicks on a straight line, taken for a parallel one.
+    fn parallel_lines(&self) -> Vec<Hypothesis> {
+        let mut found = Vec::new();
+        for (index, click) in self.clicks.iter().enumerate() {
+            let Target::Line(curve) = click.target else { continue };
+            let on_it = |other: &Observation| other.target == click.target;
+            let first = !self.clicks[..index].iter().any(on_it);
+            if !first || !self.clicks[index + 1..].iter().any(on_it) {
+                continue;
+            }
+            for line in self.field.lines.iter().filter(|line| are_parallel(curve.nominal(), &line.curve)) {
+                let there = self.as_line(line);
+                let renamed = self.clicks.iter().map(|click| on_it(click).then(|| there.clone()));
+                found.extend(self.with_names(IdentityKind::WrongName, renamed));
+            }
+        }
+        found
+    }
+}
+
+/// What a click shows under a new name.
+#[derive(Clone)]
+struct Named {
+    target: Target,
+    name: Name,
+    label: String,
+}
+
+/// Whether two straight lines run the same way.
+fn are_parallel(one: &Curve, two: &Curve) -> bool {
+    /// Sine of the angle between them.
+    const SAME_WAY: f64 = 1e-6;
+    match (one, two) {
+        (Curve::Segment { from, to }, Curve::Segment { from: start, to: end }) => {
+            (to - from).normalize().cross(&(end - start).normalize()).norm() < SAME_WAY
+        }
+        _ => false,
+    }
+}

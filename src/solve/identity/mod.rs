@@ -1,0 +1,152 @@
+//! The mistakes that people make with names: two landmarks swapped, the mirrored end or side, a neighbouring line or
+//! landmark, one part of the field for another.
+//!
+//! Every explanation is a set of clicks with some names changed. It counts as the truth where the clicks contradict each
+//! other as named and fit when renamed; where a few clicks fit both ways, what the camera usually does decides, and where
+//! that is not known either, both are shown.
+
+mod hypotheses;
+mod words;
+
+use super::{FrameSolution, Loss, Observation, SolveContext};
+use crate::camera::{CameraBase, Ptz};
+use crate::field::{FieldModel, LandmarkId, LineId, Symmetry};
+use hypotheses::{Judged, Search};
+
+/// Renaming must lower χ² by this much, and to this share.
+const MIN_GAIN: f64 = 25.0;
+const MAX_SHARE: f64 = 0.25;
+
+/// As named, the clicks must contradict each other this much (see [`FrameSolution::misfit`]).
+const MIN_MISFIT: f64 = 2.0;
+
+/// Renamed, they must fit about as well as clicks do.
+const MAX_RENAMED_MISFIT: f64 = 2.0;
+
+/// Up to this many clicks every swap and every single wrong name is tried; with more the majority finds the odd ones.
+const FEW_CLICKS: usize = 6;
+
+/// With more clicks than this no mirrored side fits as well by chance.
+const MIRRORS_FIT_UPTO: usize = 4;
+
+/// What is wrong with the names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum IdentityKind {
+    /// Two names are exchanged.
+    Swapped,
+    /// All names are of the mirrored side.
+    Mirrored(Symmetry),
+    /// One or more clicks are of another landmark or line.
+    WrongName,
+    /// One part of the field was taken for another that has points of the same names.
+    OtherPart {
+        /// The part as named, in words: "penalty area".
+        named: String,
+        /// The part that fits.
+        fits: String,
+    },
+}
+
+/// What speaks for the other names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Evidence {
+    /// The clicks contradict each other as named.
+    Clicks,
+    /// Both fit, but as named the camera does what it never does.
+    Habits,
+    /// Nothing: both fit, and the picture alone cannot tell.
+    None,
+}
+
+/// A new name for a click.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Rename {
+    /// Which click, from 0.
+    pub click: usize,
+    /// What it shows.
+    pub name: Name,
+    /// What a person reads.
+    pub label: String,
+}
+
+/// The name of a landmark or line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Name {
+    /// A landmark.
+    Landmark(LandmarkId),
+    /// A line.
+    Line(LineId),
+}
+
+impl Name {
+    /// As documents write it.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        match self {
+            Self::Landmark(id) => id.as_str(),
+            Self::Line(id) => id.as_str(),
+        }
+    }
+}
+
+/// Another set of names that fits better, or as well.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentityFinding {
+    /// What is wrong.
+    pub kind: IdentityKind,
+    /// What speaks for it.
+    pub evidence: Evidence,
+    /// What to change: apply all of them to mend it.
+    pub renames: Vec<Rename>,
+    /// The camera under the new names.
+    pub ptz: Ptz,
+    /// Root mean square distance of the clicks as named, px.
+    pub as_named_px: f64,
+    /// The same under the new names.
+    pub renamed_px: f64,
+}
+
+/// Looks for a better or equally good set of names for a solved frame's clicks; the best, if there is one.
+///
+/// `observations` are those that were solved, made from `field`. A frame of many clicks that fit, and whose camera does
+/// what it usually does, is left alone: that takes no time.
+#[must_use]
+pub fn check_identity(
+    base: &CameraBase,
+    field: &FieldModel,
+    observations: &[Observation],
+    solution: &FrameSolution,
+    context: &SolveContext,
+) -> Option<IdentityFinding> {
+    let clicks: Vec<Observation> = observations.iter().filter(|click| !click.check).copied().collect();
+    let slack = solution.slack();
+    let search = Search {
+        base,
+        field,
+        clicks: &clicks,
+        context: SolveContext { loss: Loss::Squared, ..context.clone() },
+        slack,
+    };
+    let misfit = solution.misfit()?;
+    let surprise = context.habits.surprise(&solution.ptz, &slack);
+    let contradicted = misfit >= MIN_MISFIT;
+    if !contradicted && surprise < MIN_GAIN {
+        return if clicks.len() <= MIRRORS_FIT_UPTO { search.equal_mirror(solution, surprise) } else { None };
+    }
+    let as_named = solution.chi_squared + surprise;
+    let expected = search.redundancy() as f64 * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
+    let convinces = |judged: &Judged| {
+        let renamed = judged.chi_squared + judged.surprise;
+        renamed + MIN_GAIN < as_named
+            && renamed < MAX_SHARE * as_named
+            && (judged.chi_squared / expected).sqrt() < MAX_RENAMED_MISFIT
+    };
+    let best = |hypotheses: Vec<hypotheses::Hypothesis>| {
+        let judged = hypotheses.into_iter().filter_map(|hypothesis| search.judged(hypothesis)).filter(convinces);
+        judged.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
+    };
+    // Whole parts and lines are tried only where nothing simpler explains the clicks.
+    let found = best(search.single_mistakes(clicks.len() <= FEW_CLICKS)).or_else(|| best(search.group_mistakes()))?;
+    let evidence = if contradicted { Evidence::Clicks } else { Evidence::Habits };
+    Some(found.finding(evidence, solution.rms_px))
+}

@@ -1,0 +1,90 @@
+//! What a person reads about names that look wrong.
+
+use super::{Evidence, IdentityFinding, IdentityKind};
+use crate::field::Symmetry;
+use crate::solve::{Warning, WarningCode};
+
+impl IdentityFinding {
+    /// What a person reads: what is wrong, the numbers, the way out.
+    #[must_use]
+    pub fn warning(&self) -> Warning {
+        let (before, after) = (self.as_named_px, self.renamed_px);
+        let clicks: Vec<usize> = self.renames.iter().map(|rename| rename.click).collect();
+        let points = points(&clicks);
+        let contradicted = self.evidence == Evidence::Clicks;
+        let (code, message) = match &self.kind {
+            IdentityKind::Swapped if contradicted => {
+                let message = format!("{points} look swapped: {before:.0} px as named, {after:.1} px swapped.");
+                (WarningCode::Swapped, message)
+            }
+            IdentityKind::Swapped => {
+                (WarningCode::Swapped, format!("{points} fit swapped as well, {}.", self.why_then()))
+            }
+            IdentityKind::Mirrored(symmetry) => {
+                let (end, what) = match symmetry {
+                    Symmetry::MirrorX => ("other end", "left/right"),
+                    Symmetry::MirrorY => ("other side", "near/far"),
+                    Symmetry::Turn180 => ("opposite corner", "left/right and near/far"),
+                };
+                let message = match self.evidence {
+                    Evidence::Clicks => format!(
+                        "The names look mirrored: {before:.0} px as named, {after:.1} px on the {end}. Check {what}."
+                    ),
+                    Evidence::Habits => format!("The {end} fits as well, {}. Check {what}.", self.why_then()),
+                    Evidence::None => format!("The {end} fits as well. Check {what}."),
+                };
+                (WarningCode::Mirrored, message)
+            }
+            IdentityKind::OtherPart { named, fits } => {
+                let message = if contradicted {
+                    format!("{points} look like the {fits}: {before:.0} px as {named}, {after:.1} px as {fits}.")
+                } else {
+                    format!("{points} fit the {fits} as well as the {named}, {}.", self.why_then())
+                };
+                (WarningCode::WrongLine, message)
+            }
+            IdentityKind::WrongName => {
+                let labels = self.renames.iter().map(|rename| rename.label.as_str()).collect::<Vec<_>>().join(", ");
+                let fit = if clicks.len() == 1 { "fits" } else { "fit" };
+                let message = if contradicted {
+                    format!("{points} {fit} elsewhere: {before:.0} px as named, {after:.1} px as {labels}.")
+                } else {
+                    format!("{points} {fit} as {labels} as well, {}.", self.why_then())
+                };
+                (WarningCode::WrongLine, message)
+            }
+        };
+        let clicks = if matches!(self.kind, IdentityKind::Mirrored(_)) { Vec::new() } else { clicks };
+        Warning { code, message, clicks }
+    }
+
+    /// What speaks for the other names where both fit.
+    fn why_then(&self) -> &'static str {
+        match self.evidence {
+            Evidence::Habits => "and then the camera looks where it usually does",
+            Evidence::Clicks | Evidence::None => "the picture cannot tell",
+        }
+    }
+
+    /// The name of the step that mends it.
+    #[must_use]
+    pub fn step(&self) -> String {
+        let clicks: Vec<usize> = self.renames.iter().map(|rename| rename.click).collect();
+        let points = points(&clicks).to_lowercase();
+        match self.kind {
+            IdentityKind::Swapped => format!("Swap {points}"),
+            IdentityKind::Mirrored(_) => "Exchange names".to_owned(),
+            IdentityKind::OtherPart { .. } | IdentityKind::WrongName => format!("Rename {points}"),
+        }
+    }
+}
+
+/// "Point 3", "Points 2 and 3", "Points 1, 2 and 4".
+fn points(clicks: &[usize]) -> String {
+    let numbers: Vec<String> = clicks.iter().map(|click| (click + 1).to_string()).collect();
+    match numbers.as_slice() {
+        [one] => format!("Point {one}"),
+        [first @ .., last] => format!("Points {} and {last}", first.join(", ")),
+        [] => "No point".to_owned(),
+    }
+}

@@ -1,0 +1,181 @@
+//! `touchline evaluate`: what a script can rely on.
+
+use crate::program::touchline;
+use serde_json::Value;
+use std::path::Path;
+use tempfile::TempDir;
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{Angle, ImageSize, Mat3, Vec3};
+use touchline::project::{
+    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Location, Solution, write_document,
+};
+
+const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+fn ptz(index: usize) -> Ptz {
+    Ptz::from_degrees(10.0 + index as f64, -11.0, 1500.0 + 700.0 * index as f64)
+}
+
+fn document(frames: usize) -> Document {
+    let angles = BaseAngles { pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
+    let base = CameraBase::new(Vec3::new(1.0, -58.0, 16.0), angles.base_from_world(), SIZE.centre());
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(camera.into());
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    for index in 0..frames {
+        let mut frame = Frame::from_image(&format!("images/{index}.jpg"), "main".into(), SIZE);
+        frame.status = FrameStatus::Reference;
+        frame.clip = Some(Clip::Number(index as i64 / 2));
+        frame.ptz = Some(FramePtz::new(ptz(index), None));
+        let exact = PtzCamera::new(base, ptz(index));
+        for name in ["centre_mark", "centre_circle_right", "penalty_arc_near_right"] {
+            let at = exact.image_from_world(field.landmark_in_world(field.landmark(name).unwrap())).unwrap();
+            if SIZE.contains(at) {
+                frame.clicks.push(Click::landmark(name.into(), at));
+            }
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn write(folder: &Path, name: &str, document: &Document) {
+    write_document(&Location::for_new_document(&folder.join(name)).unwrap(), document, false).unwrap();
+}
+
+/// A truth of four frames; an estimate that is 0.1° too far right in all, 2 % too long in the second, unsolved in the
+/// third, without the fourth, and with a frame too many.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let truth = document(4);
+    let mut estimate = document(4);
+    for frame in &mut estimate.frames {
+        let exact = frame.ptz.as_ref().unwrap().ptz();
+        let moved = Ptz { pan: exact.pan + Angle::from_degrees(0.1), ..exact };
+        frame.ptz = Some(FramePtz::new(moved, None));
+        frame.clicks.truncate(1);
+        let sigmas = Mat3::from_diagonal(&Vec3::new(0.01, 0.01, 400.0));
+        frame.solution = Some(Solution { covariance: Some(sigmas), ..Solution::default() });
+    }
+    let second = estimate.frames[1].ptz.as_mut().unwrap();
+    second.focal_px *= 1.02;
+    estimate.frames[2].ptz = None;
+    estimate.frames.remove(3);
+    estimate.frames.push(Frame::from_image("images/more.jpg", "main".into(), SIZE).into());
+    write(folder.path(), "truth.json", &truth);
+    write(folder.path(), "estimate.json", &estimate);
+    folder
+}
+
+fn near(value: &Value, expected: f64, tolerance: f64) {
+    let value = value.as_f64().unwrap();
+    assert!((value - expected).abs() <= tolerance, "{value} {expected}");
+}
+
+#[test]
+fn errors_are_those_put_in_and_missing_frames_are_named() {
+    let folder = folder();
+    let ran = touchline(folder.path(), "evaluate truth.json estimate.json --json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("images/2.jpg") && ran.stderr.contains("the estimate has no camera for it"));
+    assert!(ran.stderr.contains("images/3.jpg") && ran.stderr.contains("the estimate has no such frame"));
+    assert!(ran.stderr.contains("images/more.jpg"));
+    let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let frames = report["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 4);
+    near(&frames[0]["pan_deg"], 0.1, 1e-9);
+    near(&frames[0]["tilt_deg"], 0.0, 1e-9);
+    near(&frames[0]["focal_px"], 0.0, 1e-9);
+    near(&frames[0]["rotation_deg"], 0.1, 1e-9);
+    near(&frames[1]["focal_percent"], 2.0, 1e-9);
+    // One sigma in pan alone: χ² 1 of 3.
+    near(&frames[0]["error_over_sigma"], (1.0f64 / 3.0).sqrt(), 1e-9);
+    // A turn by δ moves a pixel near the middle of the picture by f δ.
+    near(&frames[0]["clicks_px"], 1500.0 * 0.1f64.to_radians(), 0.4);
+    assert!(frames[0]["held_out_px"].as_f64().unwrap() > 2.0 && frames[0]["held_out_m"].as_f64().unwrap() > 0.05);
+    assert!(frames[2].get("pan_deg").is_none() && frames[2]["unscored"].is_string());
+
+    let summary = &report["summary"];
+    near(&summary["completeness"], 0.5, 0.0);
+    near(&summary["measures"]["pan_deg"]["mean"], 0.1, 1e-9);
+    near(&summary["measures"]["focal_percent"]["median"], 1.0, 1e-9);
+    let jaccard = summary["measures"]["jac_5"]["mean"].as_f64().unwrap();
+    near(&summary["soccernet_score"], 0.5 * jaccard, 1e-12);
+    let groups: Vec<(&str, &str)> = report["groups"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|g| (g["by"].as_str().unwrap(), g["name"].as_str().unwrap()))
+        .collect();
+    assert_eq!(&groups[..2], [("clip", "0"), ("clip", "1")]);
+    assert!(groups[2..].iter().all(|(by, _)| *by == "view") && groups.len() > 3, "{groups:?}");
+}
+
+#[test]
+fn a_document_is_right_by_itself() {
+    let folder = folder();
+    let ran = touchline(folder.path(), "evaluate truth.json truth.json --json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let measures = &report["summary"]["measures"];
+    for (key, expected) in
+        [("iou_part", 1.0), ("iou_whole", 1.0), ("jac_5", 1.0), ("rotation_deg", 0.0), ("clicks_px", 0.0)]
+    {
+        near(&measures[key]["mean"], expected, 1e-9);
+    }
+}
+
+#[test]
+fn a_truth_of_clicks_alone_measures_clicks() {
+    let folder = folder();
+    let mut clicks = document(2);
+    clicks.cameras[0].position_m = None;
+    for frame in &mut clicks.frames {
+        frame.ptz = None;
+    }
+    write(folder.path(), "clicks.json", &clicks);
+    let ran = touchline(folder.path(), "evaluate clicks.json estimate.json --json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let measures = report["summary"]["measures"].as_object().unwrap();
+    assert!(measures.contains_key("held_out_px") && !measures.contains_key("iou_part"));
+    assert!(report["summary"]["every_held_out_click_px"]["count"].as_u64().unwrap() >= 2);
+}
+
+#[test]
+fn files_are_written_by_their_ending_and_never_over_something() {
+    let folder = folder();
+    let run = |arguments: &str| touchline(folder.path(), &format!("evaluate truth.json estimate.json {arguments}"));
+    for name in ["scores.json", "scores.csv", "scores.md"] {
+        let ran = run(&format!("-o {name}"));
+        assert_eq!((ran.code, ran.stdout.as_str()), (1, ""), "{}", ran.stderr);
+    }
+    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    assert!(text("scores.csv").starts_with("frame,clip,camera,view_deg,iou_part,iou_whole,rotation_deg,"));
+    assert_eq!(text("scores.csv").lines().count(), 5);
+    assert!(text("scores.md").contains("| rotation error (°) |"));
+    assert!(serde_json::from_str::<Value>(&text("scores.json")).is_ok());
+    let refused = run("-o scores.csv");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("scores.csv exists already; give --force"), "{}", refused.stderr);
+    let wrong = run("-o scores.txt");
+    assert_eq!(wrong.code, 2);
+    assert!(wrong.stderr.contains(".json, .csv or .md"), "{}", wrong.stderr);
+    // The same input and seed give the same bytes.
+    assert_eq!(run("").stdout, text("scores.json"));
+    assert!(run("--table").stdout.starts_with("2 of 4 frames have a camera (completeness 0.500)."));
+}
+
+#[test]
+fn nothing_to_compare_with_is_said_in_one_line() {
+    let folder = folder();
+    write(folder.path(), "empty.json", &document(0));
+    let ran = touchline(folder.path(), "evaluate empty.json estimate.json");
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("no frame of the truth has a camera or a named click"), "{}", ran.stderr);
+    let missing = touchline(folder.path(), "evaluate truth.json nowhere.json");
+    assert_eq!((missing.code, missing.stderr.lines().count()), (2, 1), "{}", missing.stderr);
+}

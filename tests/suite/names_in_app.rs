@@ -1,0 +1,189 @@
+//! Wrong names in the application: found, marked, compared, mended in one step of undo; and written into the document.
+
+use crate::seeded::{self, normal};
+use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{ImageSize, Vec2, Vec3};
+use touchline::project::{
+    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame, calibrate, document_from_bytes,
+    document_to_string,
+};
+use touchline::solve::{IdentityKind, Verdict, WarningCode, judge};
+
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+fn project() -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base());
+    document.cameras.push(camera.into());
+    document
+}
+
+/// A frame with clicks on landmarks, each named as the pair says, a little off.
+fn frame(name: &str, ptz: Ptz, spots: &[(&str, &str)]) -> Frame {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let camera = PtzCamera::new(base(), ptz);
+    let mut rng = seeded::rng(name);
+    let mut frame = Frame::from_image(name, "main".into(), SIZE);
+    frame.clicks = spots
+        .iter()
+        .map(|(shown, named)| {
+            let at = camera.image_from_world(field.landmark_in_world(field.landmark(shown).unwrap())).unwrap();
+            let off = Vec2::new(normal(&mut rng), normal(&mut rng));
+            Click::landmark((*named).into(), at.moved(off))
+        })
+        .collect();
+    frame.status = FrameStatus::Draft;
+    frame
+}
+
+/// Centre mark and far end of the circle are exchanged.
+fn swapped() -> Frame {
+    let ptz = Ptz::from_degrees(-12.0, -14.0, 2000.0);
+    let spots = [
+        ("halfway_far", "halfway_far"),
+        ("centre_mark", "centre_circle_halfway_far"),
+        ("centre_circle_halfway_far", "centre_mark"),
+        ("penalty_area_far_left_front", "penalty_area_far_left_front"),
+    ];
+    frame("swapped.jpg", ptz, &spots)
+}
+
+fn opened(document: Document) -> App {
+    let mut app = App::new(Settings::default());
+    app.update(Action::Opened(Box::new(Opened {
+        document,
+        folder: "/nowhere".into(),
+        file: "/nowhere/project.json".into(),
+        read_only: None,
+        notices: Vec::new(),
+    })));
+    app
+}
+
+fn names(app: &App) -> Vec<String> {
+    let named = app.frame().unwrap().clicks.iter().filter_map(|click| click.target.as_ref());
+    named.map(|target| target.as_str().to_owned()).collect()
+}
+
+#[test]
+fn a_swap_is_marked_compared_and_mended_in_one_step() {
+    let mut document = project();
+    document.frames.push(swapped().into());
+    let mut app = opened(document);
+    let before = names(&app);
+    let current = app.current();
+    let judgement = current.judgement.clone().unwrap();
+    assert_eq!(judgement.verdict, Verdict::Wrong);
+    assert!(judgement.reason.starts_with("Points 2 and 3 look swapped: "), "{}", judgement.reason);
+    assert_eq!(current.disputed, [1, 2]);
+    let compared = current.alternative().unwrap().ptz();
+    assert!((compared.pan.degrees() + 12.0).abs() < 0.1 && app.why_not(Command::Compare).is_none());
+
+    let effects = app.update(Action::Command(Command::MendNames));
+    assert_eq!(effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count(), 1, "one step");
+    assert_eq!(names(&app)[1..3], ["centre_mark", "centre_circle_halfway_far"]);
+    assert!(app.current().other_names().is_none() && app.current().disputed.is_empty());
+    let mended = app.current().judgement.as_ref().unwrap();
+    assert_eq!(mended.verdict, Verdict::Good, "{mended:?}");
+    assert!(app.why_not(Command::MendNames).is_some(), "there is nothing left to mend");
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(names(&app), before);
+    assert_eq!(app.session.notices.last().unwrap().text, "Undone: Swap points 2 and 3.");
+}
+
+#[test]
+fn the_correction_is_in_the_document() {
+    let mut document = project();
+    document.frames.push(swapped().into());
+    // A point without a name comes first: a dataset leaves it out, and the numbers follow.
+    let unnamed = Click::unnamed(document.frames[0].clicks[0].image);
+    document.frames[0].clicks.insert(0, unnamed);
+    let field = document.field.model("/nowhere".as_ref()).unwrap();
+    let solved = calibrate(&document, &document.frames[0], &field, 0).unwrap();
+    document.frames[0].record(&solved);
+    let solution = document.frames[0].solution.clone().unwrap();
+    assert_eq!(solution.disputed, [2, 3]);
+    let renames = &solution.warnings[0].renames;
+    assert_eq!((renames[0].click, renames[0].target.clone()), (2, Target::Landmark("centre_mark".into())));
+    let text = document_to_string(&document).unwrap();
+    assert!(text.contains("\"renames\""), "{text}");
+    assert_eq!(document_from_bytes(text.as_bytes()).unwrap(), document);
+    let dataset = document.to_dataset();
+    let solution = dataset.frames[0].solution.as_ref().unwrap();
+    let numbers: Vec<usize> = solution.warnings[0].renames.iter().map(|rename| rename.click).collect();
+    assert_eq!((numbers, &solution.disputed), (vec![1, 2], &vec![1, 2]));
+}
+
+/// A slow pan in a video: every second frame of the first 40 is solved and accepted.
+fn panned() -> Document {
+    let mut document = project();
+    for index in 0..41 {
+        let ptz = Ptz::from_degrees(-40.0 + 0.2 * index as f64, -12.0, 5000.0);
+        let mut frame = frame(&format!("{index}.jpg"), ptz, &[]);
+        frame.video = Some(VideoFrame {
+            path: "match.mp4".into(),
+            frame_index: index,
+            pts_s: None,
+            extra: touchline::project::Extra::new(),
+        });
+        if index % 2 == 0 && index < 40 {
+            frame.ptz = Some(touchline::project::FramePtz::new(ptz, None));
+            frame.status = FrameStatus::Reference;
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+#[test]
+fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
+    let mut document = panned();
+    let ptz = Ptz::from_degrees(-40.0 + 0.2 * 21.0, -12.0, 5000.0);
+    let taken_for = [
+        ("goal_area_far_left_goal_line", "penalty_area_far_left_goal_line"),
+        ("goal_area_far_left_front", "penalty_area_far_left_front"),
+    ];
+    let right = taken_for.map(|(shown, _)| (shown, shown));
+    let field = document.field.model("/nowhere".as_ref()).unwrap();
+    let solved = |document: &Document, spots: &[(&str, &str)]| {
+        let clicked = frame("21.jpg", ptz, spots);
+        let clicked = Frame { video: document.frames[21].video.clone(), ..clicked };
+        calibrate(document, &clicked, &field, 21).unwrap()
+    };
+    let fine = solved(&document, &right);
+    assert!(fine.warnings.iter().all(|warning| warning.code == WarningCode::Separation), "{:?}", fine.warnings);
+
+    let wrong = solved(&document, &taken_for);
+    let told: Vec<&str> = wrong.warnings.iter().map(|warning| warning.message.as_str()).collect();
+    let jump = wrong.warnings.iter().find(|warning| warning.code == WarningCode::Implausible).unwrap();
+    assert!(jump.message.contains("the focal length changes by"), "{told:?}");
+    assert_ne!(judge(&wrong, SIZE).verdict, Verdict::Good);
+    let found = wrong.identity.as_ref().unwrap_or_else(|| panic!("{told:?}"));
+    assert!(matches!(found.kind, IdentityKind::OtherPart { .. }), "{found:?}");
+    assert!((found.ptz.pan - ptz.pan).abs().degrees() < 0.2, "the other part is where the camera was");
+
+    // In another shot the camera may look anywhere: only the picture's own doubt remains.
+    document.frames[21].clip = Some(touchline::project::Clip::Number(2));
+    let clicked = Frame { clip: document.frames[21].clip.clone(), ..frame("21.jpg", ptz, &taken_for) };
+    let elsewhere = calibrate(&document, &clicked, &field, 21).unwrap();
+    assert!(elsewhere.warnings.iter().all(|warning| !warning.message.contains("Cut or wrong name?")));
+}
+
+#[test]
+fn a_camera_under_the_pitch_is_implausible() {
+    let mut document = project();
+    let below = CameraBase { position_m: Vec3::new(0.0, -60.0, -2.0), ..base() };
+    document.cameras[0].set_base(&below);
+    document.frames.push(swapped().into());
+    let field = document.field.model("/nowhere".as_ref()).unwrap();
+    let Ok(solved) = calibrate(&document, &document.frames[0], &field, 0) else { return };
+    assert!(solved.warnings.iter().any(|warning| warning.message.contains("2.0 m below the pitch")));
+    assert_ne!(judge(&solved, SIZE).verdict, Verdict::Good);
+}
