@@ -240,7 +240,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let camera = calibrate(&open.document, &others, &field, frame_index)
         .ok()
         .map(|solved| solved.ptz)
-        .or_else(|| named.is_empty().then(|| frame.ptz.as_ref().map(FramePtz::ptz)).flatten())
+        .or_else(|| named.is_empty().then(|| as_proposed_or_by_hand(frame)).flatten())
         .zip(base)
         .map(|(ptz, base)| PtzCamera::new(base, ptz))
         .or_else(|| if base.is_none() { camera_alone(&open.document, &others, &field) } else { None });
@@ -257,6 +257,12 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     };
     let candidates = naming::candidates(&scene, at, lines);
     Some(Naming { click, candidates, typed: String::new(), lines, highlighted: 0 })
+}
+
+/// The camera of a frame that does not come from its clicks.
+fn as_proposed_or_by_hand(frame: &Frame) -> Option<Ptz> {
+    let proposed = frame.proposed().map(|proposed| proposed.ptz);
+    proposed.as_ref().or(frame.ptz.as_ref()).map(FramePtz::ptz)
 }
 
 /// Where this camera looked in other shots: the solved frames nearest by number.

@@ -1,6 +1,7 @@
 //! From a frame's clicks to its camera: the document's side of the solve.
 
-use super::{BetterName, Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target, habits};
+use super::proposed::ENOUGH_EQUATIONS;
+use super::{BetterName, Click, Document, Frame, FramePtz, Solution, SolutionSource, SolutionWarning, Target, habits};
 use crate::camera::Ptz;
 use crate::field::FieldModel;
 use crate::solve::{
@@ -58,8 +59,9 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
         .collect()
 }
 
-/// The camera of a frame from its clicks and its camera's base. `index` is its place in the document (`frame` may be a
-/// changed copy): the frames around it decide where its clicks cannot. Names that fit better come first among its warnings.
+/// The camera of a frame from its clicks and its camera's base, and where they are too few from what was proposed. `index` is
+/// its place in the document (`frame` may be a changed copy): the frames around it decide where its clicks cannot. Names that
+/// fit better come first among its warnings.
 ///
 /// # Errors
 /// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
@@ -75,12 +77,19 @@ pub fn calibrate(
     let base =
         camera.base_for(frame).ok_or_else(|| CalibrationError::NoBase { camera: frame.camera.as_str().to_owned() })?;
     let observations = observations(frame, field)?;
-    let context = SolveContext {
+    let mut context = SolveContext {
         neighbours: solved_neighbours(document, index),
         habits: habits(document, index),
         ..SolveContext::new(frame.image_size)
     };
+    if let Some(proposed) = frame.proposed() {
+        proposed.inform(&mut context, &observations);
+    }
     let solution = solve_frame(&base, &observations, &context)?;
+    if context.prior.is_some() {
+        // Too few clicks to say anything about each other.
+        return Ok(solution);
+    }
     let finding = check_identity(&base, field, &observations, &solution, &context);
     Ok(solution.with_identity(finding))
 }
@@ -116,9 +125,24 @@ impl Frame {
         self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
     }
 
+    /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
+    fn clicks_decide(&self) -> bool {
+        let equations = |click: &Click| match click.target {
+            Some(Target::Landmark(_)) => 2,
+            Some(Target::Line(_)) => 1,
+            None => 0,
+        };
+        let used = self.clicks.iter().filter(|click| !click.check);
+        used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
+    }
+
     /// Takes over what a solve found.
     pub fn record(&mut self, solved: &FrameSolution) {
         let k1 = (solved.k1 != 0.0 || self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some())).then_some(solved.k1);
+        let proposed = self.proposed();
+        let by_clicks = self.clicks_decide();
+        let source =
+            proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
         let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
         self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, k1) });
         let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
@@ -126,8 +150,9 @@ impl Frame {
             covariance: Some(solved.covariance),
             rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
             worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
-            source: Some(SolutionSource::Clicks),
+            source: Some(source),
             confidence: None,
+            proposed,
             disputed: solved.disputed(),
             warnings: solved
                 .warnings

@@ -1,6 +1,6 @@
 //! What a solve says about a frame.
 
-use super::{Extra, Target, doors};
+use super::{Extra, Proposed, Target, doors};
 use crate::camera::Ptz;
 use crate::geometry::Mat3;
 use crate::solve::{IdentityFinding, Name};
@@ -64,6 +64,9 @@ pub struct Solution {
     /// The probability that the overlay is right within 10 px at 1920 px width.
     #[serde(default, with = "doors::optional_number", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
+    /// What the program proposed before a person corrected it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proposed: Option<Proposed>,
     /// Indices of the clicks that disagree with the others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disputed: Vec<usize>,

@@ -96,11 +96,16 @@ impl Bench {
         self.app.review().rows.iter().map(|row| row.frame).collect()
     }
 
-    /// Clicks a landmark of the shown frame where the truth has it.
-    fn place(&mut self, landmark: &str) {
+    /// Where the truth has a landmark in the shown frame.
+    fn image_of(&self, landmark: &str) -> ImagePoint {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        let at = PtzCamera::new(base(), truth(self.app.session.frame)).image_from_world(world).unwrap();
+        PtzCamera::new(base(), truth(self.app.session.frame)).image_from_world(world).unwrap()
+    }
+
+    /// Clicks a landmark of the shown frame where the truth has it.
+    fn place(&mut self, landmark: &str) {
+        let at = self.image_of(landmark);
         self.act(Action::Press { at, on: None });
         self.act(Action::Release);
         if let Mode::Naming(naming) = &self.app.session.mode {
@@ -194,18 +199,28 @@ fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
 fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.9)]));
     let before = bench.frames()[0].clone();
-    bench.place("centre_mark");
+    let at = bench.image_of("centre_mark");
+    bench.act(Action::Press { at: ImagePoint::new(at.x + 9.0, at.y), on: None });
+    bench.act(Action::Release);
     assert_eq!(bench.statuses(), "DS");
-    assert_eq!(bench.frames()[0].clicks[0].target, Some(Target::Landmark("centre_mark".into())));
+    assert_eq!(bench.frames()[0].clicks[0].target, Some(Target::Landmark("centre_mark".into())), "named by itself");
+    let moved = bench.app.current().camera.unwrap().ptz();
+    assert!((moved.pan - truth(0).pan).degrees() < -0.1 && (moved.focal_px - 2300.0).abs() < 5.0, "{moved:?}");
     bench.act(Action::DeleteClick(0));
     assert_eq!(bench.frames()[0].status, FrameStatus::Suggested);
+    assert_eq!(bench.frames()[0].ptz, before.ptz);
+    bench.command(Command::Undo);
+    bench.command(Command::AcceptAndStay);
+    assert!(!bench.frames()[0].teaches(), "one click moves a proposal, but it stays one");
+    bench.command(Command::Undo);
+    bench.act(Action::DeleteClick(0));
     bench.place("centre_mark");
     bench.place("halfway_far");
     let corrected = &bench.frames()[0];
     assert_eq!(corrected.solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
     bench.command(Command::AcceptAndStay);
     assert!(bench.frames()[0].teaches(), "clicked by a person");
-    for _ in 0..5 {
+    for _ in 0..12 {
         bench.command(Command::Undo);
     }
     assert_eq!(bench.frames()[0], before);

@@ -252,6 +252,9 @@ fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSo
         Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
         Err(error) => {
             let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
+            if too_few && frame.restore_proposed() {
+                return Some(solved);
+            }
             if frame.is_solved_by_clicks() || !too_few {
                 frame.ptz = None;
                 frame.solution = None;

@@ -26,31 +26,33 @@ impl App {
         }
     }
 
-    /// Within a step that moved a camera: what was proposed for the old place goes.
+    /// Within a step that moved a camera: what was proposed for the old place goes. Accepted cameras stay.
     pub(super) fn withdraw_outdated(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(before) = open.history.before() else { return };
-        let outdated = outdated(before, &open.document);
-        if outdated.is_empty() {
-            return;
-        }
-        for &index in &outdated {
-            if let Some(frame) = open.document.frames.get_mut(index) {
+        let mut gone = 0;
+        for index in outdated(before, &open.document) {
+            let Some(frame) = open.document.frames.get_mut(index) else { continue };
+            if frame.status != FrameStatus::Reference && frame.is_suggestion() {
                 frame.ptz = None;
                 frame.solution = None;
+                gone += 1;
                 if frame.status != FrameStatus::Rejected {
                     frame.status = frame.undecided();
                 }
+            } else if let Some(solution) = &mut frame.solution {
+                solution.proposed = None;
             }
         }
-        let count = outdated.len();
-        let are = if count == 1 { "proposal was" } else { "proposals were" };
-        let text = format!("{count} {are} made for the old base and went: the forest learns the new one.");
-        self.session.notify(Level::Info, text);
+        if gone > 0 {
+            let were = if gone == 1 { "proposal was" } else { "proposals were" };
+            let text = format!("{gone} {were} made for the old base and went: the forest learns the new one.");
+            self.session.notify(Level::Info, text);
+        }
     }
 }
 
-/// The frames whose proposals were made for another base than their camera has by now. Accepted ones stay.
+/// The frames with a proposal that was made for another base than their camera has by now.
 fn outdated(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
@@ -61,8 +63,8 @@ fn outdated(before: &Document, now: &Document) -> Vec<usize> {
             let known = before.frames.get(*index);
             known.is_some_and(|known| !known.is_same(frame) && known.camera != frame.camera)
         };
-        let proposed = frame.status != FrameStatus::Reference && frame.is_suggestion();
-        proposed && (moved.contains(&frame.camera) || given_away())
+        let corrected = frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some());
+        (frame.is_suggestion() || corrected) && (moved.contains(&frame.camera) || given_away())
     };
     (0..now.frames.len()).filter(is_outdated).collect()
 }

@@ -44,6 +44,9 @@ fn source(app: &App, frame: &Frame) -> String {
     match frame.solution.as_ref().and_then(|solution| solution.source) {
         Some(SolutionSource::Clicks) => from_points(frame),
         Some(SolutionSource::Manual) => "set by hand".to_owned(),
+        Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
+            "proposed, moved by a point".to_owned()
+        }
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
         Some(SolutionSource::Markings) => "snapped to the lines".to_owned(),
