@@ -3,7 +3,7 @@
 use super::review::ReviewOrder;
 use super::selection::{Scope, Selecting};
 use super::session::{Filter, Level, PictureView};
-use super::{Chord, Command, OverlayStyle};
+use super::{Chord, Command, OverlayStyle, TrainerOrder, TrainerStatus};
 use crate::camera::Ptz;
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
@@ -146,6 +146,9 @@ pub enum Action {
         /// It learns.
         teaches: bool,
     },
+
+    /// What the background trainer is doing and has found out.
+    Trainer(Box<TrainerStatus>),
 
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, String>),
@@ -293,6 +296,8 @@ pub enum Effect {
     },
     /// Give up what is being estimated.
     CancelEstimate,
+    /// Tell the background trainer something.
+    Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].
     LoadCamera(PathBuf),
     /// Ask for a path.

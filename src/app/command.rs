@@ -54,6 +54,8 @@ pub enum Command {
     Compare,
     Uncertainty,
     CameraPanel,
+    TrainerPanel,
+    PauseTrainer,
     ReviewPanel,
     EstimateBase,
     UseEstimatedBase,
@@ -163,6 +165,8 @@ rows! {
     Compare, "compare", View, "Compare (hold)", "While held down the other solution is drawn dashed: the other focal length, or the camera under other names.", ["B"];
     Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
+    TrainerPanel, "trainer_panel", View, "Trainer panel", "What the forest learns from, what it is worth, and where a reference is missing.", ["F3"];
+    PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "No training and no proposals in the background until it is resumed.", [];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];

@@ -5,7 +5,7 @@ use super::naming::NameCandidate;
 use super::review::ReviewChoice;
 use super::selection::Scope;
 use super::uncertainty::UncertaintyView;
-use super::{Command, Question};
+use super::{Command, Question, TrainerState};
 use crate::geometry::ImagePoint;
 use crate::project::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use std::collections::BTreeSet;
@@ -54,6 +54,8 @@ pub struct Session {
     pub base: BaseWork,
     /// Of which camera it was told last that it stops fitting, and at which frame.
     pub told_change: Option<(CameraId, usize)>,
+    /// What the background trainer is doing.
+    pub trainer: TrainerState,
     /// A document is being read.
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
@@ -213,6 +215,8 @@ pub enum Panel {
     Frame,
     /// The frame's camera.
     Camera,
+    /// What the forest learns from and what it is worth.
+    Trainer,
     /// What is proposed.
     Review,
 }

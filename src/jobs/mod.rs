@@ -1,4 +1,4 @@
-//! The only detached threads: decoding, thumbnails, saving, and slow work in general.
+//! The only detached threads: decoding, thumbnails, saving, training, and slow work in general.
 //!
 //! A job is a handle that owns its thread: orders go in, a bounded number of reports wait until the owner polls, once per
 //! shown frame, after the [`Wake`] callback said that there are some. Decoders are asked by replacing what they should do
@@ -17,6 +17,7 @@ mod saver;
 #[cfg(test)]
 mod stand_in;
 mod thumbnails;
+mod trainer;
 
 pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
@@ -24,6 +25,7 @@ pub use opening::{Ready, camera_with_base, open_anything};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use thumbnails::{ThumbnailReport, Thumbnails};
+pub use trainer::{Trainer, TrainerOptions, TrainerReport};
 
 use std::any::Any;
 use std::sync::Arc;

@@ -1,7 +1,9 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, Watch, camera_with_base, open_anything};
-use super::{Background, BackgroundReport, Saver, SaverOptions, SaverReport, Wake, demo};
+use super::{
+    Background, BackgroundReport, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport, Wake, demo,
+};
 use crate::app::session::Level;
 use crate::app::{Action, Effect, Question};
 use crate::project::{
@@ -9,7 +11,7 @@ use crate::project::{
 };
 use crate::solve::base::BaseOptions;
 use std::ops::ControlFlow;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is left for the window to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +54,7 @@ struct Task {
 pub struct Runner {
     wake: Wake,
     saver: Option<Saver>,
+    trainer: Option<Trainer>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
 }
@@ -60,7 +63,7 @@ impl Runner {
     /// Nothing to do yet. `wake` is called when there is something to poll.
     #[must_use]
     pub const fn new(wake: Wake) -> Self {
-        Self { wake, saver: None, tasks: Vec::new(), reports: Vec::new() }
+        Self { wake, saver: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
     }
 
     /// Carries an effect out, or begins to; what only a window can do comes back.
@@ -80,6 +83,11 @@ impl Runner {
                 });
             }
             Effect::CancelEstimate => self.give_up(Kind::Estimate),
+            Effect::Trainer(order) => {
+                if let Some(trainer) = &self.trainer {
+                    trainer.tell(order);
+                }
+            }
             Effect::Journal { edit, revision } => match &mut self.saver {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
@@ -137,6 +145,11 @@ impl Runner {
                 Err(message) => actions.push(Action::Failed(message)),
             }
         }
+        let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
+        actions.extend(reports.into_iter().map(|report| match report {
+            TrainerReport::Status(status) => Action::Trainer(status),
+            TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
+        }));
         let reports = self.saver.as_mut().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));
         actions
@@ -144,6 +157,7 @@ impl Runner {
 
     /// Writes what is left of the open document and waits for the disk.
     pub fn close(&mut self) -> Vec<Action> {
+        self.trainer = None;
         let failures = |action: &Action| matches!(action, Action::SaveFailed(_));
         let reports = self.saver.take().map(Saver::close).unwrap_or_default();
         reports.into_iter().flat_map(actions_of).filter(failures).collect()
@@ -168,8 +182,23 @@ impl Runner {
             let document = ready.opened.document.clone();
             let saver = Saver::start(store, document, SaverOptions::default(), self.wake.clone());
             self.saver = Some(saver.map_err(|error| format!("the system starts no thread for saving: {error}"))?);
+            self.start_trainer(ready.opened.file.clone());
         }
         Ok(Action::Opened(Box::new(ready.opened)))
+    }
+
+    /// Starts the trainer of a document that can be written; without one everything else works.
+    fn start_trainer(&mut self, file: PathBuf) {
+        if cfg!(not(feature = "opencv")) {
+            return;
+        }
+        match Trainer::start(file, TrainerOptions::default(), self.wake.clone()) {
+            Ok(trainer) => self.trainer = Some(trainer),
+            Err(error) => {
+                let text = format!("The system starts no thread for the trainer: {error}");
+                self.reports.push(Action::Notify(Level::Warning, text));
+            }
+        }
     }
 
     fn begin(

@@ -2,12 +2,13 @@
 
 use super::{FrameFeatures, FramePictures, PictureError};
 use crate::camera::{PanTilt, Ptz};
-use crate::features::{Descriptor, FeatureOptions};
+use crate::features::{FeatureOptions, Features};
 use crate::media::FrameReader;
 use crate::project::{self, CameraId, Document, Frame, WriteError};
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// What one reference teaches: what its features look like and which rays they show.
@@ -19,8 +20,10 @@ pub struct Lesson {
     pub camera: CameraId,
     /// How it was pointed.
     pub ptz: Ptz,
-    /// Descriptors with their rays in `base`.
-    pub taught: Vec<(Descriptor, PanTilt)>,
+    /// Its features.
+    pub features: Arc<Features>,
+    /// Which of them show a ray, and which ray in `base`.
+    pub taught: Vec<(u32, PanTilt)>,
 }
 
 /// Why a reference teaches nothing.
@@ -109,12 +112,11 @@ fn lesson(document: &Document, index: usize, frame: &Frame, found: &FrameFeature
     if found.changed {
         return Err(LessonError::Changed);
     }
-    let features = &found.features;
+    let features = Arc::clone(&found.features);
     let rays = features.keypoints.iter().map(|keypoint| pointed.ray_from_image(keypoint.point));
-    let pairs = rays.zip(&features.descriptors);
     // Beyond the fold of a lens a point shows no ray.
-    let taught = pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))).collect();
-    Ok(Lesson { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), taught })
+    let taught = (0..).zip(rays).filter_map(|(feature, ray)| Some((feature, ray.ok()?))).collect();
+    Ok(Lesson { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), features, taught })
 }
 
 /// The forests of what references teach, one for each camera that has any, in the document's order. `progress` is called
@@ -151,7 +153,8 @@ pub(super) fn learn_camera<'a>(
 ) -> Result<Option<CameraForest>, Stopped> {
     let (mut samples, mut seen) = (Samples::new(), Vec::new());
     for lesson in lessons.filter(|lesson| !lesson.taught.is_empty()) {
-        samples.add_frame(lesson.taught.iter().copied());
+        let descriptor = |feature: u32| lesson.features.descriptors[feature as usize];
+        samples.add_frame(lesson.taught.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
         seen.push(lesson.ptz);
     }
     let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };

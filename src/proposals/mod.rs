@@ -5,24 +5,37 @@
 //! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
 //! | [`Teachers`], [`study`], [`learn`] | the references that teach, what they teach, the forest of it |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
+//! | [`AskingOrder`] | which frames the forest is asked for first |
+//! | [`Curriculum`], [`keep_forest`], [`kept_forest`] | what a forest was taught; the forest on disk |
+//! | [`measure`], [`Quality`], [`Coverage`] | references left out and asked for; where a reference is missing |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!
 //! The window's trainer and the command line both live on this room; nothing here starts a thread.
 
 mod bases;
+mod coverage;
+mod curriculum;
 mod features;
+mod kept_forest;
 mod learning;
+mod order;
 mod picture;
 mod proposal;
 mod proposing;
+mod quality;
 mod store;
 mod teachers;
 
 pub use bases::{BaseMismatch, adopt_bases};
+pub use coverage::{Cell, Coverage};
+pub use curriculum::Curriculum;
 pub use features::{FrameFeatures, FramePictures};
+pub use kept_forest::{keep_forest, kept_forest};
 pub use learning::{LearnError, LearnOptions, Lesson, LessonError, Studied, learn, study};
+pub use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
 pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings};
 pub use proposing::{is_open, propose};
+pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
 pub use teachers::Teachers;

@@ -3,7 +3,9 @@
 use super::{PictureError, is_open};
 use crate::camera::CameraBase;
 use crate::geometry::Mat3;
-use crate::project::{CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
+use crate::project::{
+    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+};
 use crate::relocalize::NotFound;
 use std::time::Duration;
 use thiserror::Error;
@@ -117,18 +119,34 @@ impl Asked {
             picture: frame.name(),
             sha256: frame.sha256.clone(),
             camera: frame.camera.clone(),
-            base: document.camera_of(frame).and_then(crate::project::Camera::base),
+            base: document.camera_of(frame).and_then(Camera::base),
         }
+    }
+
+    /// Whether a frame is still as it was.
+    #[must_use]
+    pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
+        self.sha256 == frame.sha256
+            && self.camera == frame.camera
+            && self.picture == frame.name()
+            && self.base == document.camera_of(frame).and_then(Camera::base)
     }
 }
 
 impl Proposal {
+    /// None for a frame, and why.
+    #[must_use]
+    pub fn without_answer(document: &Document, index: usize, generation: u64, reason: NoProposal) -> Self {
+        let asked = Asked::of(document, &document.frames[index]);
+        Self { frame: index, asked, generation, outcome: Err(reason), timings: Timings::default() }
+    }
+
     /// Whether it still answers the frame in its place: the same picture and base, and nobody has clicked, accepted or
     /// rejected it since.
     #[must_use]
     pub fn fits(&self, document: &Document) -> bool {
         let Some(frame) = document.frames.get(self.frame) else { return false };
-        is_open(frame) && self.asked == Asked::of(document, frame)
+        is_open(frame) && self.asked.is_still(document, frame)
     }
 
     /// Writes the answer into its frame, in place of an earlier one: a camera makes it `suggested`; where there is none it is

@@ -2,7 +2,7 @@
 
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, rejecting, review, status,
-    theme, viewport,
+    theme, trainer, viewport,
 };
 use crate::app::session::Panel as RightPanel;
 use egui::{Frame, Margin, Ui};
@@ -33,6 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             match panel.app.session.panel {
                 RightPanel::Frame => inspector::show(panel, ui),
                 RightPanel::Camera => camera_panel::show(panel, ui),
+                RightPanel::Trainer => trainer::show(panel, ui),
                 RightPanel::Review => review::show(panel, ui),
             }
         });

@@ -92,6 +92,8 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFieldMap => app.settings.field_map,
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::CameraPanel => app.session.panel == RightPanel::Camera,
+        Command::TrainerPanel => app.session.panel == RightPanel::Trainer,
+        Command::PauseTrainer => app.session.trainer.paused,
         Command::ReviewPanel => app.session.panel == RightPanel::Review,
         Command::Teaches => app.frame().is_some_and(crate::project::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,
@@ -190,9 +192,26 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
             panel.actions.push(Action::Command(Command::Cancel));
         }
     }
+    trainer(panel, ui);
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
         ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text("Thumbnails of the frames in view.");
+    }
+}
+
+/// What the trainer is doing, in a few words; a click shows its panel.
+fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let status = &panel.app.session.trainer.status;
+    let (text, colour) = match (&status.trouble, status.doing.in_brief()) {
+        (Some(_), _) => ("trainer: trouble".to_owned(), theme::CAUTION),
+        (None, Some(brief)) => (brief, theme::WEAK),
+        (None, None) => return,
+    };
+    let tip = status.trouble.clone().unwrap_or_else(|| format!("{}.", status.doing.told()));
+    let says = ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false));
+    let key = panel.app.settings.keys.shown(Command::TrainerPanel);
+    if says.on_hover_text(format!("{tip} Trainer panel: {key}.")).clicked() {
+        panel.actions.push(Action::Command(Command::TrainerPanel));
     }
 }

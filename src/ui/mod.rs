@@ -27,6 +27,7 @@ mod shell;
 mod status;
 mod symbol;
 mod theme;
+mod trainer;
 mod viewport;
 
 pub use layout::{read, show};

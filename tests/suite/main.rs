@@ -43,6 +43,7 @@ mod session;
 mod shaders;
 mod synth_command;
 mod synthetic;
+mod trainer;
 mod two_point_truth;
 mod which_camera;
 mod window_command;

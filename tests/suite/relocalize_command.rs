@@ -17,7 +17,7 @@ fn write(path: &Path, document: &Document) {
 
 /// A drawn match: every second frame is a reference in `teach.json`, the others are new in `ask.json`; `truth.json` has
 /// all.
-fn drawn_match(folder: &Path) {
+pub fn drawn_match(folder: &Path) {
     let drawn = touchline(folder, "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy");
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = folder.join("match");

@@ -32,13 +32,20 @@ impl App {
             | C::Keys
             | C::About
             | C::OverlayStyle => None,
+            C::PauseTrainer => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
-            C::Save | C::SaveAs | C::Export | C::Undo | C::Redo | C::ShowFieldMap | C::CameraPanel | C::ReviewPanel => {
-                None
-            }
+            C::Save
+            | C::SaveAs
+            | C::Export
+            | C::Undo
+            | C::Redo
+            | C::ShowFieldMap
+            | C::CameraPanel
+            | C::TrainerPanel
+            | C::ReviewPanel => None,
             _ if no_frame => Some("The document has no frames."),
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
@@ -163,6 +170,8 @@ impl App {
                 self.effects.push(Effect::SaveSettings);
             }
             C::CameraPanel => self.toggle_panel(Panel::Camera),
+            C::TrainerPanel => self.toggle_panel(Panel::Trainer),
+            C::PauseTrainer => self.pause_trainer(),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
             C::GiveToCamera => self.ask_camera(),
             C::SelectShot => self.select_shot(),

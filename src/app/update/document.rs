@@ -16,7 +16,9 @@ impl App {
     pub(super) fn opened(&mut self, opened: Opened) {
         self.effects.push(Effect::CancelEstimate);
         let panel = self.session.panel;
+        let trainer = self.trainer_for_another();
         self.session = Session::default();
+        self.session.trainer = trainer;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());

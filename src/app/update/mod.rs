@@ -10,6 +10,7 @@ mod naming;
 mod numbers;
 mod proposals;
 mod review;
+mod trainer;
 
 pub use commands::MAX_SCALE;
 
@@ -78,6 +79,7 @@ impl App {
             self.tell_when_enough(before);
         }
         self.watch_camera();
+        self.tell_trainer();
         std::mem::take(&mut self.effects)
     }
 
@@ -119,6 +121,7 @@ impl App {
             Action::AbortEdit => self.abort(),
             Action::SolveAgain => self.solve_again(),
             Action::Proposals(proposals) => self.take_proposals(&proposals),
+            Action::Trainer(status) => self.trainer_reported(*status),
             Action::SetReviewOrder(order) => self.session.review.order = order,
             Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,

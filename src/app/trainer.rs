@@ -1,0 +1,160 @@
+//! The background trainer as the window sees it: what it is doing, what it has found out.
+
+use crate::project::Document;
+use crate::proposals::{Coverage, Quality};
+use std::sync::Arc;
+use std::time::Duration;
+
+/// What the app knows of the trainer.
+#[derive(Clone, Debug, Default)]
+pub struct TrainerState {
+    /// The last it reported.
+    pub status: TrainerStatus,
+    /// The user has it rest.
+    pub paused: bool,
+    /// The version of the document that it knows.
+    pub(super) told_version: Option<u64>,
+    /// The frame that it knows to be shown.
+    pub(super) told_frame: usize,
+}
+
+/// What the trainer reports.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TrainerStatus {
+    /// What it is doing.
+    pub doing: Doing,
+    /// References of the document.
+    pub references: usize,
+    /// Those that teach.
+    pub teachers: usize,
+    /// Those that do not: accepted suggestions.
+    pub withheld: usize,
+    /// Teachers that teach nothing, by their frames, and why.
+    pub failed: Arc<[(usize, String)]>,
+    /// The forest that answers.
+    pub forest: Option<ForestFacts>,
+    /// Frames that it has answered.
+    pub answered: usize,
+    /// Frames that it was asked for and has no answer for.
+    pub unanswered: usize,
+    /// What it is worth.
+    pub quality: Option<Arc<Quality>>,
+    /// Where references look and where one is missing.
+    pub coverage: Option<Arc<Coverage>>,
+    /// What went wrong: one line.
+    pub trouble: Option<String>,
+    /// Why nothing is kept on disk, if so.
+    pub not_kept: Option<String>,
+}
+
+/// What the trainer is doing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Doing {
+    /// Nothing: there is nothing to do.
+    #[default]
+    Nothing,
+    /// It waits a moment for further references.
+    Settling,
+    /// It finds the features of references.
+    Features(Share),
+    /// It trains.
+    Training(Share),
+    /// It asks the forest for frames.
+    Proposing(Share),
+    /// It leaves references out and asks for them.
+    Measuring(Share),
+    /// It rests.
+    Paused,
+}
+
+/// How far something has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Share {
+    /// So much is done.
+    pub done: usize,
+    /// Of so much.
+    pub of: usize,
+}
+
+/// The forest that answers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ForestFacts {
+    /// Later forests have greater numbers.
+    pub generation: u64,
+    /// References that taught it.
+    pub references: usize,
+    /// Their features.
+    pub features: usize,
+    /// Its trees, over all cameras.
+    pub trees: usize,
+    /// Their leaves.
+    pub leaves: usize,
+    /// What features and training took; none for one that was kept from an earlier session.
+    pub took: Option<Duration>,
+}
+
+/// What the trainer is told.
+#[derive(Clone, Debug, PartialEq)]
+pub enum TrainerOrder {
+    /// The document as it is now: references may be new, changed or withdrawn.
+    Document(Box<Document>),
+    /// The frame that is shown now: its neighbours come first.
+    Frame(usize),
+    /// It rests, or goes on.
+    Pause(bool),
+}
+
+impl Share {
+    /// From 0 to 1.
+    #[must_use]
+    pub fn fraction(self) -> f32 {
+        if self.of == 0 { 0.0 } else { (self.done as f32 / self.of as f32).min(1.0) }
+    }
+}
+
+impl Doing {
+    /// In words, with numbers.
+    #[must_use]
+    pub fn told(self) -> String {
+        let share = |what: &str, Share { done, of }: Share| format!("{what}: {done} of {of}");
+        match self {
+            Self::Nothing => "Nothing to do".to_owned(),
+            Self::Settling => "Waiting for further references".to_owned(),
+            Self::Features(done) => share("Finding features of references", done),
+            Self::Training(done) => format!("Training: {:.0} %", 100.0 * done.fraction()),
+            Self::Proposing(done) => share("Proposing cameras", done),
+            Self::Measuring(done) => share("Measuring quality", done),
+            Self::Paused => "Paused".to_owned(),
+        }
+    }
+
+    /// In a word or two with a number, while something goes on.
+    #[must_use]
+    pub fn in_brief(self) -> Option<String> {
+        Some(match self {
+            Self::Nothing | Self::Settling => return None,
+            Self::Features(share) => format!("features {}/{}", share.done, share.of),
+            Self::Training(share) => format!("training {:.0} %", 100.0 * share.fraction()),
+            Self::Proposing(share) => format!("proposing {}/{}", share.done, share.of),
+            Self::Measuring(share) => format!("measuring {}/{}", share.done, share.of),
+            Self::Paused => "trainer paused".to_owned(),
+        })
+    }
+
+    /// How far it has come, where that is known.
+    #[must_use]
+    pub const fn share(self) -> Option<Share> {
+        match self {
+            Self::Features(share) | Self::Training(share) | Self::Proposing(share) | Self::Measuring(share) => {
+                Some(share)
+            }
+            Self::Nothing | Self::Settling | Self::Paused => None,
+        }
+    }
+
+    /// Whether two are of the same kind, however far they have come.
+    #[must_use]
+    pub fn is_kind_of(self, other: Self) -> bool {
+        std::mem::discriminant(&self) == std::mem::discriminant(&other)
+    }
+}

@@ -1,0 +1,53 @@
+//! Keeping the background trainer informed.
+
+use super::App;
+use crate::app::action::Effect;
+use crate::app::trainer::{TrainerOrder, TrainerState, TrainerStatus};
+
+impl App {
+    /// Why there is no trainer for what is open; none if there is one.
+    #[must_use]
+    pub fn no_trainer(&self) -> Option<&'static str> {
+        let Some(open) = &self.open else { return Some("Nothing is open.") };
+        if cfg!(not(feature = "opencv")) {
+            return Some("This program was built without OpenCV and finds no features to learn from.");
+        }
+        open.read_only.is_some().then_some("The document is open to look at only.")
+    }
+
+    /// Tells the trainer what it does not know yet: the document once a step is done, and the frame that is shown.
+    pub(super) fn tell_trainer(&mut self) {
+        if self.no_trainer().is_some() {
+            return;
+        }
+        let Some(open) = self.open.as_ref().filter(|open| !open.history.is_open()) else { return };
+        let trainer = &mut self.session.trainer;
+        let version = Some(open.document.version());
+        if trainer.told_version.is_none() && trainer.paused {
+            self.effects.push(Effect::Trainer(TrainerOrder::Pause(true)));
+        }
+        if trainer.told_frame != self.session.frame {
+            trainer.told_frame = self.session.frame;
+            self.effects.push(Effect::Trainer(TrainerOrder::Frame(self.session.frame)));
+        }
+        if trainer.told_version != version {
+            trainer.told_version = version;
+            self.effects.push(Effect::Trainer(TrainerOrder::Document(Box::new((*open.document).clone()))));
+        }
+    }
+
+    pub(super) fn trainer_reported(&mut self, status: TrainerStatus) {
+        self.session.trainer.status = status;
+    }
+
+    pub(super) fn pause_trainer(&mut self) {
+        let trainer = &mut self.session.trainer;
+        trainer.paused = !trainer.paused;
+        self.effects.push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
+    }
+
+    /// What is kept of the trainer's state when another document is opened.
+    pub(super) fn trainer_for_another(&self) -> TrainerState {
+        TrainerState { paused: self.session.trainer.paused, ..TrainerState::default() }
+    }
+}

@@ -1,0 +1,131 @@
+//! What the forest has been asked and has answered, so that no frame is asked twice for nothing.
+
+use crate::project::{Document, Frame, SolutionSource};
+use crate::proposals::{Asked, NoProposal, Proposal, is_open};
+use crate::relocalize::ForestModel;
+use std::collections::BTreeMap;
+
+/// Answers of an earlier forest that are right with this probability are not asked for again.
+const SURE: f64 = 0.9;
+
+/// The answers so far, by frame.
+#[derive(Debug, Default)]
+pub(super) struct Book {
+    entries: BTreeMap<usize, Entry>,
+    /// Forests before this one had learnt something that was withdrawn since.
+    trusted_from: u64,
+}
+
+#[derive(Debug)]
+struct Entry {
+    asked: Asked,
+    generation: u64,
+    answer: Said,
+    /// The document holds it.
+    recorded: bool,
+}
+
+/// What was answered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Said {
+    /// A camera, right with this probability.
+    Camera(f64),
+    /// None that this forest knows; another may.
+    NotFound,
+    /// None that any forest could find.
+    Never,
+}
+
+impl Book {
+    /// Looks at a new state of the document: what of it the book knows, and what the document has lost again.
+    pub(super) fn look_at(&mut self, document: &Document) {
+        self.entries.retain(|index, entry| {
+            let Some(frame) = document.frames.get(*index) else { return false };
+            let held = is_by_forest(frame);
+            let lost = entry.recorded && !held && is_open(frame);
+            entry.recorded |= held;
+            !lost && entry.asked.is_still(document, frame)
+        });
+        for (index, frame) in document.frames.iter().enumerate() {
+            // What an earlier session proposed.
+            let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+            if is_by_forest(frame)
+                && frame.ptz.is_some()
+                && is_open(frame)
+                && let Some(confidence) = confidence
+            {
+                self.entries.entry(index).or_insert_with(|| Entry {
+                    asked: Asked::of(document, frame),
+                    generation: 0,
+                    answer: Said::Camera(confidence),
+                    recorded: true,
+                });
+            }
+        }
+    }
+
+    /// Whether a forest is to be asked for a frame.
+    pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, generation: u64) -> bool {
+        let Some(frame) = document.frames.get(index) else { return false };
+        if !is_open(frame) || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
+            return false;
+        }
+        let Some(entry) = self.entries.get(&index) else { return true };
+        entry.generation < generation
+            && match entry.answer {
+                Said::Camera(confidence) => confidence < SURE || entry.generation < self.trusted_from,
+                Said::NotFound => true,
+                Said::Never => false,
+            }
+    }
+
+    /// Enters an answer.
+    pub(super) fn enter(&mut self, proposal: &Proposal) {
+        let answer = match &proposal.outcome {
+            Ok(answer) => Said::Camera(answer.confidence),
+            Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => Said::NotFound,
+            Err(_) => Said::Never,
+        };
+        let asked = proposal.asked.clone();
+        self.entries.insert(proposal.frame, Entry { asked, generation: proposal.generation, answer, recorded: false });
+    }
+
+    /// Answers of forests before this one are not to be relied on.
+    pub(super) fn trust_from(&mut self, generation: u64) {
+        self.trusted_from = generation;
+    }
+
+    /// How many answers a forest has given.
+    pub(super) fn given_by(&self, generation: u64) -> usize {
+        self.entries.values().filter(|entry| entry.generation == generation).count()
+    }
+
+    /// How many open frames have a camera proposed.
+    pub(super) fn answered(&self, document: &Document) -> usize {
+        self.open(document).filter(|entry| matches!(entry.answer, Said::Camera(_))).count()
+    }
+
+    /// How many open frames were asked for in vain.
+    pub(super) fn unanswered(&self, document: &Document) -> usize {
+        self.open(document).filter(|entry| entry.answer == Said::NotFound).count()
+    }
+
+    fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
+        let is_open = |index: usize| document.frames.get(index).is_some_and(|frame| is_open(frame));
+        self.entries.iter().filter(move |(index, _)| is_open(**index)).map(|(_, entry)| entry)
+    }
+}
+
+/// The forest was asked for it last.
+fn is_by_forest(frame: &Frame) -> bool {
+    source(frame) == Some(SolutionSource::Forest)
+}
+
+/// Somebody else proposed its camera.
+fn is_by_others(frame: &Frame) -> bool {
+    frame.ptz.is_some() && !is_by_forest(frame)
+}
+
+fn source(frame: &Frame) -> Option<SolutionSource> {
+    frame.solution.as_ref()?.source
+}

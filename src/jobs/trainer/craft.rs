@@ -1,0 +1,179 @@
+//! What the trainer can do: the real workshop; tests bring another.
+
+use super::desk::Desk;
+use super::watch::Watch;
+use crate::app::{Doing, Share};
+use crate::media::FrameReader;
+use crate::project::Document;
+use crate::proposals::{
+    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied,
+    WorkFolder, keep_forest, kept_forest, learn, measure, propose, study,
+};
+use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// What the trainer can do. Everything long asks its watch whether to go on.
+pub(super) trait Craft {
+    /// The forest that an earlier session left, if it was taught exactly this.
+    ///
+    /// # Errors
+    /// One line: there is one, but it cannot be used.
+    fn recall(&mut self, curriculum: &Curriculum) -> Result<Option<ForestModel>, String>;
+
+    /// A forest of these teachers; none where the watch ended it.
+    ///
+    /// # Errors
+    /// One line: why there cannot be one.
+    fn learn(
+        &mut self,
+        document: &Document,
+        teachers: &[usize],
+        curriculum: &Curriculum,
+        watch: &Watch<'_>,
+    ) -> Result<Option<Learnt>, String>;
+
+    /// What the forest proposes for some frames; fewer where the watch ended it.
+    fn propose(
+        &mut self,
+        document: &Document,
+        frames: &[usize],
+        forest: (&ForestModel, u64),
+        watch: &dyn Fn() -> ControlFlow<()>,
+    ) -> Vec<Proposal>;
+
+    /// What a forest of these teachers is worth; none where it cannot be measured or the watch ended it.
+    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Quality>;
+
+    /// Why nothing is kept on disk, if so.
+    fn not_kept(&self) -> Option<String>;
+
+    /// The folder of the document.
+    fn folder(&self) -> &Path;
+}
+
+/// A forest that has just been trained.
+pub(super) struct Learnt {
+    pub(super) model: ForestModel,
+    /// Features that it was taught.
+    pub(super) features: usize,
+    /// Teachers that teach nothing, and why.
+    pub(super) failed: Vec<(usize, String)>,
+}
+
+/// The real workshop.
+pub(super) struct Workshop {
+    folder: PathBuf,
+    place: WorkFolder,
+    store: FeatureStore,
+    reader: FrameReader,
+    options: LearnOptions,
+    relocalizing: RelocalizeOptions,
+    /// Why the forest was not kept, if so.
+    forest_refused: Option<String>,
+}
+
+impl Workshop {
+    /// The workshop of a document that lies at `file`.
+    pub(super) fn new(file: &Path, desk: Arc<Desk>) -> Self {
+        let place = WorkFolder::beside(file);
+        // Counting the frames of a long video is given up when the document is closed.
+        let counting = move |_| desk.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
+        Self {
+            folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
+            store: FeatureStore::on_disk(&place),
+            place,
+            reader: FrameReader::watched(Box::new(counting)),
+            options: LearnOptions::default(),
+            relocalizing: RelocalizeOptions::default(),
+            forest_refused: None,
+        }
+    }
+
+    fn study(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Studied> {
+        let pictures =
+            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let done = AtomicUsize::new(0);
+        study(&pictures, &mut self.reader, teachers, &|| {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+            watch.tell(Doing::Features(Share { done, of: teachers.len() }))
+        })
+    }
+}
+
+impl Craft for Workshop {
+    fn recall(&mut self, curriculum: &Curriculum) -> Result<Option<ForestModel>, String> {
+        kept_forest(&self.place, curriculum, &self.options.features)
+    }
+
+    fn learn(
+        &mut self,
+        document: &Document,
+        teachers: &[usize],
+        curriculum: &Curriculum,
+        watch: &Watch<'_>,
+    ) -> Result<Option<Learnt>, String> {
+        let Some(studied) = self.study(document, teachers, watch) else { return Ok(None) };
+        let failed: Vec<(usize, String)> =
+            studied.failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
+        let learnt = learn(document, &studied.lessons, &self.options, &|progress| {
+            watch.tell(Doing::Training(Share { done: progress.placed, of: progress.total }))
+        });
+        let mut model = match learnt {
+            Ok(model) => model,
+            Err(LearnError::Stopped(Stopped::Asked)) => return Ok(None),
+            Err(LearnError::Stopped(Stopped::NoSamples { .. })) if !failed.is_empty() => {
+                let (index, reason) = &failed[0];
+                return Err(format!("No reference teaches anything. {}: {reason}", document.frames[*index].name()));
+            }
+            Err(error) => return Err(error.to_string()),
+        };
+        self.forest_refused = keep_forest(&self.place, &mut model, curriculum).err().map(|error| error.to_string());
+        let features = studied.lessons.iter().map(|lesson| lesson.taught.len()).sum();
+        Ok(Some(Learnt { model, features, failed }))
+    }
+
+    fn propose(
+        &mut self,
+        document: &Document,
+        frames: &[usize],
+        (model, generation): (&ForestModel, u64),
+        watch: &dyn Fn() -> ControlFlow<()>,
+    ) -> Vec<Proposal> {
+        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+        let mut made = Vec::with_capacity(frames.len());
+        // A few at a time, so that a pause is a pause.
+        for few in frames.chunks(rayon::current_num_threads()) {
+            if watch().is_break() {
+                break;
+            }
+            let proposals = pictures.each(&mut self.reader, few, |index, _, found| {
+                let asked = || propose(document, index, found, (model, generation), &self.relocalizing);
+                ControlFlow::Continue(catch_unwind(AssertUnwindSafe(asked)).unwrap_or_else(|panic| {
+                    let message = super::super::panic_message(panic.as_ref());
+                    Proposal::without_answer(document, index, generation, NoProposal::Panicked { message })
+                }))
+            });
+            made.extend(proposals.into_iter().flatten());
+        }
+        made
+    }
+
+    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Quality> {
+        let studied = self.study(document, teachers, watch)?;
+        measure(document, &studied.lessons, &self.options, &self.relocalizing, &|done, of| {
+            watch.tell(Doing::Measuring(Share { done, of }))
+        })
+    }
+
+    fn not_kept(&self) -> Option<String> {
+        self.store.refusal().or_else(|| self.forest_refused.clone())
+    }
+
+    fn folder(&self) -> &Path {
+        &self.folder
+    }
+}

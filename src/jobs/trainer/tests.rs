@@ -1,0 +1,438 @@
+//! The trainer with a craft that the test holds by the hand: it says what it begins and goes on when told so.
+
+use super::book::Book;
+use super::craft::{Craft, Learnt};
+use super::watch::Watch;
+use super::{Trainer, TrainerOptions, TrainerReport};
+use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
+use crate::camera::{PanTilt, Ptz};
+use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
+use crate::geometry::{ImageSize, Mat3};
+use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use crate::proposals::{Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Timings};
+use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::Duration;
+
+const SIZE: ImageSize = ImageSize::new(64, 36);
+
+/// What the stand-in has begun.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Begun {
+    Recall,
+    Learn(Vec<usize>),
+    Propose(Vec<usize>),
+    Measure,
+}
+
+/// How what it has begun comes out.
+enum Let {
+    Well,
+    Fail,
+    Panic,
+    /// Goes on until its watch ends it.
+    Stopped,
+}
+
+struct StandIn {
+    begun: Sender<Begun>,
+    orders: Receiver<Let>,
+    confidence: f64,
+}
+
+impl StandIn {
+    fn begin(&self, what: Begun) -> Let {
+        // When the test has let go: come out well.
+        self.begun.send(what).unwrap_or_default();
+        self.orders.recv().unwrap_or(Let::Well)
+    }
+}
+
+fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {
+    while tell().is_continue() {
+        std::thread::yield_now();
+    }
+}
+
+fn model() -> ForestModel {
+    let mut samples = Samples::new();
+    samples.add_frame([(Descriptor([9; DESCRIPTOR_BYTES]), PanTilt::from_degrees(1.0, -9.0))]);
+    let forest = train(&samples, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap();
+    let seen = SeenRange::of(&[Ptz::from_degrees(1.0, -9.0, 900.0)]).unwrap();
+    let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
+    ForestModel { document: String::new(), features: FeatureOptions::default(), cameras }
+}
+
+impl Craft for StandIn {
+    fn recall(&mut self, _: &Curriculum) -> Result<Option<ForestModel>, String> {
+        match self.begin(Begun::Recall) {
+            Let::Well => Ok(Some(model())),
+            Let::Fail => Err("the forest is damaged".to_owned()),
+            Let::Panic | Let::Stopped => Ok(None),
+        }
+    }
+
+    fn learn(
+        &mut self,
+        _: &Document,
+        teachers: &[usize],
+        _: &Curriculum,
+        watch: &Watch<'_>,
+    ) -> Result<Option<Learnt>, String> {
+        match self.begin(Begun::Learn(teachers.to_vec())) {
+            Let::Well => Ok(Some(Learnt { model: model(), features: 1, failed: Vec::new() })),
+            Let::Fail => Err("no features".to_owned()),
+            Let::Panic => panic!("the saw broke"),
+            Let::Stopped => {
+                until_stopped(&|| watch.tell(Doing::Training(Share { done: 1, of: 2 })));
+                Ok(None)
+            }
+        }
+    }
+
+    fn propose(
+        &mut self,
+        document: &Document,
+        frames: &[usize],
+        (_, generation): (&ForestModel, u64),
+        watch: &dyn Fn() -> ControlFlow<()>,
+    ) -> Vec<Proposal> {
+        match self.begin(Begun::Propose(frames.to_vec())) {
+            Let::Panic => panic!("the forest burns"),
+            Let::Stopped => {
+                until_stopped(watch);
+                Vec::new()
+            }
+            Let::Well | Let::Fail => {
+                frames.iter().map(|&index| proposal(document, index, generation, self.confidence)).collect()
+            }
+        }
+    }
+
+    fn measure(&mut self, _: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Quality> {
+        match self.begin(Begun::Measure) {
+            Let::Well => Some(Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() }),
+            Let::Fail => None,
+            Let::Panic => panic!("the rule bent"),
+            Let::Stopped => {
+                until_stopped(&|| watch.tell(Doing::Measuring(Share { done: 0, of: 2 })));
+                None
+            }
+        }
+    }
+
+    fn not_kept(&self) -> Option<String> {
+        None
+    }
+
+    fn folder(&self) -> &Path {
+        Path::new("/match")
+    }
+}
+
+fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64) -> Proposal {
+    let answer = Answer {
+        ptz: FramePtz::new(Ptz::from_degrees(frame as f64, -9.0, 900.0), None),
+        covariance: Mat3::identity(),
+        rms_px: 1.0,
+        worst_corner_sigma_px: 2.0,
+        confidence,
+        inliers: 50,
+        places: 20,
+    };
+    let asked = Asked::of(document, &document.frames[frame]);
+    Proposal { frame, asked, generation, outcome: Ok(answer), timings: Timings::default() }
+}
+
+/// The test's side.
+struct Hand {
+    trainer: Option<Trainer>,
+    begun: Receiver<Begun>,
+    go: Sender<Let>,
+    woken: Receiver<()>,
+    status: TrainerStatus,
+    proposals: Vec<Proposal>,
+}
+
+impl Hand {
+    fn start(confidence: f64) -> Self {
+        let (begin, begun) = channel();
+        let (go, orders) = channel();
+        let (wake, woken) = channel();
+        let options = TrainerOptions { settle: Duration::ZERO, gather: Duration::ZERO, threads: Some(1) };
+        let make = move |_| StandIn { begun: begin, orders, confidence };
+        let trainer = Trainer::start_with(options, Arc::new(move || wake.send(()).unwrap_or_default()), make).unwrap();
+        let (status, proposals) = (TrainerStatus::default(), Vec::new());
+        Self { trainer: Some(trainer), begun, go, woken, status, proposals }
+    }
+
+    fn tell(&self, order: TrainerOrder) {
+        self.trainer.as_ref().unwrap().tell(order);
+    }
+
+    fn document(&self, document: &Document) {
+        self.tell(TrainerOrder::Document(Box::new(document.clone())));
+    }
+
+    /// Waits for the next piece of work, checks it, and lets it out.
+    fn expect(&self, begun: &Begun, answer: Let) {
+        assert_eq!(self.begun.recv().unwrap(), *begun);
+        self.go.send(answer).unwrap();
+    }
+
+    fn poll(&mut self) {
+        for report in self.trainer.as_ref().unwrap().poll() {
+            match report {
+                TrainerReport::Status(status) => self.status = *status,
+                TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
+            }
+        }
+    }
+
+    /// Polls after each wake until the status is as wanted.
+    fn until(&mut self, wanted: impl Fn(&TrainerStatus) -> bool) {
+        self.poll();
+        while !wanted(&self.status) {
+            self.woken.recv().unwrap();
+            self.poll();
+        }
+    }
+
+    fn until_idle(&mut self) {
+        self.until(|status| status.doing == Doing::Nothing && status.forest.is_some());
+    }
+
+    /// Nothing has been begun that was not expected.
+    fn nothing_begun(&self) {
+        assert_eq!(self.begun.try_recv().ok(), None);
+    }
+}
+
+/// Frames of which the first few are references.
+fn document(references: usize, others: usize) -> Document {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    for index in 0..references + others {
+        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        if index < references {
+            accept(&mut frame, index as f64);
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn accept(frame: &mut Frame, pan_deg: f64) {
+    frame.status = FrameStatus::Reference;
+    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None));
+}
+
+#[test]
+fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
+    let mut hand = Hand::start(0.95);
+    hand.tell(TrainerOrder::Frame(6));
+    hand.document(&document(2, 28));
+    hand.expect(&Begun::Recall, Let::Stopped);
+    hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    hand.expect(&Begun::Propose(vec![6, 5, 7, 4, 8, 3, 9, 2]), Let::Well);
+    hand.expect(&Begun::Propose(vec![10, 11, 12, 13, 14]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.expect(&Begun::Propose((15..23).collect()), Let::Well);
+    hand.expect(&Begun::Propose((23..30).collect()), Let::Well);
+    hand.until_idle();
+    assert_eq!((hand.status.references, hand.status.teachers, hand.status.answered), (2, 2, 28));
+    assert_eq!(hand.status.forest.unwrap().generation, 1);
+    assert!(hand.status.quality.is_some());
+    assert_eq!(hand.proposals.len(), 28);
+    assert!(hand.proposals.iter().all(|proposal| proposal.generation == 1));
+}
+
+#[test]
+fn a_burst_is_one_change_and_added_references_let_a_training_end() {
+    let mut hand = Hand::start(0.95);
+    hand.document(&document(1, 0));
+    hand.expect(&Begun::Recall, Let::Stopped);
+    assert_eq!(hand.begun.recv().unwrap(), Begun::Learn(vec![0]));
+    for references in 2..=6 {
+        hand.document(&document(references, 0));
+    }
+    hand.go.send(Let::Well).unwrap();
+    hand.expect(&Begun::Learn((0..6).collect()), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+    assert_eq!(hand.status.forest.unwrap().generation, 2);
+    hand.nothing_begun();
+}
+
+#[test]
+fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_again() {
+    let mut hand = Hand::start(0.99);
+    let mut all = document(3, 2);
+    hand.document(&all);
+    hand.expect(&Begun::Recall, Let::Stopped);
+    assert_eq!(hand.begun.recv().unwrap(), Begun::Learn(vec![0, 1, 2]));
+    all.frames[1].status = FrameStatus::Draft;
+    hand.document(&all);
+    hand.go.send(Let::Stopped).unwrap();
+    hand.expect(&Begun::Learn(vec![0, 2]), Let::Well);
+    hand.expect(&Begun::Propose(vec![3, 4]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+
+    // Answers that are certain are kept when something is added, and asked for again when something is withdrawn.
+    for (index, proposal) in hand.proposals.drain(..).enumerate() {
+        proposal.record(&mut all.frames[3 + index]);
+    }
+    accept(&mut all.frames[1], 1.5);
+    hand.document(&all);
+    hand.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    all.frames[0].ptz.as_mut().unwrap().pan_deg = 0.25;
+    hand.document(&all);
+    hand.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
+    hand.expect(&Begun::Propose(vec![3, 4]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+
+    for index in 0..3 {
+        all.frames[index].status = FrameStatus::New;
+    }
+    hand.document(&all);
+    hand.until(|status| status.references == 0);
+    assert_eq!((hand.status.forest, &hand.status.quality), (None, &None));
+    hand.nothing_begun();
+}
+
+#[test]
+fn doubtful_answers_are_asked_for_again_by_a_better_forest() {
+    let hand = Hand::start(0.6);
+    let mut all = document(2, 1);
+    hand.document(&all);
+    hand.expect(&Begun::Recall, Let::Stopped);
+    hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    hand.expect(&Begun::Propose(vec![2]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    all.frames.push(document(3, 0).frames.swap_remove(2));
+    hand.document(&all);
+    hand.expect(&Begun::Learn(vec![0, 1, 3]), Let::Well);
+    hand.expect(&Begun::Propose(vec![2]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+}
+
+#[test]
+fn every_stage_can_be_paused_and_taken_up_again() {
+    let mut hand = Hand::start(0.95);
+    hand.document(&document(1, 1));
+    hand.expect(&Begun::Recall, Let::Stopped);
+    for stage in [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure] {
+        hand.expect(&stage, Let::Stopped);
+        hand.until(|status| status.doing != Doing::Paused);
+        hand.tell(TrainerOrder::Pause(true));
+        hand.until(|status| status.doing == Doing::Paused);
+        hand.nothing_begun();
+        hand.tell(TrainerOrder::Pause(false));
+        hand.expect(&stage, Let::Well);
+    }
+    hand.until_idle();
+}
+
+#[test]
+fn every_stage_ends_when_the_trainer_is_dropped() {
+    for stages in 0..3 {
+        let mut hand = Hand::start(0.95);
+        hand.document(&document(1, 1));
+        hand.expect(&Begun::Recall, Let::Stopped);
+        let all = [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure];
+        for (number, stage) in all.into_iter().take(stages + 1).enumerate() {
+            hand.expect(&stage, if number == stages { Let::Stopped } else { Let::Well });
+        }
+        drop(hand.trainer.take());
+    }
+}
+
+#[test]
+fn a_panic_is_shown_and_work_goes_on() {
+    let mut hand = Hand::start(0.95);
+    let mut all = document(1, 1);
+    hand.document(&all);
+    hand.expect(&Begun::Recall, Let::Stopped);
+    hand.expect(&Begun::Learn(vec![0]), Let::Panic);
+    hand.until(|status| status.trouble.is_some());
+    assert!(hand.status.trouble.as_ref().unwrap().contains("while learning: the saw broke"), "{:?}", hand.status);
+    // Not again for the same references, unless somebody asks.
+    all.frames[1].comment = Some("rain".to_owned());
+    hand.document(&all);
+    hand.until(|status| status.doing == Doing::Nothing);
+    hand.nothing_begun();
+    hand.tell(TrainerOrder::Pause(true));
+    hand.until(|status| status.doing == Doing::Paused);
+    hand.tell(TrainerOrder::Pause(false));
+    hand.expect(&Begun::Learn(vec![0]), Let::Fail);
+    hand.until(|status| status.trouble.as_deref() == Some("no features"));
+    all.frames.push(document(2, 0).frames.swap_remove(1));
+    hand.document(&all);
+    hand.expect(&Begun::Learn(vec![0, 2]), Let::Well);
+    hand.expect(&Begun::Propose(vec![1]), Let::Panic);
+    hand.expect(&Begun::Measure, Let::Panic);
+    hand.until(|status| status.trouble.as_ref().is_some_and(|trouble| trouble.contains("the rule bent")));
+    hand.until_idle();
+    let [failed] = &hand.proposals[..] else { panic!("{:?}", hand.proposals) };
+    assert_eq!(failed.outcome, Err(NoProposal::Panicked { message: "the forest burns".to_owned() }));
+}
+
+#[test]
+fn the_forest_of_an_earlier_session_serves_and_a_damaged_one_is_made_again() {
+    let mut hand = Hand::start(0.95);
+    let mut all = document(1, 2);
+    // What an earlier session proposed and is certain is not asked for.
+    proposal(&document(1, 2), 1, 1, 0.97).record(&mut all.frames[1]);
+    hand.document(&all);
+    hand.expect(&Begun::Recall, Let::Well);
+    hand.expect(&Begun::Propose(vec![2]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+    assert_eq!(hand.status.forest.unwrap().took, None);
+
+    let mut hand = Hand::start(0.95);
+    hand.document(&document(1, 0));
+    hand.expect(&Begun::Recall, Let::Fail);
+    hand.expect(&Begun::Learn(vec![0]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+    assert_eq!(hand.status.trouble, None, "it has been mended");
+}
+
+#[test]
+fn the_book_asks_again_for_what_the_document_lost() {
+    let (mut all, forest, mut book) = (document(1, 3), model(), Book::default());
+    let wanted = |book: &Book, document: &Document, generation| -> Vec<usize> {
+        (0..4).filter(|&index| book.wants(document, index, &forest, generation)).collect()
+    };
+    assert_eq!(wanted(&book, &all, 1), [1, 2, 3]);
+    for index in 1..4 {
+        let said = proposal(&all, index, 1, if index == 3 { 0.6 } else { 0.95 });
+        book.enter(&said);
+        book.look_at(&all);
+        assert_eq!(wanted(&book, &all, 1).len(), 3 - index, "answered, though not yet in the document");
+        said.record(&mut all.frames[index]);
+    }
+    book.look_at(&all);
+    assert_eq!((wanted(&book, &all, 1), wanted(&book, &all, 2)), (vec![], vec![3]));
+    assert_eq!((book.answered(&all), book.unanswered(&all), book.given_by(1)), (3, 0, 3));
+
+    let mut undone = all.clone();
+    undone.frames[1] = document(1, 3).frames.swap_remove(1);
+    book.look_at(&undone);
+    assert_eq!(wanted(&book, &undone, 1), [1]);
+    let mut moved = all.clone();
+    moved.cameras[0].position_m = Some(crate::geometry::Vec3::new(0.0, -60.0, 18.0));
+    moved.cameras[0].base_from_world = Some(Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
+    let mut book = Book::default();
+    book.enter(&proposal(&all, 2, 1, 0.95));
+    book.look_at(&moved);
+    // With the base everything that was taught is another.
+    book.trust_from(2);
+    assert!(book.wants(&moved, 2, &forest, 2), "an answer for another base is none");
+}

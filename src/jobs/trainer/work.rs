@@ -1,0 +1,380 @@
+//! What the trainer does next, and doing it.
+
+use super::TrainerOptions;
+use super::book::Book;
+use super::craft::{Craft, Learnt};
+use super::desk::{Desk, Orders};
+use super::watch::{Until, Watch};
+use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
+use crate::project::Document;
+use crate::proposals::{AskingOrder, Coverage, Curriculum, NoProposal, Proposal, Teachers};
+use crate::relocalize::ForestModel;
+use std::any::Any;
+use std::collections::VecDeque;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Frames that are asked for at a time; orders are looked at in between.
+const BATCH: usize = 8;
+
+/// Proposals are reported at the latest when there are so many.
+const GATHER_MOST: usize = 64;
+
+/// After a training proposals have their turn, but no longer than this.
+const LONGEST_TURN: Duration = Duration::from_secs(20);
+
+/// What is known and what has been done.
+pub(super) struct Work<C> {
+    desk: Arc<Desk>,
+    craft: C,
+    options: TrainerOptions,
+    orders: Orders,
+    document: Document,
+    teachers: Teachers,
+    curriculum: Curriculum,
+    /// When the curriculum changed last.
+    changed: Instant,
+    forest: Option<Forest>,
+    generation: u64,
+    /// The disk was looked at for a forest.
+    recalled: bool,
+    /// There can be no forest of this.
+    hopeless: Option<Curriculum>,
+    /// Until then proposals have their turn.
+    turn_until: Instant,
+    book: Book,
+    queue: Queue,
+    measured: u64,
+    gathered: Vec<Proposal>,
+    gathered_since: Instant,
+    status: TrainerStatus,
+}
+
+/// The forest that answers.
+struct Forest {
+    model: Arc<ForestModel>,
+    curriculum: Curriculum,
+}
+
+/// Frames to ask for, and what the queue was made for.
+#[derive(Default)]
+struct Queue {
+    first: VecDeque<usize>,
+    rest: VecDeque<usize>,
+    made_for: Option<(u64, usize, u64)>,
+}
+
+/// What is to be done next.
+enum Step {
+    Recall,
+    Learn,
+    Propose(Vec<usize>),
+    Measure,
+    /// Wait for an order, but not beyond a time.
+    Wait(Doing, Option<Instant>),
+}
+
+impl<C: Craft> Work<C> {
+    pub(super) fn new(desk: Arc<Desk>, craft: C, options: TrainerOptions) -> Self {
+        let now = Instant::now();
+        Self {
+            desk,
+            craft,
+            options,
+            orders: Orders::default(),
+            document: Document::new(crate::project::FieldSpec::new("")),
+            teachers: Teachers::default(),
+            curriculum: Curriculum::default(),
+            changed: now,
+            forest: None,
+            generation: 0,
+            recalled: false,
+            hopeless: None,
+            turn_until: now,
+            book: Book::default(),
+            queue: Queue::default(),
+            measured: 0,
+            gathered: Vec::new(),
+            gathered_since: now,
+            status: TrainerStatus::default(),
+        }
+    }
+
+    /// Works until it is told to end.
+    pub(super) fn run(mut self) {
+        while let Some(orders) = self.desk.orders() {
+            self.take_in(orders);
+            let step = self.next();
+            if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
+                self.hand_over();
+            }
+            match step {
+                Step::Recall => self.recall(),
+                Step::Learn => self.learn(),
+                Step::Propose(frames) => self.propose(&frames),
+                Step::Measure => self.measure(),
+                Step::Wait(doing, until) => {
+                    self.report(doing);
+                    self.desk.wait(self.orders.number, until);
+                }
+            }
+        }
+    }
+
+    fn take_in(&mut self, orders: Orders) {
+        if self.orders.paused && !orders.paused {
+            // Pausing and going on is how somebody asks to try again.
+            self.hopeless = None;
+        }
+        if orders.edition != self.orders.edition
+            && let Some(document) = &orders.document
+        {
+            self.document = document.clone();
+            self.teachers = Teachers::of(document, false);
+            let curriculum = Curriculum::of(document, &self.teachers.frames);
+            if curriculum != self.curriculum {
+                self.curriculum = curriculum;
+                self.changed = Instant::now();
+            }
+            self.book.look_at(document);
+            let Teachers { frames, references, withheld } = &self.teachers;
+            (self.status.references, self.status.teachers, self.status.withheld) =
+                (*references, frames.len(), *withheld);
+            self.count();
+        }
+        self.orders = orders;
+    }
+
+    fn next(&mut self) -> Step {
+        if self.orders.paused {
+            return Step::Wait(Doing::Paused, None);
+        }
+        if self.curriculum.is_empty() {
+            self.forget();
+            return Step::Wait(Doing::Nothing, None);
+        }
+        let taught = self.forest.as_ref().map(|forest| &forest.curriculum);
+        let is_taught = taught == Some(&self.curriculum);
+        // A forest that has learnt what was withdrawn answers nobody any more.
+        let serves = taught.is_some_and(|taught| self.curriculum.contains(taught));
+        let is_due = !is_taught && self.hopeless.as_ref() != Some(&self.curriculum);
+        let mut due = None;
+        if is_due {
+            if !self.recalled {
+                return Step::Recall;
+            }
+            let settled = self.changed + self.options.settle;
+            let turn = if serves && self.has_to_ask() { self.turn_until } else { settled };
+            if Instant::now() >= settled.max(turn) {
+                return Step::Learn;
+            }
+            due = Some(settled.max(turn));
+        }
+        if serves {
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.first) {
+                return Step::Propose(frames);
+            }
+            if is_taught && self.measured != self.generation {
+                return Step::Measure;
+            }
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.rest) {
+                return Step::Propose(frames);
+            }
+        }
+        Step::Wait(if due.is_some() { Doing::Settling } else { Doing::Nothing }, due)
+    }
+
+    /// Nothing is taught any more.
+    fn forget(&mut self) {
+        if self.forest.take().is_some() {
+            self.book.trust_from(self.generation + 1);
+        }
+        self.status = TrainerStatus {
+            references: self.status.references,
+            withheld: self.status.withheld,
+            answered: self.status.answered,
+            not_kept: self.status.not_kept.take(),
+            ..TrainerStatus::default()
+        };
+    }
+
+    fn recall(&mut self) {
+        self.recalled = true;
+        match self.craft.recall(&self.curriculum) {
+            Ok(Some(model)) => {
+                let facts = ForestFacts { references: self.teachers.frames.len(), ..facts(&model) };
+                self.take_forest(model, self.curriculum.clone(), facts);
+            }
+            Ok(None) => {}
+            // It is made again, which mends it.
+            Err(reason) => self.status.trouble = Some(format!("The kept forest is made again: {reason}")),
+        }
+    }
+
+    fn learn(&mut self) {
+        let begun = Instant::now();
+        let (document, teachers) = (self.document.clone(), self.teachers.frames.clone());
+        let curriculum = self.curriculum.clone();
+        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Unlearnt(curriculum.clone()));
+        let craft = &mut self.craft;
+        let learnt = catch_unwind(AssertUnwindSafe(|| craft.learn(&document, &teachers, &curriculum, &watch)));
+        match learnt {
+            Ok(Ok(None)) => {}
+            Ok(Ok(Some(Learnt { model, features, failed }))) => {
+                let took = begun.elapsed();
+                let facts = ForestFacts {
+                    references: teachers.len() - failed.len(),
+                    features,
+                    took: Some(took),
+                    ..facts(&model)
+                };
+                self.status.failed = failed.into();
+                self.status.trouble = None;
+                self.turn_until = Instant::now() + took.min(LONGEST_TURN);
+                self.take_forest(model, curriculum, facts);
+            }
+            Ok(Err(reason)) => {
+                self.status.trouble = Some(reason);
+                self.hopeless = Some(curriculum);
+            }
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("learning", panic.as_ref()));
+                self.hopeless = Some(curriculum);
+            }
+        }
+        self.status.not_kept = self.craft.not_kept();
+    }
+
+    fn take_forest(&mut self, model: ForestModel, curriculum: Curriculum, facts: ForestFacts) {
+        self.generation += 1;
+        if self.forest.as_ref().is_some_and(|before| !curriculum.contains(&before.curriculum)) {
+            self.book.trust_from(self.generation);
+        }
+        self.status.forest = Some(ForestFacts { generation: self.generation, ..facts });
+        self.forest = Some(Forest { model: Arc::new(model), curriculum });
+        self.survey();
+    }
+
+    fn propose(&mut self, frames: &[usize]) {
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let share = {
+            let done = self.book.given_by(self.generation);
+            Share { done, of: done + frames.len() + self.queue.first.len() + self.queue.rest.len() }
+        };
+        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Done);
+        let asking = || watch.tell(Doing::Proposing(share));
+        let (document, generation) = (&self.document, self.generation);
+        let craft = &mut self.craft;
+        let proposed =
+            catch_unwind(AssertUnwindSafe(|| craft.propose(document, frames, (&model, generation), &asking)));
+        let proposals = proposed.unwrap_or_else(|panic| {
+            self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
+            let message = super::super::panic_message(panic.as_ref());
+            let none = |index: &usize| {
+                let reason = NoProposal::Panicked { message: message.clone() };
+                Proposal::without_answer(document, *index, generation, reason)
+            };
+            frames.iter().map(none).collect()
+        });
+        if proposals.len() < frames.len() {
+            self.queue.made_for = None;
+        }
+        if self.gathered.is_empty() {
+            self.gathered_since = Instant::now();
+        }
+        for proposal in &proposals {
+            self.book.enter(proposal);
+        }
+        self.gathered.extend(proposals);
+        if self.gathered.len() >= GATHER_MOST {
+            self.hand_over();
+        }
+    }
+
+    /// Reports what has been gathered.
+    fn hand_over(&mut self) {
+        if self.gathered.is_empty() {
+            return;
+        }
+        self.count();
+        self.desk.propose(std::mem::take(&mut self.gathered));
+    }
+
+    fn count(&mut self) {
+        self.status.answered = self.book.answered(&self.document);
+        self.status.unanswered = self.book.unanswered(&self.document);
+    }
+
+    fn measure(&mut self) {
+        let document = self.document.clone();
+        let teachers = &self.teachers.frames;
+        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Changed(self.curriculum.clone()));
+        let craft = &mut self.craft;
+        let measured = catch_unwind(AssertUnwindSafe(|| craft.measure(&document, teachers, &watch)));
+        // Ended by a pause it is begun again; else what can be known is known.
+        match measured {
+            Ok(None) if !watch.is_wanted() => return,
+            Ok(quality) => self.status.quality = quality.map(Arc::new),
+            Err(panic) => self.status.trouble = Some(broke_down("measuring quality", panic.as_ref())),
+        }
+        self.measured = self.generation;
+    }
+
+    /// Draws the map of what references see.
+    fn survey(&mut self) {
+        let shown = self.document.frames.get(self.orders.frame);
+        let Some(frame) = shown.or(self.document.frames.first()) else { return };
+        self.status.coverage =
+            self.document.field_of(frame).model(self.craft.folder()).ok().and_then(|field| {
+                Coverage::of(&self.document, &field, &frame.camera, &self.teachers.frames).map(Arc::new)
+            });
+    }
+
+    /// The next frames of a part of the queue.
+    fn take_from_queue(&mut self, part: fn(&mut Queue) -> &mut VecDeque<usize>) -> Option<Vec<usize>> {
+        self.has_to_ask();
+        let model = Arc::clone(&self.forest.as_ref()?.model);
+        let mut taken = Vec::new();
+        while taken.len() < BATCH
+            && let Some(index) = part(&mut self.queue).pop_front()
+        {
+            if self.book.wants(&self.document, index, &model, self.generation) {
+                taken.push(index);
+            }
+        }
+        (!taken.is_empty()).then_some(taken)
+    }
+
+    /// Brings the queue up to date; whether a frame is to be asked for.
+    fn has_to_ask(&mut self) -> bool {
+        let Some(forest) = &self.forest else { return false };
+        let made_for = (self.orders.edition, self.orders.frame, self.generation);
+        if self.queue.made_for != Some(made_for) {
+            let wanted = |index| self.book.wants(&self.document, index, &forest.model, self.generation);
+            let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.orders.frame, wanted);
+            self.queue = Queue { first: first.into(), rest: rest.into(), made_for: Some(made_for) };
+        }
+        !(self.queue.first.is_empty() && self.queue.rest.is_empty())
+    }
+
+    fn report(&mut self, doing: Doing) {
+        self.status.doing = doing;
+        self.desk.report(&self.status);
+    }
+}
+
+/// What a forest is made of.
+fn facts(model: &ForestModel) -> ForestFacts {
+    let count = |of: fn(&crate::relocalize::CameraForest) -> usize| model.cameras.iter().map(of).sum();
+    ForestFacts {
+        trees: count(|camera| camera.forest.trees()),
+        leaves: count(|camera| camera.forest.leaves()),
+        ..ForestFacts::default()
+    }
+}
+
+fn broke_down(what: &str, panic: &(dyn Any + Send)) -> String {
+    let message = super::super::panic_message(panic);
+    format!("A mistake in this program while {what}: {message}. Pause and resume to try again.")
+}

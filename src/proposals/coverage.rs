@@ -1,0 +1,157 @@
+//! Where references look, and where one is missing.
+
+use crate::camera::{CameraBase, PanTilt, PtzCamera};
+use crate::field::FieldModel;
+use crate::geometry::Vec3;
+use crate::project::{CameraId, Document, Frame};
+use std::ops::RangeInclusive;
+
+/// The map's cells.
+const COLUMNS: usize = 30;
+const ROWS: usize = 8;
+
+/// The map shows this much more than the field, degrees.
+const MARGIN_DEG: f64 = 2.0;
+
+/// What lies this far beside the field counts as field, m.
+const BESIDE_M: f64 = 3.0;
+
+/// Where the references of a camera look, over pan and tilt of the rays from it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coverage {
+    /// The map's left and right border, degrees of pan.
+    pub pan_deg: RangeInclusive<f64>,
+    /// The map's lower and upper border, degrees of tilt.
+    pub tilt_deg: RangeInclusive<f64>,
+    /// Columns of the map.
+    pub columns: usize,
+    /// Its cells, row by row from the top.
+    pub cells: Vec<Cell>,
+    /// The middle of the widest part of the field that no reference sees, degrees of pan; none where all is seen.
+    pub missing_pan_deg: Option<f64>,
+}
+
+/// A place of the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Cell {
+    /// References that see it.
+    pub references: u32,
+    /// The field lies there.
+    pub field: bool,
+}
+
+impl Coverage {
+    /// Where the `teachers` of a camera look. None where the camera has no base.
+    #[must_use]
+    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, teachers: &[usize]) -> Option<Self> {
+        let base = document.camera(camera)?.base()?;
+        let outline = outline(field, &base);
+        let (pan_deg, tilt_deg) =
+            (around(&outline, |ray| ray.pan.degrees())?, around(&outline, |ray| ray.tilt.degrees())?);
+        let seeing: Vec<(&Frame, PtzCamera)> = teachers
+            .iter()
+            .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
+            .filter(|frame| frame.camera == *camera)
+            .filter_map(|frame| Some((frame, document.pointed(frame)?)))
+            .collect();
+        let along = |range: &RangeInclusive<f64>, step: usize, steps: usize| {
+            range.start() + (step as f64 + 0.5) / steps as f64 * (range.end() - range.start())
+        };
+        let cells = (0..ROWS)
+            .flat_map(|row| (0..COLUMNS).map(move |column| (row, column)))
+            .map(|(row, column)| {
+                let ray =
+                    PanTilt::from_degrees(along(&pan_deg, column, COLUMNS), along(&tilt_deg, ROWS - 1 - row, ROWS));
+                let sees = |(frame, pointed): &&(&Frame, PtzCamera)| {
+                    pointed.image_from_ray(ray).is_ok_and(|image| frame.image_size.contains(image))
+                };
+                Cell { references: seeing.iter().filter(sees).count() as u32, field: shows_field(field, &base, ray) }
+            })
+            .collect();
+        let mut coverage = Self { pan_deg, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
+        coverage.missing_pan_deg = coverage.widest_gap_deg();
+        Some(coverage)
+    }
+
+    fn widest_gap_deg(&self) -> Option<f64> {
+        let is_gap = |column: &usize| {
+            let mut cells = self.cells.iter().skip(*column).step_by(self.columns).filter(|cell| cell.field).peekable();
+            cells.peek().is_some() && cells.all(|cell| cell.references == 0)
+        };
+        let gaps: Vec<usize> = (0..self.columns).filter(is_gap).collect();
+        let runs = gaps.chunk_by(|a, b| a + 1 == *b);
+        let widest = runs.rev().max_by_key(|run| run.len())?;
+        let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
+        Some(self.pan_deg.start() + middle * (self.pan_deg.end() - self.pan_deg.start()))
+    }
+}
+
+/// The field's border as rays.
+fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
+    /// Points on each side.
+    const STEPS: i32 = 20;
+    let (x_m, y_m) = (field.length_m / 2.0, field.width_m / 2.0);
+    let along = (-STEPS..=STEPS).map(|step| f64::from(step) / f64::from(STEPS));
+    along
+        .flat_map(|t| [(t * x_m, -y_m), (t * x_m, y_m), (-x_m, t * y_m), (x_m, t * y_m)])
+        .map(|(x, y)| PanTilt::from_direction(base.base_from_world_point(Vec3::new(x, y, field.ground_z(y)))))
+        .collect()
+}
+
+fn around(rays: &[PanTilt], value: fn(&PanTilt) -> f64) -> Option<RangeInclusive<f64>> {
+    let values = || rays.iter().map(value);
+    Some(values().min_by(f64::total_cmp)? - MARGIN_DEG..=values().max_by(f64::total_cmp)? + MARGIN_DEG)
+}
+
+fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
+    let direction = base.base_from_world.transpose() * ray.direction();
+    let distance = -base.position_m.z / direction.z;
+    let at = base.position_m + direction * distance;
+    distance > 0.0 && at.x.abs() <= field.length_m / 2.0 + BESIDE_M && at.y.abs() <= field.width_m / 2.0 + BESIDE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, Ptz};
+    use crate::field::builtin;
+    use crate::geometry::{Angle, ImageSize};
+    use crate::project::{Camera, FieldSpec, FramePtz};
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    /// Frames that look at some pans.
+    fn document(pans_deg: &[f64]) -> Document {
+        let down = BaseAngles { pitch: Angle::from_degrees(-2.0), ..BaseAngles::default() };
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut main = Camera::new("main".into(), SIZE);
+        main.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), down.base_from_world(), SIZE.centre()));
+        document.cameras.push(main.into());
+        for pan_deg in pans_deg {
+            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(*pan_deg, -10.0, 1800.0), None));
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    fn coverage(document: &Document, teachers: &[usize]) -> Coverage {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        Coverage::of(document, &field, &"main".into(), teachers).unwrap()
+    }
+
+    #[test]
+    fn what_no_reference_sees_is_missing() {
+        let document = document(&[-40.0, -15.0, 10.0, 50.0, 30.0]);
+        let found = coverage(&document, &[0, 1, 2]);
+        assert_eq!(found.cells.len(), ROWS * COLUMNS);
+        assert!(*found.pan_deg.start() < -50.0 && *found.pan_deg.end() > 50.0, "{:?}", found.pan_deg);
+        let missing = found.missing_pan_deg.unwrap();
+        assert!((30.0..60.0).contains(&missing), "{missing}");
+        let middle = coverage(&document, &[]).missing_pan_deg.unwrap();
+        assert!(middle.abs() < 3.0, "nothing is seen: begin in the middle, {middle}");
+        let seen: u32 = found.cells.iter().map(|cell| cell.references).sum();
+        assert!(seen > 0 && coverage(&document, &[]).cells.iter().all(|cell| cell.references == 0));
+        assert!(found.cells.iter().any(|cell| cell.field) && found.cells.iter().any(|cell| !cell.field));
+    }
+}

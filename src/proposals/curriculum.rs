@@ -1,0 +1,103 @@
+//! What a forest was, or is to be, taught: by which it is known whether it has to be taught again.
+
+use crate::project::{CameraId, Document};
+use serde_json::json;
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+
+/// Everything that decides what the references of a document teach: their pictures, masks and cameras.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Curriculum {
+    lessons: BTreeSet<[u8; 16]>,
+}
+
+impl Curriculum {
+    /// What some frames of a document teach.
+    #[must_use]
+    pub fn of(document: &Document, teachers: &[usize]) -> Self {
+        let mut cameras = BTreeMap::<&CameraId, String>::new();
+        let mut lessons = BTreeSet::new();
+        for frame in teachers.iter().filter_map(|&index| document.frames.get(index)) {
+            let camera = cameras.entry(&frame.camera).or_insert_with(|| {
+                document.camera_of(frame).and_then(|camera| serde_json::to_string(camera).ok()).unwrap_or_default()
+            });
+            let masks: Vec<[f64; 4]> = frame.masks.iter().map(|m| [m.x, m.y, m.width, m.height]).collect();
+            let lesson = json!([frame.image, frame.video, frame.sha256, masks, frame.ptz, camera]);
+            let digest = Sha256::digest(lesson.to_string());
+            lessons.extend(digest.first_chunk::<16>());
+        }
+        Self { lessons }
+    }
+
+    /// Whether nothing is taught.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.lessons.is_empty()
+    }
+
+    /// Whether all of `other` is taught here as well: then nothing has to be unlearnt.
+    #[must_use]
+    pub fn contains(&self, other: &Self) -> bool {
+        self.lessons.is_superset(&other.lessons)
+    }
+
+    /// A name for exactly this, 32 hexadecimal digits.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        let mut digest = Sha256::new();
+        for lesson in &self.lessons {
+            digest.update(lesson);
+        }
+        digest.finalize()[..16].iter().fold(String::with_capacity(32), |mut name, byte| {
+            // Writing to a string cannot fail.
+            let _ = write!(name, "{byte:02x}");
+            name
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::geometry::{ImageSize, PixelBox};
+    use crate::project::{Camera, FieldSpec, Frame, FramePtz};
+
+    fn document() -> Document {
+        let size = ImageSize::new(640, 360);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for index in 0..3 {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index), -9.0, 900.0), None));
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    #[test]
+    fn more_contains_less_and_any_change_is_another() {
+        let document = document();
+        let (two, three) = (Curriculum::of(&document, &[0, 1]), Curriculum::of(&document, &[1, 0, 2]));
+        assert!(three.contains(&two) && !two.contains(&three));
+        assert_eq!(Curriculum::of(&document, &[1, 0]).fingerprint(), two.fingerprint());
+        assert_ne!(three.fingerprint(), two.fingerprint());
+        assert!(Curriculum::of(&document, &[7]).is_empty());
+
+        let changes: [fn(&mut Document); 4] = [
+            |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
+            |document| document.frames[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
+            |document| document.cameras[0].masks.push(PixelBox { x: 1.0, y: 1.0, width: 9.0, height: 9.0 }),
+            |document| document.frames[0].sha256 = Some("ab".to_owned()),
+        ];
+        for change in changes {
+            let mut changed = document.clone();
+            change(&mut changed);
+            assert!(!Curriculum::of(&changed, &[0, 1, 2]).contains(&two));
+        }
+        let mut commented = document.clone();
+        commented.frames[0].comment = Some("rain".to_owned());
+        assert_eq!(Curriculum::of(&commented, &[0, 1]), two);
+    }
+}

@@ -1,0 +1,267 @@
+//! What the forest is worth: a reference is left out together with all others of its shot, and asked for.
+
+use super::learning::learn_camera;
+use super::{LearnOptions, Lesson};
+use crate::camera::PtzCamera;
+use crate::geometry::{ImagePoint, ImageSize};
+use crate::project::{Camera, Clip, Document, Frame};
+use crate::relocalize::{RelocalizeOptions, Stopped, relocalize};
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+/// Where there is only one shot, references this close in time are left out together, s.
+const TOGETHER_S: f64 = 5.0;
+
+/// So many forests are trained to measure one: the groups left out are spread over all.
+const MOST_GROUPS: usize = 8;
+
+/// So many references of a shot are asked for.
+const MOST_OF_A_SHOT: usize = 4;
+
+/// An overlay that is off by more is wrong, px at 1920 px width.
+pub const WRONG_PX: f64 = 20.0;
+
+/// What the forest answers for references that it was not taught.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Quality {
+    /// What is left out together.
+    pub left_out_by: LeftOutBy,
+    /// How many groups there are to leave out; at most eight were.
+    pub groups: usize,
+    /// What was asked for, in the document's order.
+    pub asked: Vec<LeftOut>,
+}
+
+/// What is left out together with a reference.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LeftOutBy {
+    /// All references of its shot.
+    Shot,
+    /// All within five seconds.
+    Time,
+    /// Its neighbours among the references, as no times are known.
+    Neighbours,
+}
+
+/// A reference that was left out and asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// Its place in the document.
+    pub frame: usize,
+    /// Where it looks, degrees.
+    pub pan_deg: f64,
+    /// Where it looks, degrees.
+    pub tilt_deg: f64,
+    /// What the forest found, if anything.
+    pub found: Option<FoundAgain>,
+}
+
+/// What the forest found for a reference that it was not taught.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FoundAgain {
+    /// How far the overlay is off from the reference's where it is off most, px at 1920 px width.
+    pub error_px: f64,
+    /// What the forest said of it.
+    pub confidence: f64,
+}
+
+impl Quality {
+    /// How many were found.
+    #[must_use]
+    pub fn found(&self) -> usize {
+        self.asked.iter().filter(|asked| asked.found.is_some()).count()
+    }
+
+    /// The median of the errors of those found, px at 1920 px width.
+    #[must_use]
+    pub fn median_px(&self) -> Option<f64> {
+        let mut errors: Vec<f64> = self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect();
+        errors.sort_by(f64::total_cmp);
+        errors.get(errors.len() / 2).copied()
+    }
+
+    /// Those found wrong.
+    pub fn wrong(&self) -> impl Iterator<Item = &LeftOut> {
+        self.asked.iter().filter(|asked| asked.found.is_some_and(|found| found.error_px > WRONG_PX))
+    }
+}
+
+/// What is trained without, and what is then asked for: places among the lessons.
+struct Group {
+    left_out: Vec<usize>,
+    asked: Vec<usize>,
+}
+
+/// Leaves references out and asks for them. `progress` is called with the groups done and those to do, from any thread,
+/// and may end it. None where it did, or where nothing is left to learn from without a group.
+pub fn measure(
+    document: &Document,
+    lessons: &[Lesson],
+    options: &LearnOptions,
+    relocalizing: &RelocalizeOptions,
+    progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
+) -> Option<Quality> {
+    let camera = most_taught(document, lessons)?;
+    let base = camera.base()?;
+    let lessons: Vec<&Lesson> =
+        lessons.iter().filter(|lesson| lesson.camera == camera.id && !lesson.taught.is_empty()).collect();
+    let (left_out_by, mut groups) = groups(document, &lessons);
+    groups.retain(|group| group.left_out.len() < lessons.len());
+    let count = groups.len();
+    let groups = spread(groups);
+    let mut asked = Vec::new();
+    for (done, group) in groups.iter().enumerate() {
+        progress(done, groups.len()).continue_value()?;
+        let kept = lessons.iter().enumerate().filter(|(index, _)| !group.left_out.contains(index));
+        let kept = kept.map(|(_, lesson)| *lesson);
+        let learnt = match learn_camera(&camera.id, kept, &options.train, &|_| progress(done, groups.len())) {
+            Ok(Some(learnt)) => learnt,
+            Ok(None) | Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
+            Err(Stopped::Asked) => return None,
+        };
+        for lesson in group.asked.iter().map(|&index| lessons[index]) {
+            let frame = &document.frames[lesson.frame];
+            let Some(truth) = camera.pointed(frame) else { continue };
+            let answer = relocalize(&lesson.features, &learnt.forest, &learnt.seen, &base, relocalizing);
+            let found = answer.pose.ok().map(|pose| FoundAgain {
+                error_px: overlay_error_px(&truth, &PtzCamera::new(base, pose.ptz), frame.image_size),
+                confidence: pose.confidence,
+            });
+            let (pan_deg, tilt_deg) = (lesson.ptz.pan.degrees(), lesson.ptz.tilt.degrees());
+            asked.push(LeftOut { frame: lesson.frame, pan_deg, tilt_deg, found });
+        }
+    }
+    asked.sort_by_key(|asked| asked.frame);
+    (!asked.is_empty()).then_some(Quality { left_out_by, groups: count, asked })
+}
+
+/// The camera with the most references.
+fn most_taught<'a>(document: &'a Document, lessons: &[Lesson]) -> Option<&'a Camera> {
+    let taught = |camera: &Camera| lessons.iter().filter(|lesson| lesson.camera == camera.id).count();
+    let cameras = document.cameras.iter().map(|camera| &**camera);
+    cameras.rev().max_by_key(|camera| taught(camera))
+}
+
+fn groups(document: &Document, lessons: &[&Lesson]) -> (LeftOutBy, Vec<Group>) {
+    let frame = |index: usize| -> &Frame { &document.frames[lessons[index].frame] };
+    let all = 0..lessons.len();
+    let clips: BTreeSet<Option<&Clip>> = all.clone().map(|index| frame(index).clip.as_ref()).collect();
+    if clips.len() > 1 {
+        let of_clip = |clip: Option<&Clip>| {
+            let left_out: Vec<usize> = all.clone().filter(|&index| frame(index).clip.as_ref() == clip).collect();
+            let step = left_out.len().div_ceil(MOST_OF_A_SHOT).max(1);
+            Group { asked: left_out.iter().copied().step_by(step).collect(), left_out }
+        };
+        return (LeftOutBy::Shot, clips.into_iter().map(of_clip).collect());
+    }
+    let time = |index: usize| frame(index).video.as_ref().and_then(|video| video.pts_s);
+    let (by, near): (_, Box<dyn Fn(usize, usize) -> bool>) = if all.clone().all(|index| time(index).is_some()) {
+        let within = move |a: usize, b: usize| time(a).zip(time(b)).is_some_and(|(a, b)| (a - b).abs() <= TOGETHER_S);
+        (LeftOutBy::Time, Box::new(within))
+    } else {
+        (LeftOutBy::Neighbours, Box::new(|a: usize, b: usize| a.abs_diff(b) <= 1))
+    };
+    let of_one =
+        |asked| Group { asked: vec![asked], left_out: all.clone().filter(|&other| near(asked, other)).collect() };
+    (by, all.clone().map(of_one).collect())
+}
+
+/// At most [`MOST_GROUPS`], from the first to the last.
+fn spread(groups: Vec<Group>) -> Vec<Group> {
+    let count = groups.len();
+    if count <= MOST_GROUPS {
+        return groups;
+    }
+    let chosen: BTreeSet<usize> = (0..MOST_GROUPS).map(|i| i * (count - 1) / (MOST_GROUPS - 1)).collect();
+    groups.into_iter().enumerate().filter(|(index, _)| chosen.contains(index)).map(|(_, group)| group).collect()
+}
+
+/// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its points, px at 1920 px width;
+/// infinite where one does not see what the other shows.
+#[must_use]
+pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -> f64 {
+    let (width, height) = (f64::from(size.width), f64::from(size.height));
+    let grid = (0..5).flat_map(|column| (0..3).map(move |row| (f64::from(column) / 4.0, f64::from(row) / 2.0)));
+    let errors = grid.filter_map(|(x, y)| {
+        let point = ImagePoint::new(x * width, y * height);
+        // Beyond the fold of the lens a point shows nothing.
+        let ray = truth.ray_from_image(point).ok()?;
+        Some(found.image_from_ray(ray).map_or(f64::INFINITY, |image| image.distance_px(point)))
+    });
+    errors.fold(0.0, f64::max) / size.scale_from_1920()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::features::Features;
+    use crate::geometry::Vec3;
+    use crate::project::{FieldSpec, VideoFrame};
+    use std::sync::Arc;
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    fn document(frames: usize) -> (Document, Vec<Lesson>) {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), SIZE).into());
+        let mut lessons = Vec::new();
+        for index in 0..frames {
+            document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
+            lessons.push(Lesson {
+                frame: index,
+                camera: "main".into(),
+                ptz: Ptz::from_degrees(0.0, -9.0, 900.0),
+                features: Arc::new(Features::default()),
+                taught: Vec::new(),
+            });
+        }
+        (document, lessons)
+    }
+
+    fn left_out(document: &Document, lessons: &[Lesson]) -> (LeftOutBy, Vec<Vec<usize>>) {
+        let lessons: Vec<&Lesson> = lessons.iter().collect();
+        let (by, groups) = groups(document, &lessons);
+        (by, groups.into_iter().map(|group| group.left_out).collect())
+    }
+
+    #[test]
+    fn whole_shots_are_left_out_else_five_seconds_else_neighbours() {
+        let (mut document, lessons) = document(4);
+        assert_eq!(
+            left_out(&document, &lessons),
+            (LeftOutBy::Neighbours, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2, 3], vec![2, 3]])
+        );
+        for (index, pts_s) in [0.0, 4.0, 8.0, 30.0].into_iter().enumerate() {
+            document.frames[index].video = Some(VideoFrame::new("a.mp4", index as u64, Some(pts_s)));
+        }
+        assert_eq!(
+            left_out(&document, &lessons),
+            (LeftOutBy::Time, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2], vec![3]])
+        );
+        for (index, clip) in [1, 2, 2, 1].into_iter().enumerate() {
+            document.frames[index].clip = Some(Clip::Number(clip));
+        }
+        assert_eq!(left_out(&document, &lessons), (LeftOutBy::Shot, vec![vec![0, 3], vec![1, 2]]));
+    }
+
+    #[test]
+    fn many_groups_are_thinned_out_from_the_first_to_the_last() {
+        let groups = (0..100).map(|asked| Group { left_out: vec![asked], asked: vec![asked] }).collect();
+        let kept: Vec<usize> = spread(groups).iter().map(|group| group.asked[0]).collect();
+        assert_eq!((kept.len(), kept[0], kept[7]), (MOST_GROUPS, 0, 99));
+    }
+
+    #[test]
+    fn the_error_of_an_overlay_is_that_of_its_worst_place() {
+        let down = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), down, SIZE.centre());
+        let camera = |pan_deg, focal_px| PtzCamera::new(base, Ptz::from_degrees(pan_deg, -10.0, focal_px));
+        let truth = camera(5.0, 1280.0);
+        assert!(overlay_error_px(&truth, &truth, SIZE) < 1e-6);
+        // One per cent of focal length moves the corners by one per cent of their distance from the middle.
+        let zoomed = overlay_error_px(&truth, &camera(5.0, 1292.8), SIZE);
+        assert!((zoomed - 1.5 * 7.34).abs() < 0.05, "{zoomed}");
+        assert_eq!(overlay_error_px(&truth, &camera(175.0, 1280.0), SIZE), f64::INFINITY);
+    }
+}

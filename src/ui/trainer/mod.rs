@@ -1,0 +1,215 @@
+//! The background trainer: what it is doing, what it learns from, what the forest is worth, where a reference is missing.
+
+mod map;
+mod worth;
+
+use super::menu::file_name;
+use super::symbol::{self, Symbol};
+use super::{Panel, theme};
+use crate::app::guidance::without_answer;
+use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus};
+use egui::{
+    Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
+};
+
+/// Teachers that teach nothing are listed up to so many.
+const FAILED_SHOWN: usize = 5;
+
+/// Shows the panel.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    heading(panel, ui);
+    let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 });
+    if let Some(reason) = panel.app.no_trainer() {
+        inside.show(ui, |ui| ui.add(Label::new(RichText::new(reason).color(theme::WEAK)).wrap()));
+        return;
+    }
+    let status = panel.app.session.trainer.status.clone();
+    ScrollArea::vertical().id_salt("trainer panel").auto_shrink(false).show(ui, |ui| {
+        inside.show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            doing(panel, ui, &status);
+            teachers(panel, ui, &status);
+            if let Some(facts) = status.forest {
+                forest(ui, facts);
+                proposals(panel, ui, &status);
+            }
+            if let Some(coverage) = &status.coverage {
+                section(ui, "WHERE REFERENCES LOOK");
+                map::show(panel, ui, coverage, status.quality.as_deref());
+            }
+            if let Some(quality) = &status.quality {
+                section(ui, "WORTH");
+                worth::show(panel, ui, quality);
+            } else if status.forest.is_some() && !matches!(status.doing, Doing::Measuring(_)) {
+                section(ui, "WORTH");
+                let text = "Known once references of two shots, or some seconds apart, are accepted.";
+                weak(ui, text);
+            }
+        });
+    });
+}
+
+fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
+    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Trainer").heading().color(theme::STRONG));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = symbol::button(ui, Symbol::Cross, "Close the trainer panel", theme::WEAK);
+                let key = panel.app.settings.keys.shown(Command::TrainerPanel);
+                if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
+                    panel.actions.push(Action::Command(Command::TrainerPanel));
+                }
+            });
+        });
+    });
+}
+
+/// What goes on, how far it has come, and the way to stop it.
+fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
+    let said = match status.doing {
+        Doing::Nothing if status.references == 0 => "Waits for the first reference.".to_owned(),
+        Doing::Nothing => "Nothing to do: every frame is answered that can be.".to_owned(),
+        doing => format!("{}.", doing.told()),
+    };
+    ui.add(Label::new(said).wrap());
+    let share = status.doing.share();
+    ui.add(ProgressBar::new(share.map_or(0.0, crate::app::Share::fraction)).desired_height(6.0).corner_radius(2));
+    ui.add_space(theme::SPACE);
+    let paused = panel.app.session.trainer.paused;
+    let says = if paused { "Resume" } else { "Pause" };
+    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(Command::PauseTrainer)).clicked() {
+        panel.actions.push(Action::Command(Command::PauseTrainer));
+    }
+    if let Some(trouble) = &status.trouble {
+        remark(ui, Symbol::Warning, theme::CAUTION, trouble);
+    }
+    if let Some(reason) = &status.not_kept {
+        let text = format!("Forest and features are kept in memory only: {reason}");
+        remark(ui, Symbol::Info, theme::WEAK, &text);
+    }
+}
+
+/// The references, and which of them teach.
+fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
+    section(ui, "LEARNS FROM");
+    let count =
+        |count: usize, one: &str, more: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {more}") };
+    let teach = count(status.teachers, "reference teaches.", "references teach.");
+    ui.label(teach);
+    if status.withheld > 0 {
+        let text = count(status.withheld, "accepted suggestion does not teach.", "accepted suggestions do not teach.");
+        ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(
+            "What the forest proposed itself teaches it nothing new, and would teach it its own mistakes. A frame's switch \
+             says otherwise.",
+        );
+    }
+    let shown = panel.app.session.frame;
+    let reference = panel.app.frame().filter(|frame| frame.status == crate::project::FrameStatus::Reference);
+    if let Some(frame) = reference {
+        let before = frame.teaches();
+        let mut teaches = before;
+        let tip = panel.app.settings.keys.tooltip(Command::Teaches);
+        ui.add(Checkbox::new(&mut teaches, "The shown frame teaches")).on_hover_text(tip);
+        if teaches != before {
+            panel.actions.push(Action::SetTeaches { frame: shown, teaches });
+        }
+    }
+    for (index, reason) in status.failed.iter().take(FAILED_SHOWN) {
+        let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::project::Frame::name) else {
+            continue;
+        };
+        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{} teaches nothing: {reason}", file_name(&name)));
+        if ui.add(Button::new("Go there").small()).clicked() {
+            panel.actions.push(Action::GoTo(*index));
+        }
+    }
+    if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
+        weak(ui, &format!("{more} more teach nothing."));
+    }
+}
+
+fn forest(ui: &mut Ui, facts: ForestFacts) {
+    section(ui, "FOREST");
+    let took = facts.took.map_or_else(|| "kept from earlier".to_owned(), |took| format!("{:.1} s", took.as_secs_f64()));
+    let mut rows = vec![("References", facts.references.to_string())];
+    if facts.features > 0 {
+        rows.push(("Features", grouped(facts.features)));
+    }
+    rows.extend([
+        ("Trees", facts.trees.to_string()),
+        ("Leaves", grouped(facts.leaves)),
+        ("Learning took", took),
+        ("Generation", facts.generation.to_string()),
+    ]);
+    Grid::new("forest").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
+        for (name, value) in rows {
+            ui.label(RichText::new(name).color(theme::WEAK));
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+}
+
+fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
+    section(ui, "PROPOSES");
+    let cameras = if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", status.answered) };
+    ui.horizontal(|ui| {
+        ui.label(format!("{cameras} proposed."));
+        if status.answered > 0
+            && ui
+                .add(Button::new("Review").small())
+                .on_hover_text(panel.app.settings.keys.tooltip(Command::ReviewPanel))
+                .clicked()
+        {
+            panel.actions.push(Action::Command(Command::ReviewPanel));
+        }
+    });
+    if let Some(text) = without_answer(&panel.app.review().unanswered) {
+        ui.add(Label::new(text).wrap());
+        let tip = panel.app.settings.keys.tooltip(Command::NextUnanswered);
+        if ui.add(Button::new("Go there").small()).on_hover_text(tip).clicked() {
+            panel.actions.push(Action::Command(Command::NextUnanswered));
+        }
+    }
+}
+
+/// Thousands apart, as a person reads them.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
+    ui.add_space(theme::SPACE);
+    ui.horizontal_top(|ui| {
+        symbol::show(ui, sign, colour);
+        ui.add(Label::new(text).wrap());
+    });
+}
+
+fn weak(ui: &mut Ui, text: &str) {
+    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+}
+
+/// A title with room above it.
+fn section(ui: &mut Ui, text: &str) {
+    ui.add_space(2.0 * theme::SPACE);
+    theme::title(ui, text);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grouped;
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!([0, 12, 999, 1000, 1234567].map(grouped), ["0", "12", "999", "1,000", "1,234,567"]);
+    }
+}

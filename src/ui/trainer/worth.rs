@@ -1,0 +1,101 @@
+//! What the forest is worth: references that were left out and asked for.
+
+use crate::app::Action;
+use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
+use crate::ui::menu::file_name;
+use crate::ui::{Panel, theme};
+use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
+
+/// The worst are listed up to so many.
+const SHOWN: usize = 6;
+
+/// Shows the measure and the worst of what was asked for.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
+    ui.add(Label::new(summary(quality)).wrap()).on_hover_text(
+        "A forest is trained without these references and asked for them. px at 1920 px width, where the overlay is off most.",
+    );
+    let mut worst: Vec<&LeftOut> = quality.asked.iter().collect();
+    worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)).then(a.frame.cmp(&b.frame)));
+    for asked in worst.into_iter().take(SHOWN) {
+        row(panel, ui, asked);
+    }
+}
+
+/// The measure in two sentences.
+fn summary(quality: &Quality) -> String {
+    let together = match quality.left_out_by {
+        LeftOutBy::Shot => "with all others of their shot",
+        LeftOutBy::Time => "with all within 5 s",
+        LeftOutBy::Neighbours => "with those next to them",
+    };
+    let median = quality.median_px().map(|px| format!(", {px:.1} px off (median)")).unwrap_or_default();
+    let wrong = quality.wrong().count();
+    let wrong = if wrong > 0 { format!(" {wrong} more than {WRONG_PX:.0} px off.") } else { String::new() };
+    format!("{} of {} references left out {together} are found{median}.{wrong}", quality.found(), quality.asked.len())
+}
+
+/// What was not found is the worst.
+fn error_px(asked: &LeftOut) -> f64 {
+    asked.found.map_or(f64::INFINITY, |found| found.error_px)
+}
+
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
+    let Some(frame) = panel.app.open().and_then(|open| open.frame(asked.frame)) else { return };
+    let name = file_name(&frame.name());
+    let (says, colour): (String, Color32) = match asked.found {
+        Some(found) if found.error_px <= WRONG_PX => (format!("{:.1} px", found.error_px), theme::TEXT),
+        Some(found) if found.error_px.is_finite() => (format!("{:.0} px", found.error_px), theme::BAD),
+        Some(_) => ("elsewhere".to_owned(), theme::BAD),
+        None => ("not found".to_owned(), theme::CAUTION),
+    };
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name}: {says}")));
+    if response.hovered() || response.has_focus() || panel.app.session.frame == asked.frame {
+        ui.painter().rect_filled(rect, 4.0, theme::RAISED);
+    }
+    let write = |text: &str, colour: Color32, width: f32| {
+        egui::WidgetText::from(RichText::new(text).color(colour)).into_galley(
+            ui,
+            Some(egui::TextWrapMode::Truncate),
+            width,
+            egui::TextStyle::Body,
+        )
+    };
+    let number = write(&says, colour, 90.0);
+    let left = write(&format!("{name}  pan {:.0}°", asked.pan_deg), theme::TEXT, rect.width() - number.size().x - 16.0);
+    let middle = |height: f32| rect.center().y - height / 2.0;
+    let number_at = egui::pos2(rect.right() - 4.0 - number.size().x, middle(number.size().y));
+    ui.painter().galley(number_at, number, colour);
+    let left_at = egui::pos2(rect.left() + 4.0, middle(left.size().y));
+    ui.painter().galley(left_at, left, theme::TEXT);
+    let confidence =
+        asked.found.map(|found| format!(" It was said to be right with {:.0} %.", 100.0 * found.confidence));
+    let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
+    if response.on_hover_text(tip).clicked() {
+        panel.actions.push(Action::GoTo(asked.frame));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proposals::FoundAgain;
+
+    #[test]
+    fn the_measure_counts_what_was_found_and_what_was_wrong() {
+        let asked = |frame, error_px: Option<f64>| LeftOut {
+            frame,
+            pan_deg: 0.0,
+            tilt_deg: -9.0,
+            found: error_px.map(|error_px| FoundAgain { error_px, confidence: 0.9 }),
+        };
+        let asked = vec![asked(0, Some(1.0)), asked(1, None), asked(2, Some(3.0)), asked(3, Some(250.0))];
+        let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 2, asked };
+        assert_eq!(
+            summary(&quality),
+            "3 of 4 references left out with all others of their shot are found, 3.0 px off (median). 1 more than 20 px \
+             off."
+        );
+        assert_eq!(error_px(&quality.asked[1]), f64::INFINITY);
+    }
+}

@@ -1,0 +1,86 @@
+//! The background trainer on a drawn match.
+#![cfg(feature = "opencv")]
+
+use crate::relocalize_command::drawn_match;
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+use touchline::app::{Doing, TrainerOrder, TrainerStatus};
+use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
+use touchline::jobs::{Trainer, TrainerOptions, TrainerReport};
+use touchline::project::{Document, document_from_bytes};
+use touchline::proposals::{Proposal, WorkFolder};
+
+/// Lets a trainer do all that it has to do with a document.
+fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
+    let (wake, woken) = channel();
+    let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
+    let wake = Arc::new(move || wake.send(()).unwrap_or_default());
+    let trainer = Trainer::start(file.to_path_buf(), options, wake).unwrap();
+    trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
+    let (mut last, mut proposed) = (TrainerStatus::default(), Vec::new());
+    while !(last.doing == Doing::Nothing && last.forest.is_some()) {
+        woken.recv().unwrap();
+        for report in trainer.poll() {
+            match report {
+                TrainerReport::Status(status) => last = *status,
+                TrainerReport::Proposals(proposals) => proposed.extend(proposals),
+            }
+        }
+    }
+    (last, proposed)
+}
+
+fn read(path: &Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+#[test]
+fn it_learns_proposes_and_goes_on_where_it_was() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_match(place.path());
+    let file = place.path().join("match/ask.json");
+    let truth = read(&file.with_file_name("truth.json"));
+    let mut document = read(&file);
+
+    let (status, proposals) = session(&file, &document);
+    assert_eq!((status.references, status.teachers, status.trouble), (5, 5, None));
+    let facts = status.forest.unwrap();
+    assert_eq!((facts.references, facts.trees), (5, 5));
+    assert!(facts.took.is_some() && facts.features > 100 && facts.leaves > 100, "{facts:?}");
+    assert!(status.quality.is_some_and(|quality| quality.asked.len() == 5));
+    assert!(status.coverage.is_some());
+    assert_eq!(proposals.len(), 5);
+    let mut answered = 0;
+    for proposal in &proposals {
+        assert!(proposal.fits(&document));
+        if let Ok(answer) = &proposal.outcome {
+            answered += 1;
+            let truth = truth.frames[proposal.frame].ptz.as_ref().unwrap().ptz();
+            let turned = |ptz: touchline::camera::Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
+            let off = angle_between(&turned(answer.ptz.ptz()), &turned(truth)).degrees();
+            assert!(off < 0.1, "frame {}: {off}°", proposal.frame);
+        }
+        proposal.record(&mut document.frames[proposal.frame]);
+    }
+    assert!(answered >= 3, "{answered} of 5");
+    assert_eq!((status.answered, status.unanswered), (answered, 5 - answered));
+
+    let (again, _) = session(&file, &document);
+    assert_eq!(again.forest.unwrap().took, None, "the forest of the session before serves");
+    assert_eq!(again.answered, answered);
+
+    let kept = WorkFolder::beside(&file);
+    fs::write(kept.forest(), "no forest").unwrap();
+    let (mended, _) = session(&file, &document);
+    assert!(mended.forest.unwrap().took.is_some() && mended.trouble.is_none(), "{mended:?}");
+    assert!(fs::read(kept.forest()).unwrap().len() > 1000);
+
+    // A file in the folder's place refuses everybody.
+    fs::remove_dir_all(kept.path()).unwrap();
+    fs::write(kept.path(), "").unwrap();
+    let (unkept, _) = session(&file, &document);
+    assert!(unkept.not_kept.is_some() && unkept.forest.is_some(), "{unkept:?}");
+}
