@@ -6,6 +6,7 @@
 mod check;
 mod document;
 mod evaluate;
+mod experiment;
 mod export;
 mod features;
 mod fields;
@@ -41,6 +42,7 @@ struct Cli {
 enum Command {
     Check(check::CheckArgs),
     Evaluate(evaluate::EvaluateArgs),
+    Experiment(experiment::ExperimentArgs),
     Export(export::ExportArgs),
     Fields(fields::FieldsArgs),
     New(new::NewArgs),
@@ -87,6 +89,7 @@ pub fn run() -> Next {
     let result: anyhow::Result<Outcome> = match command {
         Command::Check(args) => check::check(&args, messages),
         Command::Evaluate(args) => evaluate::evaluate(&args, messages),
+        Command::Experiment(args) => experiment::experiment(&args, messages),
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
         Command::New(args) => new::new(&args, messages),

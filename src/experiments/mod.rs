@@ -1,7 +1,34 @@
-//! Numbers for people: tables and figures of what was measured.
+//! The paper's tables and figures, measured again, and what evaluations are written with.
 //!
-//! [`Table`] is one table as text, Markdown, CSV and JSON.
+//! | what | where |
+//! |---|---|
+//! | one table as text, Markdown, CSV and JSON | [`Table`] |
+//! | one diagram as SVG and PNG | [`figure`] |
+//! | words, tables and figures of one experiment, and its files | [`Report`] |
+//! | the experiments | [`Experiment`], [`Workshop`] |
+//! | an evaluation for people | [`evaluation_report`], [`evaluation_tables`] |
+//!
+//! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018. Everything here draws
+//! its chance from one seed: the same seed gives the same bytes, times apart.
 
+mod answers;
+mod baselines;
+mod evaluation;
+pub mod figure;
+mod options;
+mod pose;
+mod ransac;
+mod relocalization;
+mod report;
+mod sets;
+mod setting;
+mod synthetic;
 mod table;
+mod workshop;
 
+pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
+pub use options::{Experiment, ExperimentError, ExperimentOptions, UnknownExperiment};
+pub use report::{Block, Report, ReportFile};
+pub use sets::OwnDocuments;
 pub use table::{Cell, Column, Table};
+pub use workshop::{Progress, Workshop};

@@ -4,7 +4,7 @@ use super::colour::{Light, encode};
 use super::noise::{hash, sub_seed, unit};
 use super::options::FrameOptions;
 use crate::camera::{Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use image::RgbImage;
 use rayon::prelude::*;
 
@@ -34,8 +34,17 @@ impl Exposure {
         let (column, row) = (x.floor(), y.floor());
         let (u, v) = ((x - column) as f32, (y - row) as f32);
         let (column, row) = (column as i64, row as i64);
-        let top = self.at(column, row) * (1.0 - u) + self.at(column + 1, row) * u;
-        let bottom = self.at(column, row + 1) * (1.0 - u) + self.at(column + 1, row + 1) * u;
+        let width = self.width();
+        let inside =
+            column >= 0 && row >= 0 && column + 1 < i64::from(self.size.width) && row + 1 < i64::from(self.size.height);
+        let [upper_left, upper_right, lower_left, lower_right] = if inside {
+            let at = row as usize * width + column as usize;
+            [self.pixels[at], self.pixels[at + 1], self.pixels[at + width], self.pixels[at + width + 1]]
+        } else {
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(dx, dy)| self.at(column + dx, row + dy))
+        };
+        let top = upper_left * (1.0 - u) + upper_right * u;
+        let bottom = lower_left * (1.0 - u) + lower_right * u;
         top * (1.0 - v) + bottom * v
     }
 
@@ -62,12 +71,13 @@ impl Exposure {
                 tilt: ptz.tilt + motion.tilt_per_s * dt,
                 focal_px: ptz.focal_px * (1.0 + motion.zoom_per_s * dt),
             };
-            PtzCamera::new(*camera.base(), ptz)
+            let end = PtzCamera::new(*camera.base(), ptz);
+            (end, camera.cam_from_base() * end.cam_from_base().transpose())
         });
         // Where the light of this pixel comes from at an end of the exposure.
-        let source = |end: &PtzCamera, point: ImagePoint| {
-            let ray = end.ray_from_image(point).ok()?;
-            camera.image_from_ray(ray).ok()
+        let source = |(end, cam_from_end): &(PtzCamera, Mat3), point: ImagePoint| {
+            let ideal = end.cam_plane_from_image(point).ok()?;
+            camera.image_from_cam(cam_from_end * Vec3::new(ideal.x, ideal.y, 1.0)).ok()
         };
         self.filtered(|x, y| {
             let here = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5);
@@ -90,8 +100,15 @@ impl Exposure {
             .filter(|(_, _, share)| *share > 0.0)
             .collect();
         let total: f32 = disc.iter().map(|(_, _, share)| share).sum();
+        let (width, height) = (i64::from(self.size.width), i64::from(self.size.height));
+        let offsets: Vec<(i64, f32)> = disc.iter().map(|(dx, dy, share)| (dy * width + dx, *share)).collect();
         self.filtered(|x, y| {
             let (x, y) = (x as i64, y as i64);
+            if x >= reach && y >= reach && x + reach < width && y + reach < height {
+                let here = y * width + x;
+                let lit = offsets.iter().map(|(offset, share)| self.pixels[(here + offset) as usize] * *share);
+                return lit.sum::<Pixel>() / total;
+            }
             disc.iter().map(|(dx, dy, share)| self.at(x + dx, y + dy) * *share).sum::<Pixel>() / total
         })
     }

@@ -158,6 +158,9 @@ fn files_are_written_by_their_ending_and_never_over_something() {
     assert_eq!(text("scores.csv").lines().count(), 5);
     assert!(text("scores.md").contains("| rotation error (°) |"));
     assert!(serde_json::from_str::<Value>(&text("scores.json")).is_ok());
+    assert_eq!(run("-o more.json --report report").code, 1);
+    assert!(text("report/evaluation.md").contains("](evaluation-rotation_deg.svg)"));
+    assert!(folder.path().join("report/evaluation-iou-view.png").is_file());
     let refused = run("-o scores.csv");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("scores.csv exists already; give --force"), "{}", refused.stderr);

@@ -19,6 +19,7 @@ mod cli_documents;
 mod data;
 mod document;
 mod evaluate_command;
+mod experiment_command;
 mod features;
 mod fields;
 mod fields_command;

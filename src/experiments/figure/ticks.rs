@@ -1,0 +1,124 @@
+//! Where an axis has its numbers.
+
+use super::{Axis, Scale};
+
+/// An axis with numbers on it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Ruler {
+    scale: Scale,
+    from: f64,
+    to: f64,
+    /// Numbers with their words.
+    pub ticks: Vec<(f64, String)>,
+}
+
+/// About so many numbers stand on a linear axis.
+const WANTED: f64 = 5.0;
+
+impl Ruler {
+    /// The ruler of an axis for some values. Without a range of its own the axis is as long as the values need, and ends at
+    /// numbers.
+    pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
+        let usable = values.filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
+        let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let [from, to] = axis.range.unwrap_or(if low <= high { [low, high] } else { [1.0, 10.0] });
+        match axis.scale {
+            Scale::Linear => Self::linear(from, to, axis.range.is_some()),
+            Scale::Log => Self::log(from, to, axis.range.is_some()),
+        }
+    }
+
+    fn linear(from: f64, to: f64, fixed: bool) -> Self {
+        let (from, to) = if from < to { (from, to) } else { (from - 0.5, from + 0.5) };
+        let step = nice_step((to - from) / WANTED);
+        let (from, to) = if fixed { (from, to) } else { ((from / step).floor() * step, (to / step).ceil() * step) };
+        let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
+        let first = (from / step - 1e-9).ceil() as i64;
+        let last = (to / step + 1e-9).floor() as i64;
+        let ticks = (first..=last).map(|number| {
+            let value = number as f64 * step;
+            (value, format!("{:.decimals$}", if number == 0 { 0.0 } else { value }))
+        });
+        Self { scale: Scale::Linear, from, to, ticks: ticks.collect() }
+    }
+
+    fn log(from: f64, to: f64, fixed: bool) -> Self {
+        let (from, to) = if from < to { (from, to) } else { (from / 2.0, from * 2.0) };
+        let (from, to) = if fixed { (from, to) } else { (round_down(from), round_up(to)) };
+        let decades = (to / from).log10();
+        // Within one or two decades the numbers between help; over many, every other power is enough.
+        let between: &[f64] = if decades <= 1.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let stride = (decades / 6.0).ceil().max(1.0) as i32;
+        let powers = from.log10().floor() as i32..=to.log10().ceil() as i32;
+        let ticks = powers
+            .filter(|power| power.rem_euclid(stride) == 0)
+            .flat_map(|power| between.iter().map(move |factor| factor * 10f64.powi(power)));
+        let inside = ticks.filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9));
+        Self { scale: Scale::Log, from, to, ticks: inside.map(|value| (value, log_words(value))).collect() }
+    }
+
+    /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
+    pub fn share(&self, value: f64) -> Option<f64> {
+        let share = match self.scale {
+            Scale::Linear => (value - self.from) / (self.to - self.from),
+            Scale::Log if value > 0.0 => (value / self.from).ln() / (self.to / self.from).ln(),
+            Scale::Log => return None,
+        };
+        share.is_finite().then_some(share)
+    }
+}
+
+/// Of 1, 2 and 5 times a power of ten the nearest one.
+fn nice_step(rough: f64) -> f64 {
+    let power = 10f64.powf(rough.log10().floor());
+    let off = |factor: &f64| (factor * power / rough).ln().abs();
+    [1.0, 2.0, 5.0, 10.0].into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1.0) * power
+}
+
+fn round_down(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|factor| factor * power).find(|v| *v <= value * (1.0 + 1e-9)).unwrap_or(power)
+}
+
+fn round_up(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|v| *v >= value * (1.0 - 1e-9)).unwrap_or(power)
+}
+
+fn log_words(value: f64) -> String {
+    if (1e-4..1e6).contains(&value) {
+        let decimals = (-value.log10().floor()).clamp(0.0, 9.0) as usize;
+        format!("{value:.decimals$}")
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(axis: &Axis, values: &[f64]) -> Vec<String> {
+        Ruler::new(axis, values.iter().copied()).ticks.into_iter().map(|tick| tick.1).collect()
+    }
+
+    #[test]
+    fn linear_axes_end_at_numbers() {
+        let axis = Axis::linear("x");
+        assert_eq!(words(&axis, &[0.03, 4.7]), ["0", "1", "2", "3", "4", "5"]);
+        assert_eq!(words(&axis, &[0.0, 0.0098]), ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010"]);
+        assert_eq!(words(&axis.clone().within(0.0, 1.0), &[7.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(words(&axis, &[-2.0, 3.0]), ["-2", "-1", "0", "1", "2", "3"]);
+        assert!(!words(&axis, &[]).is_empty() && !words(&axis, &[2.0, 2.0]).is_empty());
+    }
+
+    #[test]
+    fn log_axes_have_powers_and_leave_out_what_is_not_positive() {
+        let axis = Axis::log("x");
+        assert_eq!(words(&axis, &[0.0, 0.012, 90.0]), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(words(&axis, &[2.0, 15.0]), ["2", "5", "10", "20"]);
+        let ruler = Ruler::new(&axis, [1.0, 100.0].into_iter());
+        assert_eq!(ruler.share(10.0).map(|share| (share * 1e9).round()), Some(0.5e9));
+        assert_eq!(ruler.share(0.0), None);
+    }
+}

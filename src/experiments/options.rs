@@ -1,0 +1,168 @@
+//! Which experiments there are, and how they are run.
+
+use super::figure::FigureError;
+use super::workshop::{Progress, Workshop};
+use super::{Report, baselines, pose, ransac, relocalization, synthetic};
+use crate::features::FeatureError;
+use crate::field::FieldError;
+use crate::media::MediaError;
+use crate::proposals::PictureError;
+use std::fmt;
+use std::str::FromStr;
+use thiserror::Error;
+
+/// An experiment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Experiment {
+    /// Pan, tilt and focal length from noisy rays: figure (b), (c), (d) of the paper, with the Cramér–Rao bound.
+    Synthetic,
+    /// Rounds of RANSAC for four, two and one points: table 1, and what they cost as outliers grow.
+    Ransac,
+    /// Sequences of one match, each asked of the others: the paper's highlights.
+    Highlights,
+    /// Two games, half of each for training: the paper's World Cup.
+    Worldcup,
+    /// Distributions of rotation and focal length errors.
+    Errors,
+    /// The gate on descriptors' distances: table 4.
+    Threshold,
+    /// One to ten trees.
+    Trees,
+    /// `IoU` over the field of view.
+    Fov,
+    /// Matching to references, nearest neighbours and the forest over the number of references.
+    Baselines,
+    /// With and without distortion in the optimisation.
+    Pose,
+}
+
+impl Experiment {
+    /// All of them, in the order of the report.
+    pub const ALL: [Self; 10] = [
+        Self::Synthetic,
+        Self::Ransac,
+        Self::Highlights,
+        Self::Worldcup,
+        Self::Errors,
+        Self::Threshold,
+        Self::Trees,
+        Self::Fov,
+        Self::Baselines,
+        Self::Pose,
+    ];
+
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Synthetic => "synthetic",
+            Self::Ransac => "ransac",
+            Self::Highlights => "highlights",
+            Self::Worldcup => "worldcup",
+            Self::Errors => "errors",
+            Self::Threshold => "threshold",
+            Self::Trees => "trees",
+            Self::Fov => "fov",
+            Self::Baselines => "baselines",
+            Self::Pose => "pose",
+        }
+    }
+
+    /// Whether it looks at frames, which may be a user's own.
+    #[must_use]
+    pub const fn takes_frames(self) -> bool {
+        !matches!(self, Self::Synthetic | Self::Ransac)
+    }
+
+    /// Runs it.
+    ///
+    /// # Errors
+    /// What it needs is missing or cannot be read.
+    pub fn run(self, workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+        match self {
+            Self::Synthetic => Ok(synthetic::run(&workshop.options, progress)),
+            Self::Ransac => Ok(ransac::run(&workshop.options, progress)),
+            Self::Highlights => relocalization::highlights(workshop, progress),
+            Self::Worldcup => relocalization::worldcup(workshop, progress),
+            Self::Errors => relocalization::errors(workshop, progress),
+            Self::Threshold => relocalization::threshold(workshop, progress),
+            Self::Trees => relocalization::trees(workshop, progress),
+            Self::Fov => relocalization::fov(workshop, progress),
+            Self::Baselines => baselines::run(workshop, progress),
+            Self::Pose => pose::run(workshop, progress),
+        }
+    }
+}
+
+impl fmt::Display for Experiment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Experiment {
+    type Err = UnknownExperiment;
+
+    fn from_str(name: &str) -> Result<Self, Self::Err> {
+        let found = Self::ALL.into_iter().find(|experiment| experiment.name() == name);
+        found.ok_or_else(|| UnknownExperiment { name: name.to_owned() })
+    }
+}
+
+/// An experiment's name was not known.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("no experiment is called {name:?}; there are {}", Experiment::ALL.map(Experiment::name).join(", "))]
+pub struct UnknownExperiment {
+    /// The name.
+    pub name: String,
+}
+
+/// How an experiment is run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ExperimentOptions {
+    /// A tenth or less of everything: for trying out and for tests.
+    pub quick: bool,
+    /// Where chance starts; the same seed gives the same bytes.
+    pub seed: u64,
+}
+
+impl ExperimentOptions {
+    /// The first number, or the second where quick.
+    #[must_use]
+    pub const fn sized(&self, full: usize, quick: usize) -> usize {
+        if self.quick { quick } else { full }
+    }
+}
+
+/// Why an experiment has no report.
+#[derive(Debug, Error)]
+pub enum ExperimentError {
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The field of a frame is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Features cannot be found.
+    #[error(transparent)]
+    Features(#[from] FeatureError),
+    /// A drawn picture cannot be made.
+    #[error(transparent)]
+    Media(#[from] MediaError),
+    /// A drawn picture cannot be encoded.
+    #[error("a drawn picture cannot be encoded: {0}")]
+    Image(#[from] image::ImageError),
+    /// A picture of the user's own cannot be had.
+    #[error("{frame}: {source}")]
+    Picture {
+        /// The frame.
+        frame: String,
+        /// What is wrong.
+        source: PictureError,
+    },
+    /// The two documents share no camera with solved frames.
+    #[error(
+        "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"
+    )]
+    NothingInCommon,
+}

@@ -1,0 +1,31 @@
+//! The pose with and without distortion in the optimisation.
+
+use super::answers::{Tally, ask, tally_table};
+use super::workshop::Progress;
+use super::{Cell, ExperimentError, Report, Workshop};
+use crate::camera::{CameraBase, FocalCurve, PtzCamera};
+use crate::relocalize::{RelocalizeOptions, TrainOptions};
+
+/// Runs the experiment.
+///
+/// # Errors
+/// The frames cannot be had.
+pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.distorted(progress)?;
+    let mut report = Report::new("pose", "Pose: with and without k1");
+    report.say(&format!(
+        "Frames: {}. The lens bends strongly, and more at long focal lengths; low sun, motion blur, defocus and noise besides. \
+         The rays that the forest has learnt are right in both cases; only the optimisation differs.",
+        set.title
+    ));
+    let training = TrainOptions { seed: workshop.options.seed, ..TrainOptions::default() };
+    let mut asking = RelocalizeOptions::default();
+    asking.pose.seed = workshop.options.seed;
+    let without = |truth: &PtzCamera| CameraBase { distortion: FocalCurve::NONE, ..*truth.base() };
+    let tallies: [(Cell, Tally); 2] = [
+        ("with k1".into(), Tally::of(ask(set, &training, &asking, &|truth| *truth.base()).iter())),
+        ("without".into(), Tally::of(ask(set, &training, &asking, &without).iter())),
+    ];
+    report.table("k1", "Errors with and without k1.", tally_table(("optimisation", "optimisation"), &tallies));
+    Ok(report)
+}

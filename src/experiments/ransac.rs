@@ -1,0 +1,312 @@
+//! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as outliers grow.
+
+use super::figure::{Axis, Figure, Mark, Series};
+use super::setting::{SIZE, normal, rng};
+use super::workshop::Progress;
+use super::{Cell, ExperimentOptions, Report, Table};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
+use crate::score::quantile;
+use crate::solve::{Loss, Observation, Target, refine, solve_two_points};
+use crate::synthetic::Preset;
+use rand::RngExt;
+use rand::seq::index::sample;
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Points needed, and the rounds that the paper's table 1 states for them.
+const TABLE_1: [(usize, usize); 3] = [(4, 71), (2, 16), (1, 7)];
+/// The chance of success that the rounds are for.
+const SUCCESS: f64 = 0.99;
+/// Matches of one picture, and the noise of the right ones, px.
+const MATCHES: usize = 200;
+const NOISE_PX: f64 = 1.0;
+/// A match agrees with a camera within this distance, px.
+const AGREES_PX: f64 = 3.0;
+/// Rounds at most.
+const MOST_ROUNDS: usize = 2000;
+/// An answer is right if points of the ground in the picture are at most so far off, px (the worst of them).
+const RIGHT_PX: f64 = 5.0;
+const OUTLIERS: [f64; 7] = [0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8];
+
+/// Runs the experiment.
+pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
+    let mut report = Report::new("ransac", "RANSAC: rounds for four, two and one points");
+    report.table("table-1", "Rounds for success in 99 % of all cases at 50 % outliers.", table_1(options));
+    report.say(
+        "The paper states 71, 16 and 7 rounds; 71.36 and 16.01 rounds are needed, which is 72 and 17 whole ones. Simulated: 200 \
+         matches, half of them wrong, drawn without repetition until a sample is all right.",
+    );
+    let trials = options.sized(200, 12);
+    let done = AtomicUsize::new(0);
+    let shares: Vec<(f64, [Outcome; 2])> = OUTLIERS
+        .into_iter()
+        .enumerate()
+        .map(|(place, outliers)| {
+            let of_trial = |trial: usize| {
+                let found = compare(outliers, &mut rng(options.seed, [40 + place as u64, trial as u64]));
+                progress(done.fetch_add(1, Ordering::Relaxed) + 1, trials * OUTLIERS.len());
+                found
+            };
+            let found: Vec<[Run; 2]> = (0..trials).into_par_iter().map(of_trial).collect();
+            let outcome = |method: usize| Outcome::of(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>());
+            (outliers, [outcome(0), outcome(1)])
+        })
+        .collect();
+    report.say(&format!(
+        "Two points (a known base: pan, tilt, focal length) against four (a homography, nothing known) on the same matches of \
+         points on the ground: {MATCHES} a picture, {NOISE_PX} px noise, a match agrees within {AGREES_PX} px, rounds until a \
+         better sample would have been missed with 1 %, {MOST_ROUNDS} at most, then a fit to all that agree. {trials} pictures \
+         for each share. Right: no point of the ground in the picture is more than {RIGHT_PX} px off."
+    ));
+    report.table("outliers", "Success and rounds over the share of outliers.", outlier_table(&shares));
+    report.figure("success", "Success over the share of outliers.", success_figure(&shares));
+    report.figure("rounds", "Rounds over the share of outliers (median).", rounds_figure(&shares));
+    let mut times = Table::new(&[
+        ("outliers", "outliers"),
+        ("two_points_ms", "two points (ms, median)"),
+        ("four_points_ms", "four points (ms, median)"),
+    ]);
+    for (outliers, [two, four]) in &shares {
+        times.push([*outliers, two.median_ms, four.median_ms].map(Cell::Number).to_vec());
+    }
+    report.time_table("outliers-times", "One picture, fit included.", times);
+    report
+}
+
+fn table_1(options: &ExperimentOptions) -> Table {
+    let mut table = Table::new(&[
+        ("points", "points"),
+        ("needed", "rounds needed"),
+        ("whole", "whole rounds"),
+        ("paper", "paper"),
+        ("simulated", "success after as many, simulated"),
+    ]);
+    let draws = options.sized(100_000, 4000);
+    for (points, paper) in TABLE_1 {
+        let needed = (1.0 - SUCCESS).ln() / (1.0 - 0.5f64.powi(points as i32)).ln();
+        let whole = needed.ceil() as usize;
+        let mut rng = rng(options.seed, [30, points as u64]);
+        let all_right = |rng: &mut Pcg64Mcg| sample(rng, MATCHES, points).iter().all(|index| index < MATCHES / 2);
+        let successes = (0..draws).filter(|_| (0..whole).any(|_| all_right(&mut rng))).count();
+        let share = successes as f64 / draws as f64;
+        table.push(vec![points.into(), needed.into(), whole.into(), paper.into(), share.into()]);
+    }
+    table
+}
+
+/// A point of the ground, and the pixel that is said to show it.
+#[derive(Clone, Copy)]
+pub(super) struct Match {
+    pub ground: Vec3,
+    pub image: ImagePoint,
+}
+
+/// How one picture went with one method.
+#[derive(Clone, Copy)]
+struct Run {
+    right: bool,
+    rounds: usize,
+    ms: f64,
+}
+
+/// How many pictures went.
+struct Outcome {
+    success: f64,
+    rounds: f64,
+    median_ms: f64,
+}
+
+impl Outcome {
+    fn of(runs: &[Run]) -> Self {
+        let median = |of: fn(&Run) -> f64| {
+            let mut values: Vec<f64> = runs.iter().map(of).collect();
+            values.sort_by(f64::total_cmp);
+            quantile(&values, 0.5)
+        };
+        Self {
+            success: runs.iter().filter(|run| run.right).count() as f64 / runs.len() as f64,
+            rounds: median(|run| run.rounds as f64),
+            median_ms: median(|run| run.ms),
+        }
+    }
+}
+
+/// One picture by both methods: two points, four points.
+fn compare(outliers: f64, rng: &mut Pcg64Mcg) -> [Run; 2] {
+    let base = Preset::Paper.shoot().main_camera(SIZE);
+    let ptz = Ptz::from_degrees(
+        rng.random_range(-35.0..35.0),
+        rng.random_range(-15.0..-11.0),
+        rng.random_range(1300.0..2600.0),
+    );
+    let camera = PtzCamera::new(base, ptz);
+    let exact: Vec<Match> = std::iter::repeat_with(|| pixel(rng))
+        .take(50 * MATCHES)
+        .filter_map(|image| Some(Match { ground: camera.plane_from_image(image, 0.0)?, image }))
+        .filter(|seen| (seen.ground - base.position_m).norm() < 160.0)
+        .take(MATCHES)
+        .collect();
+    let wrong = (outliers * exact.len() as f64).round() as usize;
+    let mut matches = exact.clone();
+    for (index, seen) in matches.iter_mut().enumerate() {
+        seen.image =
+            if index < wrong { pixel(rng) } else { seen.image.moved(Vec2::new(normal(rng), normal(rng)) * NOISE_PX) };
+    }
+    let right = |image_of: &dyn Fn(Vec3) -> Option<ImagePoint>| {
+        exact.iter().all(|seen| image_of(seen.ground).is_some_and(|image| image.distance_px(seen.image) <= RIGHT_PX))
+    };
+    let (two, two_rounds, two_ms) = timed(|| by_two_points(&base, &matches, rng));
+    let (four, four_rounds, four_ms) = timed(|| by_four_points(&matches, rng));
+    let two_right = two.is_some_and(|ptz| {
+        let found = PtzCamera::new(base, ptz);
+        right(&|ground| found.image_from_world(ground).ok())
+    });
+    let four_right = four.is_some_and(|h| right(&|ground| through(&h, ground)));
+    [
+        Run { right: two_right, rounds: two_rounds, ms: two_ms },
+        Run { right: four_right, rounds: four_rounds, ms: four_ms },
+    ]
+}
+
+fn pixel(rng: &mut Pcg64Mcg) -> ImagePoint {
+    ImagePoint::new(rng.random_range(0.0..f64::from(SIZE.width)), rng.random_range(0.0..f64::from(SIZE.height)))
+}
+
+fn timed<T>(work: impl FnOnce() -> (Option<T>, usize)) -> (Option<T>, usize, f64) {
+    let start = Instant::now();
+    let (found, rounds) = work();
+    (found, rounds, start.elapsed().as_secs_f64() * 1e3)
+}
+
+/// Plain RANSAC: samples of `N` matches, a model from each, the one that most matches agree with.
+fn ransac<const N: usize, M: Clone>(
+    matches: &[Match],
+    rng: &mut Pcg64Mcg,
+    models: impl Fn([Match; N]) -> Vec<M>,
+    image: impl Fn(&M, Vec3) -> Option<ImagePoint>,
+) -> (Option<(M, Vec<Match>)>, usize) {
+    let agrees = |model: &M, seen: &Match| {
+        image(model, seen.ground).is_some_and(|image| image.distance_px(seen.image) <= AGREES_PX)
+    };
+    let mut best: Option<(M, usize)> = None;
+    let (mut rounds, mut wanted) = (0, MOST_ROUNDS);
+    while rounds < wanted {
+        rounds += 1;
+        let drawn = sample(rng, matches.len(), N);
+        let sampled = std::array::from_fn(|index| matches[drawn.index(index)]);
+        for model in models(sampled) {
+            let count = matches.iter().filter(|seen| agrees(&model, seen)).count();
+            if best.as_ref().is_none_or(|(_, most)| count > *most) {
+                let all_right = (count as f64 / matches.len() as f64).powi(N as i32);
+                let needed = if all_right < 1.0 { (1.0 - SUCCESS).ln() / (1.0 - all_right).ln() } else { 1.0 };
+                wanted = (needed.ceil() as usize).clamp(1, MOST_ROUNDS);
+                best = Some((model, count));
+            }
+        }
+    }
+    let best = best.map(|(model, _)| {
+        let agreeing = matches.iter().filter(|seen| agrees(&model, seen)).copied().collect();
+        (model, agreeing)
+    });
+    (best, rounds)
+}
+
+fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Ptz>, usize) {
+    let models = |[one, two]: [Match; 2]| -> Vec<PtzCamera> {
+        let found = solve_two_points(base, [one.ground, two.ground], [one.image, two.image]);
+        found.map(|found| found.iter().map(|ptz| PtzCamera::new(*base, ptz)).collect()).unwrap_or_default()
+    };
+    let (best, rounds) = ransac(matches, rng, models, |camera, ground| camera.image_from_world(ground).ok());
+    let fitted = best.map(|(camera, agreeing)| {
+        let observations: Vec<Observation> = agreeing
+            .iter()
+            .enumerate()
+            .map(|(click, seen)| Observation {
+                image: seen.image,
+                sigma_px: NOISE_PX,
+                target: Target::Landmark(seen.ground),
+                click,
+                check: false,
+            })
+            .collect();
+        refine(base, camera.ptz(), &observations, Loss::default(), None).ptz
+    });
+    (fitted, rounds)
+}
+
+/// The homography that most matches agree with, fitted to them, and the rounds that finding it took.
+pub(super) fn by_four_points(matches: &[Match], rng: &mut Pcg64Mcg) -> (Option<Mat3>, usize) {
+    let fitted = |matches: &[Match]| {
+        let pairs: Vec<(Vec2, Vec2)> =
+            matches.iter().map(|seen| (seen.ground.xy(), Vec2::new(seen.image.x, seen.image.y))).collect();
+        homography(&pairs).ok()
+    };
+    let (best, rounds) = ransac(matches, rng, |sampled: [Match; 4]| fitted(&sampled).into_iter().collect(), through);
+    (best.and_then(|(model, agreeing)| fitted(&agreeing).or(Some(model))), rounds)
+}
+
+/// Where a homography brings a point of the ground (x and y).
+pub(super) fn through(h: &Mat3, ground: Vec3) -> Option<ImagePoint> {
+    let image = h * Vec3::new(ground.x, ground.y, 1.0);
+    let (x, y) = (image.x / image.z, image.y / image.z);
+    (x.is_finite() && y.is_finite()).then(|| ImagePoint::new(x, y))
+}
+
+fn outlier_table(shares: &[(f64, [Outcome; 2])]) -> Table {
+    let mut table = Table::new(&[
+        ("outliers", "outliers"),
+        ("two_points_success", "two points: right"),
+        ("two_points_rounds", "rounds (median)"),
+        ("four_points_success", "four points: right"),
+        ("four_points_rounds", "rounds (median)"),
+    ]);
+    for (outliers, [two, four]) in shares {
+        table.push([*outliers, two.success, two.rounds, four.success, four.rounds].map(Cell::Number).to_vec());
+    }
+    table
+}
+
+fn success_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
+    let points = |method: usize| shares.iter().map(|(outliers, of)| [*outliers, of[method].success]).collect();
+    Figure::new(
+        "",
+        Axis::linear("share of outliers").within(0.0, 0.8),
+        Axis::linear("share of pictures right").within(0.0, 1.05),
+    )
+    .with(Series::new("two points", 1, points(0)))
+    .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
+}
+
+fn rounds_figure(shares: &[(f64, [Outcome; 2])]) -> Figure {
+    let points = |method: usize| shares.iter().map(|(outliers, of)| [*outliers, of[method].rounds]).collect();
+    Figure::new("", Axis::linear("share of outliers").within(0.0, 0.8), Axis::log("rounds"))
+        .with(Series::new("two points", 1, points(0)))
+        .with(Series::new("four points (homography)", 2, points(1)).marked(Mark::Square))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_of_all_matches_wrong_is_no_matter_for_two_points() {
+        for trial in 0..4 {
+            let [two, four] = compare(0.5, &mut rng(0, [1, trial]));
+            assert!(two.right, "trial {trial}");
+            assert!(two.rounds < four.rounds, "{} {}", two.rounds, four.rounds);
+        }
+    }
+
+    #[test]
+    fn simulated_success_is_the_one_asked_for() {
+        let table = table_1(&ExperimentOptions { quick: true, seed: 3 });
+        for row in &table.rows {
+            let Cell::Number(share) = row[4] else { panic!("{row:?}") };
+            assert!((0.98..=1.0).contains(&share), "{row:?}");
+        }
+        assert_eq!(table.rows.iter().map(|row| row[2].clone()).collect::<Vec<_>>(), [72.into(), 17.into(), 7.into()]);
+    }
+}

@@ -1,0 +1,225 @@
+//! The forest on sequences: by sequence, by field of view, by gate and by number of trees.
+
+use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_split, tally_table};
+use super::figure::{Axis, Figure, Line, Mark, Series};
+use super::sets::FrameSet;
+use super::workshop::Progress;
+use super::{Cell, ExperimentError, Report, Table, Workshop};
+use crate::relocalize::{PredictOptions, RelocalizeOptions, TrainOptions};
+use crate::score::quantile;
+
+/// The gates of the `threshold` experiment: squared distances of descriptors of unit length.
+const GATES: [f32; 6] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6];
+/// Rotation errors within which frames are counted, degrees.
+const WITHIN_DEG: [f64; 4] = [0.005, 0.01, 0.02, 0.1];
+
+fn training(workshop: &Workshop) -> TrainOptions {
+    TrainOptions { seed: workshop.options.seed, ..TrainOptions::default() }
+}
+
+fn asking(workshop: &Workshop) -> RelocalizeOptions {
+    let mut options = RelocalizeOptions::default();
+    options.pose.seed = workshop.options.seed;
+    options
+}
+
+fn ask_set(workshop: &Workshop, set: &FrameSet) -> Vec<AskedFrame> {
+    ask_plainly(set, &training(workshop), &asking(workshop))
+}
+
+/// Says what the frames are, so that nobody takes a drawn set for a real one.
+fn introduce(report: &mut Report, set: &FrameSet, words: &str) {
+    report.say(&format!("Frames: {}. {words}", set.title));
+}
+
+/// Four sequences of 29 frames, each asked of the other three (the paper's `highlights`).
+pub fn highlights(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.highlights(progress)?;
+    let mut report = Report::new("highlights", "Highlights: every sequence asked of the others");
+    introduce(&mut report, set, "The teachers of a sequence are the frames of all others.");
+    sequences(&mut report, workshop, set);
+    Ok(report)
+}
+
+/// Two games of 42 and 33 frames, half of them for training (the paper's `worldcup`).
+pub fn worldcup(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.worldcup(progress)?;
+    let mut report = Report::new("worldcup", "World Cup: half of each game teaches the other half");
+    introduce(&mut report, set, "Every other frame teaches; frames are seconds apart.");
+    sequences(&mut report, workshop, set);
+    Ok(report)
+}
+
+fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) {
+    let asked = ask_set(workshop, set);
+    report.table("sequences", "By sequence.", tally_table(("sequence", "sequence"), &by_split(set, &asked)));
+    let ranges = set.splits.iter().map(|split| ranges_row(set, &split.name, &split.asked));
+    let mut table = Table::new(&[
+        ("sequence", "sequence"),
+        ("pan_deg", "pan (°)"),
+        ("tilt_deg", "tilt (°)"),
+        ("focal_px", "focal length (px)"),
+    ]);
+    ranges.for_each(|row| table.push(row));
+    report.table("ranges", "Where the frames look.", table);
+    report.figure("views", "Fields of view of the frames asked.", view_distribution(&asked));
+    let mut times = Table::new(&[("step", "step"), ("median_ms", "median (ms)"), ("p90_ms", "90 % (ms)")]);
+    for (step, of) in [
+        ("asking the forest", (|asked: &AskedFrame| asked.predict_ms) as fn(&AskedFrame) -> f64),
+        ("finding the camera", |asked| asked.pose_ms),
+    ] {
+        let mut values: Vec<f64> = asked.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        times.push(vec![step.into(), quantile(&values, 0.5).into(), quantile(&values, 0.9).into()]);
+    }
+    report.time_table("steps-times", "One frame, features found already.", times);
+}
+
+fn ranges_row(set: &FrameSet, name: &str, frames: &[usize]) -> Vec<Cell> {
+    let range = |of: &dyn Fn(usize) -> f64, digits: usize| -> Cell {
+        let values = frames.iter().map(|&frame| of(frame));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        format!("{low:.digits$} to {high:.digits$}").into()
+    };
+    let ptz = |frame: usize| set.frames[frame].truth.ptz();
+    vec![
+        name.into(),
+        range(&|frame| ptz(frame).pan.degrees(), 1),
+        range(&|frame| ptz(frame).tilt.degrees(), 1),
+        range(&|frame| ptz(frame).focal_px, 0),
+    ]
+}
+
+fn view_distribution(asked: &[AskedFrame]) -> Figure {
+    let views: Vec<f64> = asked.iter().map(|asked| asked.view_deg).collect();
+    Figure::new("", Axis::linear("horizontal field of view (°)"), Axis::linear("share of frames").within(0.0, 1.0))
+        .with(Series::cumulative("", 1, &views, views.len()))
+}
+
+/// The distribution of rotation and focal length errors.
+pub fn errors(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let (one, two) = (workshop.highlights(progress)?, workshop.worldcup(progress)?);
+    let mut report = Report::new("errors", "Errors: cumulative distributions");
+    let sets =
+        if workshop.own.is_some() { vec![("own frames", one)] } else { vec![("highlights", one), ("World Cup", two)] };
+    let asked: Vec<(&str, Vec<AskedFrame>)> = sets.iter().map(|(name, set)| (*name, ask_set(workshop, set))).collect();
+    for (name, set) in &sets {
+        introduce(&mut report, set, &format!("Below: {name}."));
+    }
+    for (stem, label, of) in [
+        ("rotation", "rotation error (°)", (|found| found.error.rotation.degrees()) as fn(&FoundCamera) -> f64),
+        ("focal", "focal length error (px)", |found| found.error.focal_px.abs()),
+    ] {
+        let mut figure = Figure::new("", Axis::log(label), Axis::linear("share of frames").within(0.0, 1.0));
+        for (number, (name, asked)) in asked.iter().enumerate() {
+            let values: Vec<f64> = asked.iter().filter_map(|asked| asked.found.as_ref()).map(of).collect();
+            let line = if number == 0 { Line::Solid } else { Line::Dashed };
+            figure = figure.with(Series::cumulative(name, number + 1, &values, asked.len()).lined(line));
+        }
+        report.figure(
+            stem,
+            &format!("Share of frames within a {label}; frames that were not found count as never."),
+            figure,
+        );
+    }
+    let tallies: Vec<(Cell, Tally)> =
+        asked.iter().map(|(name, asked)| ((*name).into(), Tally::of(asked.iter()))).collect();
+    report.table("summary", "In numbers.", tally_table(("set", "set"), &tallies));
+    Ok(report)
+}
+
+/// The gate on descriptors' distances (the paper's table 4).
+pub fn threshold(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.highlights(progress)?;
+    let mut report = Report::new("threshold", "Threshold: the gate on descriptors' distances");
+    introduce(&mut report, set, "A leaf farther than the gate (squared distance of unit descriptors) is no match.");
+    let tallies: Vec<(Cell, Tally)> = GATES
+        .into_iter()
+        .enumerate()
+        .map(|(done, gate)| {
+            let predict = PredictOptions { max_squared_distance: gate, ..PredictOptions::default() };
+            let options = RelocalizeOptions { predict, ..asking(workshop) };
+            let asked = ask_plainly(set, &training(workshop), &options);
+            progress(done + 1, GATES.len());
+            (Cell::Number((f64::from(gate) * 1e6).round() / 1e6), Tally::of(asked.iter()))
+        })
+        .collect();
+    report.table("gates", "By gate; the published one is 0.2.", tally_table(("gate", "gate"), &tallies));
+    let found = tallies.iter().map(|(gate, tally)| {
+        let Cell::Number(gate) = gate else { return [f64::NAN; 2] };
+        [*gate, tally.found as f64 / tally.asked.max(1) as f64]
+    });
+    let figure = Figure::new(
+        "",
+        Axis::linear("gate (squared distance)"),
+        Axis::linear("share of frames found").within(0.0, 1.05),
+    )
+    .with(Series::new("", 1, found.collect()));
+    report.figure("found", "Frames found by gate.", figure);
+    Ok(report)
+}
+
+/// One to ten trees: the share of frames within an error.
+pub fn trees(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.highlights(progress)?;
+    let mut report = Report::new("trees", "Trees: how many are needed");
+    introduce(&mut report, set, "Each tree learns from all teachers.");
+    let counts: Vec<u32> = if workshop.options.quick { vec![1, 2, 5] } else { (1..=10).collect() };
+    let mut table = Table::new(&[("trees", "trees")]);
+    for within in WITHIN_DEG {
+        table.columns.push(super::Column::new(&format!("within_{within}_deg"), &format!("within {within}°")));
+    }
+    table.columns.push(super::Column::new("found", "found"));
+    let mut curves: Vec<Vec<[f64; 2]>> = vec![Vec::new(); WITHIN_DEG.len()];
+    for (done, &trees) in counts.iter().enumerate() {
+        let asked = ask_plainly(set, &TrainOptions { trees, ..training(workshop) }, &asking(workshop));
+        let share = |of: &dyn Fn(&FoundCamera) -> bool| {
+            asked.iter().filter_map(|asked| asked.found.as_ref()).filter(|found| of(found)).count() as f64
+                / asked.len().max(1) as f64
+        };
+        let mut row: Vec<Cell> = vec![(trees as usize).into()];
+        for (within, curve) in WITHIN_DEG.into_iter().zip(&mut curves) {
+            let share = share(&|found| found.error.rotation.degrees() <= within);
+            curve.push([f64::from(trees), share]);
+            row.push(share.into());
+        }
+        row.push(share(&|_| true).into());
+        table.push(row);
+        progress(done + 1, counts.len());
+    }
+    let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Cross];
+    let mut figure = Figure::new("", Axis::linear("trees"), Axis::linear("share of frames").within(0.0, 1.05));
+    for (number, (within, curve)) in WITHIN_DEG.into_iter().zip(curves).enumerate() {
+        figure = figure.with(Series::new(&format!("within {within}°"), number + 1, curve).marked(marks[number]));
+    }
+    report.figure("shares", "Share of frames whose rotation error is within a bound.", figure);
+    report.table("trees", "Shares of all frames asked.", table);
+    Ok(report)
+}
+
+/// `IoU` over the field of view, failures marked.
+pub fn fov(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = workshop.highlights(progress)?;
+    let asked = ask_set(workshop, set);
+    let mut report = Report::new("fov", "Field of view: where it fails");
+    introduce(&mut report, set, "A frame that was not found is marked at zero.");
+    let point = |asked: &AskedFrame| asked.found.map(|found| [asked.view_deg, found.iou.unwrap_or(f64::NAN)]);
+    let failed = asked.iter().filter(|asked| asked.found.is_none()).map(|asked| [asked.view_deg, 0.0]);
+    let figure = Figure::new("", Axis::linear("horizontal field of view (°)"), Axis::linear("IoU").within(0.0, 1.05))
+        .with(Series::new("found", 1, asked.iter().filter_map(point).collect()).lined(Line::None))
+        .with(Series::new("not found", 2, failed.collect()).lined(Line::None).marked(Mark::Cross));
+    report.figure("iou", "IoU over the field of view.", figure);
+    let bin = |asked: &AskedFrame| (asked.view_deg / 10.0).floor() as usize;
+    let mut bins: Vec<usize> = asked.iter().map(bin).collect();
+    bins.sort_unstable();
+    bins.dedup();
+    let tallies: Vec<(Cell, Tally)> = bins
+        .into_iter()
+        .map(|number| {
+            let tally = Tally::of(asked.iter().filter(|asked| bin(asked) == number));
+            (format!("{}–{}°", 10 * number, 10 * (number + 1)).into(), tally)
+        })
+        .collect();
+    report.table("bins", "By field of view.", tally_table(("view", "view"), &tallies));
+    Ok(report)
+}

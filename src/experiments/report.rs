@@ -1,0 +1,156 @@
+//! What an experiment found: words, tables and figures, and the files they become.
+
+use super::Table;
+use super::figure::{Figure, FigureError};
+use serde_json::{Map, json};
+use std::fmt::Write as _;
+
+/// What an experiment found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Its name, with which the files begin.
+    pub name: String,
+    /// Its heading.
+    pub title: String,
+    /// What it says, in order.
+    pub blocks: Vec<Block>,
+    /// What depends on the machine, kept apart: everything else has the same bytes each time.
+    pub times: Vec<Block>,
+}
+
+/// A part of a report.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// Markdown.
+    Words(String),
+    /// A table, also written as CSV.
+    Table {
+        /// Its file's name without an ending.
+        stem: String,
+        /// What it shows.
+        caption: String,
+        /// The table.
+        table: Table,
+    },
+    /// A figure, written as SVG and PNG.
+    Figure {
+        /// Its file's name without an ending.
+        stem: String,
+        /// What it shows.
+        caption: String,
+        /// The figure.
+        figure: Figure,
+    },
+    /// A picture that is a PNG already.
+    Picture {
+        /// Its file's name without an ending.
+        stem: String,
+        /// What it shows.
+        caption: String,
+        /// The file.
+        png: Vec<u8>,
+    },
+}
+
+/// A file of a report: its name and its bytes.
+pub type ReportFile = (String, Vec<u8>);
+
+impl Report {
+    /// An empty report.
+    #[must_use]
+    pub fn new(name: &str, title: &str) -> Self {
+        Self { name: name.to_owned(), title: title.to_owned(), ..Self::default() }
+    }
+
+    /// Adds words.
+    pub fn say(&mut self, words: &str) {
+        self.blocks.push(Block::Words(words.to_owned()));
+    }
+
+    /// Adds a table.
+    pub fn table(&mut self, stem: &str, caption: &str, table: Table) {
+        self.blocks.push(Block::Table { stem: self.stem(stem), caption: caption.to_owned(), table });
+    }
+
+    /// Adds a figure.
+    pub fn figure(&mut self, stem: &str, caption: &str, figure: Figure) {
+        self.blocks.push(Block::Figure { stem: self.stem(stem), caption: caption.to_owned(), figure });
+    }
+
+    /// Adds a picture.
+    pub fn picture(&mut self, stem: &str, caption: &str, png: Vec<u8>) {
+        self.blocks.push(Block::Picture { stem: self.stem(stem), caption: caption.to_owned(), png });
+    }
+
+    /// Adds a table of what depends on the machine.
+    pub fn time_table(&mut self, stem: &str, caption: &str, table: Table) {
+        self.times.push(Block::Table { stem: self.stem(stem), caption: caption.to_owned(), table });
+    }
+
+    /// Adds a figure of what depends on the machine.
+    pub fn time_figure(&mut self, stem: &str, caption: &str, figure: Figure) {
+        self.times.push(Block::Figure { stem: self.stem(stem), caption: caption.to_owned(), figure });
+    }
+
+    fn stem(&self, stem: &str) -> String {
+        format!("{}-{stem}", self.name)
+    }
+
+    /// The report as Markdown; figures and pictures by their files' names.
+    #[must_use]
+    pub fn to_markdown(&self) -> String {
+        markdown(&self.title, &self.blocks)
+    }
+
+    /// Every file: the Markdown, all tables as JSON and CSV, figures as SVG and PNG; what depends on the machine in files of
+    /// its own, whose names end with `times`.
+    ///
+    /// # Errors
+    /// A figure cannot be drawn.
+    pub fn files(&self) -> Result<Vec<ReportFile>, FigureError> {
+        let mut files = vec![
+            (format!("{}.md", self.name), self.to_markdown().into_bytes()),
+            (format!("{}.json", self.name), self.json(&self.blocks).into_bytes()),
+        ];
+        if !self.times.is_empty() {
+            let title = format!("{}: times on this machine", self.title);
+            files.push((format!("{}-times.md", self.name), markdown(&title, &self.times).into_bytes()));
+            files.push((format!("{}-times.json", self.name), self.json(&self.times).into_bytes()));
+        }
+        for block in self.blocks.iter().chain(&self.times) {
+            match block {
+                Block::Words(_) => {}
+                Block::Table { stem, table, .. } => files.push((format!("{stem}.csv"), table.to_csv().into_bytes())),
+                Block::Figure { stem, figure, .. } => {
+                    files.push((format!("{stem}.svg"), figure.to_svg()?.into_bytes()));
+                    files.push((format!("{stem}.png"), figure.to_png()?));
+                }
+                Block::Picture { stem, png, .. } => files.push((format!("{stem}.png"), png.clone())),
+            }
+        }
+        Ok(files)
+    }
+
+    fn json(&self, blocks: &[Block]) -> String {
+        let tables = blocks.iter().filter_map(|block| match block {
+            Block::Table { stem, table, .. } => Some((stem.clone(), table.to_json())),
+            _ => None,
+        });
+        let tables: Map<_, _> = tables.collect();
+        format!("{:#}\n", json!({ "experiment": self.name, "title": self.title, "tables": tables }))
+    }
+}
+
+fn markdown(title: &str, blocks: &[Block]) -> String {
+    let mut out = format!("## {title}\n");
+    for block in blocks {
+        // Writing to a string cannot fail.
+        let _ = match block {
+            Block::Words(words) => writeln!(out, "\n{}", words.trim()),
+            Block::Table { caption, table, .. } => writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end()),
+            Block::Figure { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}"),
+            Block::Picture { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}"),
+        };
+    }
+    out
+}

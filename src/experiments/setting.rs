@@ -1,0 +1,113 @@
+//! The setting of the paper's synthetic experiment: its camera, its ranges, points around its field.
+
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, rotation};
+use rand::{RngExt, SeedableRng};
+use rand_distr::StandardNormal;
+use rand_pcg::Pcg64Mcg;
+
+/// The size of its pictures.
+pub const SIZE: ImageSize = ImageSize::new(1280, 720);
+/// Pan, tilt (degrees) and focal length (px), from the least to the greatest.
+const PAN_DEG: [f64; 2] = [15.0, 75.0];
+const TILT_DEG: [f64; 2] = [-14.0, -5.0];
+const FOCAL_PX: [f64; 2] = [1500.0, 5000.0];
+/// Rays of one picture.
+pub const RAYS: usize = 200;
+/// The share of them that should show something outside the field.
+const OUTSIDE: f64 = 0.9;
+/// Half the field's sides (118 × 70 yards), m, and how far outside it boards and stands begin.
+const HALF_FIELD_M: [f64; 2] = [53.9496, 32.004];
+const AROUND_M: f64 = 8.0;
+
+/// A generator for one place of an experiment; places differ in all their draws.
+pub fn rng(seed: u64, place: [u64; 2]) -> Pcg64Mcg {
+    let mut mixed = seed;
+    for number in place {
+        mixed = (mixed ^ number.wrapping_add(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        mixed ^= mixed >> 29;
+    }
+    Pcg64Mcg::seed_from_u64(mixed)
+}
+
+/// The base of the published sequence `soccer2_seq2`, its origin moved from the field's corner to its middle. The camera
+/// stands low behind the corner and looks across the field.
+pub fn base() -> CameraBase {
+    let position_m = Vec3::new(114.32318 - HALF_FIELD_M[0], 1.114215 - HALF_FIELD_M[1], 6.375646);
+    let base_from_world: Mat3 = rotation::from_rotation_vector(Vec3::new(1.230319, 1.129962, -1.157628));
+    CameraBase::new(position_m, base_from_world, SIZE.centre())
+}
+
+/// A camera within the ranges.
+pub fn drawn_ptz(rng: &mut Pcg64Mcg) -> Ptz {
+    let mut within = |[from, to]: [f64; 2]| rng.random_range(from..to);
+    Ptz::from_degrees(within(PAN_DEG), within(TILT_DEG), within(FOCAL_PX))
+}
+
+/// A standard normal number.
+pub fn normal(rng: &mut Pcg64Mcg) -> f64 {
+    rng.sample(StandardNormal)
+}
+
+/// Three of them.
+pub fn normals(rng: &mut Pcg64Mcg) -> Vec3 {
+    Vec3::from_fn(|_, _| normal(rng))
+}
+
+/// A pixel and the point of the world that it shows, exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sighting {
+    pub image: ImagePoint,
+    pub world: Vec3,
+    /// Whether the point lies on the field.
+    pub on_field: bool,
+}
+
+impl Sighting {
+    /// The same with noise of this 1-σ on both coordinates of the pixel, px.
+    pub fn noisy(&self, sigma_px: f64, rng: &mut Pcg64Mcg) -> Self {
+        let offset = Vec2::new(normal(rng), normal(rng)) * sigma_px;
+        Self { image: self.image.moved(offset), ..*self }
+    }
+}
+
+/// What random pixels show: [`RAYS`] of them, nine in ten outside the field where the picture has room for that.
+pub fn sightings(camera: &PtzCamera, rng: &mut Pcg64Mcg) -> Vec<Sighting> {
+    let outside = (RAYS as f64 * OUTSIDE) as usize;
+    let (mut wanted, mut spare) = (Vec::with_capacity(RAYS), Vec::new());
+    let mut counts = [outside, RAYS - outside];
+    for _ in 0..20 * RAYS {
+        if wanted.len() == RAYS {
+            break;
+        }
+        let (x, y) = (rng.random_range(0.0..f64::from(SIZE.width)), rng.random_range(0.0..f64::from(SIZE.height)));
+        let Some(sighting) = sighting(camera, ImagePoint::new(x, y)) else { continue };
+        let count = &mut counts[usize::from(sighting.on_field)];
+        if *count > 0 {
+            *count -= 1;
+            wanted.push(sighting);
+        } else if spare.len() < RAYS {
+            spare.push(sighting);
+        }
+    }
+    let missing = RAYS - wanted.len();
+    wanted.extend(spare.into_iter().take(missing));
+    wanted
+}
+
+/// What a pixel shows: the ground within the boards, else the wall of boards and stands around it.
+fn sighting(camera: &PtzCamera, image: ImagePoint) -> Option<Sighting> {
+    let from = camera.base().position_m;
+    let direction = camera.world_direction_from_image(image).ok()?;
+    let to_wall = (0..2)
+        .map(|axis| {
+            let wall = (HALF_FIELD_M[axis] + AROUND_M).copysign(direction[axis]);
+            (wall - from[axis]) / direction[axis]
+        })
+        .filter(|distance| *distance > 0.0)
+        .fold(f64::INFINITY, f64::min);
+    let to_ground = if direction.z < 0.0 { -from.z / direction.z } else { f64::INFINITY };
+    let world = from + direction * to_wall.min(to_ground);
+    let on_field = to_ground < to_wall && (0..2).all(|axis| world[axis].abs() <= HALF_FIELD_M[axis]);
+    world.iter().all(|x| x.is_finite()).then_some(Sighting { image, world, on_field })
+}
