@@ -10,6 +10,7 @@ use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec2};
 use crate::markings::{MarkingOptions, project_lines};
 use crate::solve::Uncertainty;
+use rayon::prelude::*;
 
 /// How the uncertainty is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -73,7 +74,8 @@ impl HeatMap {
             let sigma_px = uncertainty.overlay_sigma_px(camera, pixel).unwrap_or(f64::INFINITY);
             (f64::from(u16::MAX) * heat_level(sigma_px, image_size)).round() as u16
         };
-        let levels = (0..rows).flat_map(|row| (0..columns).map(move |column| level(row, column))).collect();
+        let levels = (0..rows).into_par_iter().flat_map_iter(|row| (0..columns).map(move |column| (row, column)));
+        let levels = levels.map(|(row, column)| level(row, column)).collect();
         Self { size: HEAT_GRID, image_size, levels }
     }
 }

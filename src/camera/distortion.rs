@@ -89,11 +89,14 @@ pub(crate) fn undistort(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError
     let mut ideal = if k1 < 0.0 { radius } else { radius / (1.0 + k1 * radius * radius).cbrt() };
     for _ in 0..64 {
         let step = (ideal * (1.0 + k1 * ideal * ideal) - radius) / (1.0 + 3.0 * k1 * ideal * ideal);
-        let next = ideal - step;
-        if (next - ideal).abs() <= 1e-16 * ideal.abs() || !next.is_finite() {
+        if !step.is_finite() {
             break;
         }
-        ideal = next;
+        ideal -= step;
+        // The error after a step is of the size of its square.
+        if step.abs() <= 1e-10 * ideal.abs() {
+            break;
+        }
     }
     Ok(distorted * (ideal / radius))
 }

@@ -33,13 +33,16 @@ pub struct PtzCamera {
     ptz: Ptz,
     k1: f64,
     cam_from_base: Mat3,
+    cam_from_world: Mat3,
 }
 
 impl PtzCamera {
     /// A base, pointed; k₁ follows from the base's curve at this focal length.
     #[must_use]
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
-        Self { base, ptz, k1: base.distortion.at(ptz.focal_px), cam_from_base: q_tilt(ptz.tilt) * q_pan(ptz.pan) }
+        let cam_from_base = q_tilt(ptz.tilt) * q_pan(ptz.pan);
+        let cam_from_world = cam_from_base * base.base_from_world;
+        Self { base, ptz, k1: base.distortion.at(ptz.focal_px), cam_from_base, cam_from_world }
     }
 
     /// The base.
@@ -68,8 +71,8 @@ impl PtzCamera {
 
     /// `Q_tilt` · `Q_pan` · `base_from_world`.
     #[must_use]
-    pub fn cam_from_world(&self) -> Mat3 {
-        self.cam_from_base * self.base.base_from_world
+    pub const fn cam_from_world(&self) -> Mat3 {
+        self.cam_from_world
     }
 
     /// A world point in `cam`, m.

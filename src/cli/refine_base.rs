@@ -137,6 +137,9 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",
         found.median_px, found.p90_px, found.crown_m
     ));
+    if let Some(told) = found.one_view() {
+        messages.note(&format!("{name}: {told}"));
+    }
     let frame_name = |index: usize| document.frames[index].name();
     for click in &found.disputed {
         let error = click.error_px.map_or_else(|| "behind the camera".to_owned(), |error| format!("{error:.0} px off"));

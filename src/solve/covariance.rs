@@ -109,7 +109,10 @@ impl Uncertainty {
     #[must_use]
     pub fn overlay_at_world(&self, camera: &PtzCamera, point_in_world: Vec3) -> Option<Matrix2<f64>> {
         let here = camera.image_from_world_jacobian(point_in_world).ok()?;
-        let by_base = (here.by_base - here.by_ptz * self.by_base) * nalgebra::Matrix6::from_diagonal(&self.base_sigma);
+        let mut by_base = here.by_base - here.by_ptz * self.by_base;
+        for (mut column, sigma) in by_base.column_iter_mut().zip(self.base_sigma.iter()) {
+            column *= *sigma;
+        }
         Some(here.by_ptz * self.clicks * here.by_ptz.transpose() + by_base * by_base.transpose())
     }
 
@@ -117,10 +120,7 @@ impl Uncertainty {
     /// beyond the fold of the distortion model.
     #[must_use]
     pub fn overlay_at(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<Matrix2<f64>> {
-        let direction = camera.world_direction_from_image(pixel).ok()?;
-        let to_ground = -camera.base().position_m.z / direction.z;
-        let distance_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
-        self.overlay_at_world(camera, camera.base().position_m + direction * distance_m)
+        self.overlay_at_world(camera, shown_at(camera, pixel)?)
     }
 
     /// 1-σ of the overlay at a pixel, px: the root of the covariance's trace, an RMS distance.
@@ -150,16 +150,21 @@ impl Uncertainty {
     /// pixel has no ray.
     #[must_use]
     pub fn with_click_at(&self, camera: &PtzCamera, pixel: ImagePoint, sigma_px: f64) -> Option<Self> {
-        let direction = camera.world_direction_from_image(pixel).ok()?;
-        let to_ground = -camera.base().position_m.z / direction.z;
-        let distance_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
-        let here = camera.image_from_world_jacobian(camera.base().position_m + direction * distance_m).ok()?;
+        let here = camera.image_from_world_jacobian(shown_at(camera, pixel)?).ok()?;
         let mut information = self.clicks.try_inverse()?;
         let mut cross = information * self.by_base;
         add(&mut information, &mut cross, &here.by_ptz, &here.by_base, sigma_px.powi(-2));
         let clicks = invert_information(&information, camera.ptz().focal_px).ok()?;
         Some(Self { clicks, by_base: clicks * cross, base_sigma: self.base_sigma })
     }
+}
+
+/// What a pixel shows, `world`: the ground, or the far distance above the horizon. None beyond the fold of the distortion model.
+fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
+    let direction = camera.world_direction_from_image(pixel).ok()?;
+    let to_ground = -camera.base().position_m.z / direction.z;
+    let distance_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
+    Some(camera.base().position_m + direction * distance_m)
 }
 
 /// Adds the rows of one click to Jᵀ W J and Jᵀ W `J_b`.

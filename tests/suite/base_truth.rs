@@ -1,14 +1,15 @@
 //! The base from the clicks of many frames, against known truth.
 
 use crate::seeded::{self, normal};
+use nalgebra::SMatrix;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
-use touchline::solve::Observation;
 use touchline::solve::base::{BaseError, BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
+use touchline::solve::{Observation, Target};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -105,17 +106,56 @@ fn the_position_is_as_good_as_its_sigma_says() {
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
         }
-        assert!((0.3..2.5).contains(&squares), "{count} frames: mean z² {squares:.2}");
+        // Landmarks of real grounds lie off their places and these do not: a little is stated on top.
+        assert!((0.05..1.5).contains(&squares), "{count} frames: mean z² {squares:.2}");
     }
 }
 
+/// The least sigma of the position that clicks of known noise allow (Cramér and Rao), m: pinhole, flat ground, every frame's
+/// own parameters eliminated.
+fn bound_m(base: CameraBase, field: &FieldModel, frames: &[FrameClicks], truth: &[Ptz]) -> Vec3 {
+    let mut information = SMatrix::<f64, 5, 5>::zeros();
+    for (frame, ptz) in frames.iter().zip(truth) {
+        let camera = PtzCamera::new(base, *ptz);
+        let (mut shared, mut own) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 3, 3>::zeros());
+        let mut cross = SMatrix::<f64, 5, 3>::zeros();
+        for click in &frame.observations {
+            let Target::Landmark(at) = click.target else { continue };
+            assert_eq!(at.z, 0.0, "{}", field.template);
+            let here = camera.image_from_world_jacobian(at).unwrap();
+            let (by_base, weight) = (here.by_base.fixed_columns::<5>(0), click.sigma_px.powi(-2));
+            shared += by_base.transpose() * by_base * weight;
+            cross += by_base.transpose() * here.by_ptz * weight;
+            own += here.by_ptz.transpose() * here.by_ptz * weight;
+        }
+        information += shared - cross * own.try_inverse().unwrap() * cross.transpose();
+    }
+    information.try_inverse().unwrap().diagonal().fixed_rows::<3>(0).map(f64::sqrt)
+}
+
 #[test]
-fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
-    let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
-    let field = field(0.1);
-    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 });
-    let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
-    let mut wrong = Vec::new();
+fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_errors() {
+    let mut rng = seeded::rng("the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_errors");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    for (count, spoiled) in [(5, false), (10, false), (30, false), (10, true), (30, true)] {
+        let (mut squares, trials) = (0.0, 4);
+        for _ in 0..trials {
+            let (mut clicked, truth) = frames(base, &field, count, 12, 2.0, &mut rng);
+            let good = if spoiled { spoil(&mut clicked, &mut rng).1 } else { clicked.clone() };
+            let found = estimate_base(&field, &clicked, SIZE, SIZE.centre(), None, &options).unwrap();
+            let z = (found.base.position_m - base.position_m).component_div(&bound_m(base, &field, &good, &truth));
+            assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
+            squares += z.norm_squared() / f64::from(trials) / 3.0;
+        }
+        println!("{count} frames, gross errors {spoiled}: error / bound {:.2} (rms)", squares.sqrt());
+    }
+}
+
+/// Moves a tenth of the clicks far away; which ones, and the frames without them.
+fn spoil(frames: &mut [FrameClicks], rng: &mut Pcg64Mcg) -> (Vec<(usize, usize)>, Vec<FrameClicks>) {
+    let (mut wrong, mut good) = (Vec::new(), frames.to_vec());
     for (index, frame) in frames.iter_mut().enumerate() {
         for (click, observation) in frame.observations.iter_mut().enumerate() {
             if rng.random_bool(0.1) {
@@ -125,7 +165,18 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
                 wrong.push((index, click));
             }
         }
+        good[index].observations.retain(|click| !wrong.contains(&(index, click.click)));
     }
+    (wrong, good)
+}
+
+#[test]
+fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
+    let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
+    let field = field(0.1);
+    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 });
+    let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
+    let (wrong, _) = spoil(&mut frames, &mut rng);
     let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap();
     assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
     let named: Vec<(usize, usize)> = found.disputed.iter().map(|click| (click.frame, click.click)).collect();
@@ -159,4 +210,28 @@ fn what_cannot_be_estimated_says_why() {
         matches!(error, BaseError::NoFit { .. } | BaseError::NoStart { .. } | BaseError::Undetermined { .. }),
         "{error}"
     );
+}
+
+#[test]
+fn landmarks_on_one_line_and_one_view_alone_are_told() {
+    let mut rng = seeded::rng("landmarks_on_one_line_and_one_view_alone_are_told");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let (many, _) = frames(base, &field, 8, 40, 1.0, &mut rng);
+    let on_halfway_line = |click: &Observation| matches!(click.target, Target::Landmark(at) if at.x == 0.0);
+    let mut one_line = many.clone();
+    for frame in &mut one_line {
+        frame.observations.retain(on_halfway_line);
+    }
+    assert!(one_line.iter().any(|frame| frame.observations.len() > 3), "four of them are on it");
+    let error = estimate_base(&field, &one_line, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap_err();
+    assert!(matches!(error, BaseError::NoStart { .. }), "{error}");
+    assert!(error.to_string().contains("that are not on one line"), "{error}");
+
+    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let estimate = |frames: &[FrameClicks]| estimate_base(&field, frames, SIZE, SIZE.centre(), None, &options).unwrap();
+    assert_eq!(estimate(&many).one_view(), None);
+    let same = vec![many[3].clone(); 5];
+    let told = estimate(&same).one_view().unwrap();
+    assert!(told.starts_with("all 5 frames look the same way (pan within 0.0°)"), "{told}");
 }

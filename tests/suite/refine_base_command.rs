@@ -124,6 +124,22 @@ fn what_is_missing_is_said_in_one_line() {
 }
 
 #[test]
+fn a_field_outside_the_rules_is_refused_with_the_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut document = document("a_field_outside_the_rules_is_refused_with_the_range");
+    document.field.params.insert("length_m".to_owned(), 150.0);
+    write(&document, folder.path());
+    let ran = touchline(folder.path(), "refine-base doc.json -o refined.json");
+    assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{}", ran.stderr);
+    assert!(
+        ran.stderr.contains("length_m") && ran.stderr.contains("90") && ran.stderr.contains("120"),
+        "{}",
+        ran.stderr
+    );
+    assert!(!folder.path().join("refined.json").exists());
+}
+
+#[test]
 fn real_clicks_give_a_real_camera() {
     let Some(data) = crate::data::shared_data() else { return };
     let folder = tempfile::tempdir().unwrap();

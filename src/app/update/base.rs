@@ -136,7 +136,8 @@ fn told(found: &EstimatedBase) -> String {
         .filter(|px| px.is_finite())
         .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
         .unwrap_or_default();
-    format!("Base found from {frames} frames: points fit to {:.1} px, median{before}.", estimate.median_px)
+    let one_view = estimate.one_view().map_or_else(String::new, |told| format!(" But {told}."));
+    format!("Base found from {frames} frames: points fit to {:.1} px, median{before}.{one_view}", estimate.median_px)
 }
 
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {

@@ -7,6 +7,7 @@ use super::frame_block::{FrameBlock, NominalClick};
 use super::parameters::{
     CROWN, K1, PRINCIPAL_POINT, ROTATION, SHARED, SLOPE, Shared, SharedMatrix, SharedVector, free_parameters,
 };
+use super::scatter::Scatter;
 use super::{BaseModel, FrameClicks, LensModel};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::FieldModel;
@@ -128,7 +129,7 @@ pub fn adjust_base(
     }
 
     let noise_scale = problem.noise_scale(&state);
-    let covariance = problem.shared_covariance(&state, &blocks) * noise_scale;
+    let covariance = problem.shared_covariance(&state, &blocks, noise_scale);
     let deviation = |index: usize| covariance[(index, index)].max(0.0).sqrt();
     let (mut base, added) = state.shared.base.in_pan_gauge();
     base.sigma = BaseSigma {
@@ -260,10 +261,25 @@ impl Problem<'_> {
         Some(State { shared: state.shared.stepped(&shared_step), ptz: ptz.collect::<Option<Vec<_>>>()? })
     }
 
-    /// Covariance of the shared parameters where clicks scatter as stated. Infinite if singular.
-    fn shared_covariance(&self, state: &State, blocks: &[FrameBlock]) -> SharedMatrix {
-        let inverse = self.reduced(state, blocks, 0.0).and_then(|(matrix, _)| matrix.try_inverse());
-        inverse.unwrap_or_else(|| SharedMatrix::from_diagonal_element(f64::INFINITY))
+    /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off
+    /// their places. Infinite if singular.
+    fn shared_covariance(&self, state: &State, blocks: &[FrameBlock], noise_scale: f64) -> SharedMatrix {
+        // A frame whose own parameters its clicks leave open says nothing about the base.
+        let determined: Vec<FrameBlock> =
+            blocks.iter().filter(|block| block.own.try_inverse().is_some()).cloned().collect();
+        let Some(inverse) = self.reduced(state, &determined, 0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
+            return SharedMatrix::from_diagonal_element(f64::INFINITY);
+        };
+        let mut scatter = Scatter::default();
+        for ((clicks, ptz), block) in self.clicks.iter().zip(&state.ptz).zip(blocks) {
+            let alone = |click: &NominalClick| {
+                let one = std::slice::from_ref(click);
+                (*click, FrameBlock::at(&state.shared, *ptz, one, self.options.loss, &self.free))
+            };
+            scatter.add_frame(block, clicks.iter().map(alone));
+        }
+        let free = self.free.iter().filter(|free| **free).count();
+        scatter.covariance(&inverse, noise_scale, free, state.shared.width_m)
     }
 
     /// χ² of the inner half of the clicks over what it should be, at least 1.

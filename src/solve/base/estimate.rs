@@ -25,6 +25,33 @@ pub struct BaseOptions {
     pub adjust: AdjustOptions,
 }
 
+impl BaseEstimate {
+    /// What a person should know where all frames look the same way: they hold the position less well than their number
+    /// suggests. None where they do not, or where there is only one.
+    #[must_use]
+    pub fn one_view(&self) -> Option<String> {
+        /// Frames that differ less are one view, degrees and log f.
+        const SAME: [f64; 2] = [3.0, 0.1];
+        let solved: Vec<&FrameFit> = self.frames.iter().flatten().collect();
+        let span = |of: &dyn Fn(&Ptz) -> f64| {
+            let values = solved.iter().map(|fit| of(&fit.ptz));
+            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            most - least
+        };
+        let first = solved.first()?.ptz;
+        let pan_deg = span(&|ptz| (ptz.pan - first.pan).wrapped().degrees());
+        let same = solved.len() > 1 && pan_deg < SAME[0] && span(&|ptz| ptz.focal_px.ln()) < SAME[1];
+        let sigma_m = self.base.sigma.position_m.norm();
+        same.then(|| {
+            format!(
+                "all {} frames look the same way (pan within {pan_deg:.1}°), so the position is known to ±{sigma_m:.1} m: click \
+                 landmarks in frames that look left and right of it",
+                solved.len()
+            )
+        })
+    }
+}
+
 impl Default for BaseOptions {
     /// Everything chosen by the program, the principal point in the middle.
     fn default() -> Self {
@@ -46,7 +73,8 @@ pub struct FrameFit {
 /// A base estimated from clicks, with everything needed to judge it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BaseEstimate {
-    /// The base with its sigma: of the position the larger of the adjustment's and the jackknife's over groups of frames.
+    /// The base with its sigma: of the position the larger of the adjustment's (landmarks that lie off their places in every
+    /// frame included) and the jackknife's over groups of frames.
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
@@ -124,9 +152,14 @@ pub fn estimate_base(
     if !(median_px < limit_px) {
         return Err(BaseError::NoFit { median_px });
     }
-    let sigma_m = adjusted.position_covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
+    let known = adjusted.position_covariance.iter().all(|x| x.is_finite());
+    let sigma_m =
+        if known { adjusted.position_covariance.symmetric_eigenvalues().max().max(0.0).sqrt() } else { f64::INFINITY };
     if !(sigma_m < MAX_POSITION_SIGMA_M) {
         return Err(BaseError::Undetermined { sigma_m });
+    }
+    if base.position_m.z <= 0.0 {
+        return Err(BaseError::BelowGround { depth_m: -base.position_m.z });
     }
     let mirrored = mirrored_frames(&base, &frames, &ptz, image_size);
     let noise_scale = adjusted.noise_scale.sqrt();

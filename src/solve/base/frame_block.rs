@@ -19,7 +19,7 @@ pub(super) struct NominalClick {
 }
 
 /// What it shows, on flat ground.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum NominalTarget {
     Point(Vec3),
     Curve(WorldCurve),
@@ -33,6 +33,14 @@ impl NominalClick {
             Target::Line(curve) => NominalTarget::Curve(curve),
         };
         Self { image: observation.image, sigma_px: observation.sigma_px, target }
+    }
+
+    /// How many equations it gives.
+    pub const fn equations(&self) -> usize {
+        match self.target {
+            NominalTarget::Point(_) => 2,
+            NominalTarget::Curve(_) => 1,
+        }
     }
 
     /// Puts a crown in again.
@@ -65,7 +73,10 @@ pub(super) struct FrameBlock {
     pub own: Mat3,
     pub shared_gradient: SharedVector,
     pub own_gradient: Vec3,
+    /// The robust cost.
     pub cost: f64,
+    /// Weighted squares of the residuals, in sigmas.
+    pub squares: f64,
 }
 
 impl FrameBlock {
@@ -79,6 +90,7 @@ impl FrameBlock {
             shared_gradient: SharedVector::zeros(),
             own_gradient: Vec3::zeros(),
             cost: 0.0,
+            squares: 0.0,
         };
         let kilo_px = (ptz.focal_px - shared.base.distortion.at_focal_px) / 1000.0;
         for click in clicks {
@@ -143,6 +155,7 @@ impl FrameBlock {
         self.shared_gradient += shared_weighted * residual;
         self.own_gradient += own_weighted * residual;
         self.cost += cost;
+        self.squares += weight * residual.norm_squared();
     }
 }
 

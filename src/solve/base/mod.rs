@@ -11,6 +11,7 @@ mod estimate;
 mod frame_block;
 mod model_choice;
 mod parameters;
+mod scatter;
 mod start;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
@@ -68,6 +69,12 @@ pub enum BaseError {
     NoFit {
         /// Median distance of the clicks, px.
         median_px: f64,
+    },
+    /// The camera that fits sees the field from below.
+    #[error("the camera that fits stands {depth_m:.1} m below the field: check left and right, near and far")]
+    BelowGround {
+        /// How deep, m.
+        depth_m: f64,
     },
     /// The frames leave part of the base open.
     #[error(
