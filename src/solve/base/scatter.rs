@@ -8,7 +8,7 @@
 //! contribute to the camera's x and y, and `G_l` how these two mix with all the others:
 //!
 //! - Q = Σ `s_l`ᵀ `N_l`⁻¹ `s_l` is as large as click noise s² makes it, and larger by τ² Σ tr `N_l`: that gives τ² (the moment
-//!   estimator of DerSimonian and Laird), drawn towards what real grounds have where the clicks are too few to tell;
+//!   estimator of random effects), drawn towards what real grounds have where the clicks are too few to tell;
 //! - covariance: s² H⁻¹ + τ² H⁻¹ (Σ `G_l` `G_l`ᵀ) H⁻¹.
 
 use super::frame_block::{FrameBlock, NominalClick, NominalTarget};
