@@ -9,6 +9,7 @@ use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
 use crate::proposals::Proposal;
+use crate::solve::base::BaseProgress;
 use std::path::{Path, PathBuf};
 
 /// What changes state; the window, the jobs and the tests all speak this.
@@ -40,6 +41,8 @@ pub enum Action {
         dx_px: f64,
         /// Downwards.
         dy_px: f64,
+        /// The key is held down: this belongs to the nudge before.
+        held: bool,
     },
     /// The picture is shown otherwise.
     View(PictureView),
@@ -150,6 +153,8 @@ pub enum Action {
     /// What the background trainer is doing and has found out.
     Trainer(Box<TrainerStatus>),
 
+    /// How far the estimation of a base has come.
+    BaseProgress(BaseProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, String>),
     /// A frame takes part in the estimation of its camera's base, or is left out.

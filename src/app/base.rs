@@ -4,6 +4,7 @@ use super::OpenProject;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::project::{CameraId, EstimatedBase, Frame, LANDMARKS_ALONE, calibrate};
+use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 
 /// So many wide frames, left, centre and right, tell where a camera stands.
@@ -15,12 +16,30 @@ pub enum BaseWork {
     /// Nothing.
     #[default]
     Idle,
-    /// It is being estimated, in words.
-    Estimating(String),
+    /// It is being estimated.
+    Estimating(Estimating),
     /// Found and shown, but not taken over.
     Proposed(Arc<EstimatedBase>),
     /// Taken over; its tables stay to be worked with.
     Applied(Arc<EstimatedBase>),
+}
+
+/// An estimation under way.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Estimating {
+    /// From what, in words.
+    pub from: String,
+    /// How far it has come; none before it says so.
+    pub progress: Option<BaseProgress>,
+}
+
+impl Estimating {
+    /// What is being done, in one sentence.
+    #[must_use]
+    pub fn told(&self) -> String {
+        let far = self.progress.map(|BaseProgress { done, total }| format!(": {done} of {total} adjustments"));
+        format!("Estimating the base from {}{}…", self.from, far.unwrap_or_default())
+    }
 }
 
 impl BaseWork {

@@ -65,6 +65,7 @@ pub enum Command {
     GiveToCamera,
     SelectShot,
     NewCameraFromChange,
+    ConfirmFieldSize,
     Palette,
     Keys,
     About,
@@ -175,6 +176,7 @@ rows! {
     LoadCamera, "load_camera", Camera, "Load a camera…", "Take the camera base from another project or dataset.", [];
     GiveToCamera, "give_to_camera", Camera, "Give frames to a camera…", "Say which camera took this frame, the selected frames, the shot, or all from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "Where somebody moved the camera, the frames from there on get a camera of their own.", [];
+    ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Length and width are right; until then they are assumed, and the dataset says so.", [];
     SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot; Shift or Ctrl and a click on the filmstrip select single ones.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];

@@ -161,7 +161,7 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 /// A base that is being estimated, or was found and waits for a decision.
 fn estimated(app: &App) -> Option<Guidance> {
     match &app.session.base {
-        BaseWork::Estimating(text) => Some(Guidance::say(text.clone()).offer("Stop", Command::DropEstimatedBase)),
+        BaseWork::Estimating(work) => Some(Guidance::say(work.told()).offer("Stop", Command::DropEstimatedBase)),
         BaseWork::Proposed(_) => {
             let text = match app.current().base {
                 Some(_) => "These are the lines with the estimated base. Hold B for the one you have.",

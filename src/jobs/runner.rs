@@ -1,6 +1,6 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{Ready, Watch, camera_with_base, open_anything};
+use super::opening::{Ready, camera_with_base, open_anything};
 use super::{
     Background, BackgroundReport, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport, Wake, demo,
 };
@@ -9,7 +9,7 @@ use crate::app::{Action, Effect, Question};
 use crate::project::{
     BaseProblem, CameraId, Document, EstimatedBase, Location, Store, document_to_string, write_atomically,
 };
-use crate::solve::base::BaseOptions;
+use crate::solve::base::{BaseOptions, WatchBase};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -41,9 +41,12 @@ enum Kind {
     Other,
 }
 
+/// Tells the window how far a task has come; a break says that nobody waits any more.
+type Tell<'a> = &'a (dyn Fn(Action) -> ControlFlow<()> + Sync);
+
 /// Something under way.
 struct Task {
-    background: Background<String, Result<Outcome, String>>,
+    background: Background<Action, Result<Outcome, String>>,
     /// What it is about: the user may give some up.
     kind: Kind,
     /// Nobody waits for its result any more.
@@ -70,15 +73,18 @@ impl Runner {
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
             Effect::Open(path) => self.begin("open", Kind::Opening, move |watch| {
-                open_anything(&path, watch).map(|ready| Outcome::Opened(Box::new(ready)))
+                open_anything(&path, &|text| watch(Action::Progress(text)))
+                    .map(|ready| Outcome::Opened(Box::new(ready)))
             }),
             Effect::OpenDemo => self.begin("open the demo", Kind::Opening, move |watch| {
-                open_anything(&demo::fresh_copy()?, watch).map(|ready| Outcome::Opened(Box::new(ready)))
+                open_anything(&demo::fresh_copy()?, &|text| watch(Action::Progress(text)))
+                    .map(|ready| Outcome::Opened(Box::new(ready)))
             }),
             Effect::CancelOpening => self.give_up(Kind::Opening),
             Effect::EstimateBase { document, folder, camera } => {
-                self.begin("base", Kind::Estimate, move |_| {
-                    let found = estimate(&document, &folder, &camera);
+                self.begin("base", Kind::Estimate, move |watch| {
+                    let found =
+                        estimate(&document, &folder, &camera, &|progress| watch(Action::BaseProgress(progress)));
                     Ok(Outcome::Action(Action::BaseEstimated(found)))
                 });
             }
@@ -123,9 +129,10 @@ impl Runner {
             while let Some(report) = task.background.poll() {
                 match report {
                     _ if task.given_up => {}
-                    BackgroundReport::Progress(text) => actions.push(Action::Progress(text)),
                     BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
-                    BackgroundReport::Done(Ok(Outcome::Action(action))) => actions.push(action),
+                    BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
+                        actions.push(action);
+                    }
                     BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
                     BackgroundReport::Panicked(message) if task.kind == Kind::Estimate => {
                         actions.push(Action::BaseEstimated(Err(format!("a mistake in this program: {message}"))));
@@ -205,11 +212,11 @@ impl Runner {
         &mut self,
         name: &str,
         kind: Kind,
-        task: impl FnOnce(Watch<'_>) -> Result<Outcome, String> + Send + 'static,
+        task: impl FnOnce(Tell<'_>) -> Result<Outcome, String> + Send + 'static,
     ) {
         let background = Background::spawn(name, self.wake.clone(), move |reporter| {
-            task(&|text| {
-                reporter.progress(text);
+            task(&|action| {
+                reporter.progress(action);
                 if reporter.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             })
         });
@@ -242,9 +249,14 @@ fn clock(at: jiff::civil::Time) -> String {
     format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
 }
 
-fn estimate(document: &Document, folder: &Path, camera: &CameraId) -> Result<Box<EstimatedBase>, String> {
+fn estimate(
+    document: &Document,
+    folder: &Path,
+    camera: &CameraId,
+    watch: WatchBase<'_>,
+) -> Result<Box<EstimatedBase>, String> {
     let problem = BaseProblem::of(document, camera, folder).map_err(|error| error.to_string())?;
-    problem.estimate(document, &BaseOptions::default()).map(Box::new).map_err(|error| error.to_string())
+    problem.estimate_watched(document, &BaseOptions::default(), watch).map(Box::new).map_err(|error| error.to_string())
 }
 
 /// Writes a document into another folder; an existing project there is not touched.

@@ -8,11 +8,12 @@ use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::solve::base::{
     AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, MirroredFrame,
-    adjust_base, estimate_base, start_base,
+    WatchBase, adjust_base, estimate_base_watched, start_base,
 };
 use crate::solve::{ObservationError, WarningCode};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::Path;
 use thiserror::Error;
 
@@ -165,9 +166,22 @@ impl BaseProblem {
     /// # Errors
     /// The clicks give no base.
     pub fn estimate(&self, document: &Document, options: &BaseOptions) -> Result<EstimatedBase, BaseEstimationError> {
-        let previous = self.previous.as_ref();
+        self.estimate_watched(document, options, &|_| ControlFlow::Continue(()))
+    }
+
+    /// The same, told after each adjustment; a break ends it.
+    ///
+    /// # Errors
+    /// The clicks give no base, or it was ended.
+    pub fn estimate_watched(
+        &self,
+        document: &Document,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let (field, clicks, previous) = (&self.field, &self.clicks, self.previous.as_ref());
         let mut estimate =
-            estimate_base(&self.field, &self.clicks, self.image_size, self.principal_point, previous, options)?;
+            estimate_base_watched(field, clicks, self.image_size, self.principal_point, previous, options, watch)?;
         for disputed in &mut estimate.disputed {
             disputed.frame = self.frames[disputed.frame];
         }

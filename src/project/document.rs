@@ -1,6 +1,6 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, Extra, Frame, Shared, doors};
+use super::{Camera, CameraId, Extra, FieldSize, Frame, Shared, doors};
 use crate::camera::PtzCamera;
 use crate::field::{FieldError, FieldModel, template_named};
 use serde::{Deserialize, Serialize};
@@ -49,6 +49,9 @@ pub struct FieldSpec {
     /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's defaults.
     #[serde(default, with = "doors::numbers_by_name")]
     pub params: BTreeMap<String, f64>,
+    /// Where its size comes from: `assumed` (also where it is absent), `confirmed`, `fitted`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<FieldSize>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -58,7 +61,7 @@ impl FieldSpec {
     /// A template with its defaults.
     #[must_use]
     pub fn new(template: &str) -> Self {
-        Self { template: template.to_owned(), params: BTreeMap::new(), extra: Extra::new() }
+        Self { template: template.to_owned(), params: BTreeMap::new(), size: None, extra: Extra::new() }
     }
 
     /// The template is a file of the user's own, not a built-in one.
@@ -134,7 +137,8 @@ impl Document {
         self.camera_of(frame)?.pointed(frame)
     }
 
-    /// The document as a dataset: the same without clicks that nobody has named; indices of clicks follow.
+    /// The document as a dataset: the same without clicks that nobody has named (indices of clicks follow), and with a warning
+    /// at every solved frame whose field's size is assumed.
     #[must_use]
     pub fn to_dataset(&self) -> Self {
         let mut dataset = self.clone();
@@ -143,6 +147,7 @@ impl Document {
                 frame.drop_unnamed_clicks();
             }
         }
+        dataset.tell_assumed_sizes();
         dataset
     }
 }

@@ -105,6 +105,15 @@ impl<T: Clone + PartialEq> History<T> {
         self.open = Some((step, current.clone()));
     }
 
+    /// Opens the transaction of the last step again, if it is this one and none is open: what follows belongs to it.
+    pub fn resume(&mut self, step: &Step) -> bool {
+        if self.open.is_some() || self.next_undo() != Some(step) {
+            return false;
+        }
+        self.open = self.done.pop_back();
+        true
+    }
+
     /// Closes the open transaction. True if it changed something and is now a step; what had been undone is forgotten
     /// then.
     pub fn commit(&mut self, current: &T) -> bool {
@@ -182,6 +191,21 @@ mod tests {
         assert!(!history.commit(&value));
         assert!(!history.commit(&value) && !history.abort(&mut value));
         assert_eq!(history.next_undo(), None);
+    }
+
+    #[test]
+    fn the_last_step_can_be_gone_on_with() {
+        let (mut history, mut value) = (History::default(), 0);
+        for next in 1..=3 {
+            if !history.resume(&step("nudge")) {
+                history.begin(&value, step("nudge"));
+            }
+            value = next;
+            assert!(history.commit(&value));
+        }
+        assert!(!history.resume(&step("drag")), "another one");
+        assert_eq!((history.undo(&mut value), value), (Some(step("nudge")), 0));
+        assert!(!history.resume(&step("nudge")), "it was taken back");
     }
 
     #[test]

@@ -19,6 +19,7 @@ mod doors;
 mod edit;
 mod error;
 mod evaluation;
+mod field_size;
 mod fields;
 mod frame;
 mod habits;
@@ -55,6 +56,7 @@ pub use error::StoreError;
 pub use evaluation::{
     Evaluation, EvaluationError, FrameResult, FrameScores, Group, GroupKind, Measure, Unscored, evaluate,
 };
+pub use field_size::FieldSize;
 pub use fields::Fields;
 pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
 pub use habits::habits;

@@ -3,7 +3,7 @@
 use super::{Extra, Proposed, Target, doors};
 use crate::camera::Ptz;
 use crate::geometry::Mat3;
-use crate::solve::{IdentityFinding, Name};
+use crate::solve::{IdentityFinding, Name, WarningCode};
 use serde::{Deserialize, Serialize};
 
 /// Pan, tilt and focal length of a frame in the document's units.
@@ -112,6 +112,13 @@ pub struct SolutionWarning {
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl Solution {
+    /// The warnings about this frame itself: all but the one that its field's size is assumed.
+    pub fn warnings_of_frame(&self) -> impl Iterator<Item = &SolutionWarning> {
+        self.warnings.iter().filter(|warning| warning.code != WarningCode::FieldAssumed.as_str())
+    }
 }
 
 impl SolutionWarning {

@@ -147,7 +147,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         (false, true, false) => NUDGE_PX[2],
         _ => return None,
     };
-    Some(Action::Nudge { dx_px: dx * step, dy_px: dy * step })
+    Some(Action::Nudge { dx_px: dx * step, dy_px: dy * step, held: stroke.repeat })
 }
 
 /// Whether a key is not somebody else's.
@@ -311,9 +311,15 @@ mod tests {
         let mut app = app();
         assert_eq!(press(&app, Key::ArrowLeft, NONE), None);
         app.update(Action::Select(Some(0)));
-        assert_eq!(press(&app, Key::ArrowLeft, NONE), Some(Action::Nudge { dx_px: -0.1, dy_px: 0.0 }));
-        assert_eq!(press(&app, Key::ArrowDown, Modifiers::SHIFT), Some(Action::Nudge { dx_px: 0.0, dy_px: 1.0 }));
-        assert_eq!(press(&app, Key::ArrowUp, Modifiers::ALT), Some(Action::Nudge { dx_px: 0.0, dy_px: -10.0 }));
+        assert_eq!(press(&app, Key::ArrowLeft, NONE), Some(Action::Nudge { dx_px: -0.1, dy_px: 0.0, held: false }));
+        assert_eq!(
+            press(&app, Key::ArrowDown, Modifiers::SHIFT),
+            Some(Action::Nudge { dx_px: 0.0, dy_px: 1.0, held: false })
+        );
+        assert_eq!(
+            press(&app, Key::ArrowUp, Modifiers::ALT),
+            Some(Action::Nudge { dx_px: 0.0, dy_px: -10.0, held: false })
+        );
         assert_eq!(press(&app, Key::ArrowUp, Modifiers::COMMAND), None);
     }
 

@@ -5,10 +5,14 @@ use nalgebra::SMatrix;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::Mutex;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
-use touchline::solve::base::{BaseError, BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
+use touchline::solve::base::{
+    BaseError, BaseOptions, BaseProgress, CrownModel, FrameClicks, LensModel, estimate_base, estimate_base_watched,
+};
 use touchline::solve::{Observation, Target};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -234,4 +238,28 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     let same = vec![many[3].clone(); 5];
     let told = estimate(&same).one_view().unwrap();
     assert!(told.starts_with("all 5 frames look the same way (pan within 0.0°)"), "{told}");
+}
+
+#[test]
+fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
+    let mut rng = seeded::rng("an_estimation_counts_its_adjustments");
+    let (frames, _) = frames(true_base(FocalCurve::NONE), &field(0.0), 8, 8, 1.0, &mut rng);
+    let estimate = |patience: usize| {
+        let told: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
+        let watch = |progress: BaseProgress| {
+            told.lock().unwrap().push(progress);
+            if progress.done < patience { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+        };
+        let options = BaseOptions::default();
+        let found = estimate_base_watched(&field(0.0), &frames, SIZE, SIZE.centre(), None, &options, &watch);
+        (found, told.into_inner().unwrap())
+    };
+    let (found, told) = estimate(usize::MAX);
+    assert!(found.is_ok());
+    let mut counted: Vec<usize> = told.iter().map(|progress| progress.done).collect();
+    counted.sort_unstable();
+    assert_eq!(counted, (1..=told[0].total).collect::<Vec<_>>(), "each adjustment is told, up to the last");
+    let (stopped, told) = estimate(3);
+    assert_eq!(stopped, Err(BaseError::Stopped));
+    assert!(told.len() < told[0].total);
 }

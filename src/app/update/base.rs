@@ -1,12 +1,14 @@
 //! Estimating where the camera stands, looking at what was found, taking it over.
 
 use super::App;
+use super::cameras::counted;
 use crate::app::Command;
 use crate::app::action::Effect;
-use crate::app::base::{BaseReadiness, BaseWork};
+use crate::app::base::{BaseReadiness, BaseWork, Estimating};
 use crate::app::session::{Level, Panel};
 use crate::field::{FieldModel, Symmetry};
 use crate::project::{Click, EstimatedBase, Frame, Step, Target};
+use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 
 impl App {
@@ -29,8 +31,8 @@ impl App {
             folder: open.folder.clone(),
             camera,
         });
-        let text = format!("Estimating the base from {} frames, {} clicks…", ready.frames, ready.clicks);
-        self.session.base = BaseWork::Estimating(text);
+        let from = format!("{} frames, {} clicks", ready.frames, ready.clicks);
+        self.session.base = BaseWork::Estimating(Estimating { from, progress: None });
         self.session.panel = Panel::Camera;
     }
 
@@ -41,6 +43,14 @@ impl App {
         }
         if !matches!(self.session.base, BaseWork::Applied(_)) {
             self.session.base = BaseWork::Idle;
+        }
+    }
+
+    pub(super) fn base_progress(&mut self, progress: BaseProgress) {
+        if let BaseWork::Estimating(estimating) = &mut self.session.base
+            && estimating.progress.is_none_or(|before| before.done < progress.done)
+        {
+            estimating.progress = Some(progress);
         }
     }
 
@@ -79,6 +89,7 @@ impl App {
                     })
                 });
                 self.session.base = BaseWork::Applied(found);
+                self.tell_assumed_size();
             }
             Err(error) => {
                 self.abort();
@@ -137,7 +148,11 @@ fn told(found: &EstimatedBase) -> String {
         .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
         .unwrap_or_default();
     let one_view = estimate.one_view().map_or_else(String::new, |told| format!(" But {told}."));
-    format!("Base found from {frames} frames: points fit to {:.1} px, median{before}.{one_view}", estimate.median_px)
+    format!(
+        "Base found from {}: points fit to {:.1} px, median{before}.{one_view}",
+        counted(frames),
+        estimate.median_px
+    )
 }
 
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {

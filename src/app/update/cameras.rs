@@ -140,6 +140,6 @@ impl App {
 }
 
 /// "1 frame", "12 frames".
-fn counted(frames: usize) -> String {
+pub(super) fn counted(frames: usize) -> String {
     format!("{frames} frame{}", if frames == 1 { "" } else { "s" })
 }

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::session::{Level, Mode};
 use crate::geometry::ImagePoint;
-use crate::project::{Click, FrameStatus};
+use crate::project::{Click, FrameStatus, Step};
 
 impl App {
     pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
@@ -101,11 +101,14 @@ impl App {
         self.clamp_selection();
     }
 
-    pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64) {
+    /// Moves the selected click; a key that is held down is one step of undo.
+    pub(super) fn nudge(&mut self, dx_px: f64, dy_px: f64, held: bool) {
         let Some(click) = self.session.selected else { return };
         let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
         let name = self.click_name(click);
-        if self.begin(format!("Nudge {name}")) {
+        let step = Step::on_frame(format!("Nudge {name}"), self.session.frame);
+        let resumed = held && self.open.as_mut().is_some_and(|open| open.history.resume(&step));
+        if resumed || self.begin_step(step) {
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();
             self.commit();
@@ -159,5 +162,46 @@ impl App {
     pub(super) fn click_name(&self, click: usize) -> String {
         let target = self.frame().and_then(|frame| frame.clicks.get(click)).and_then(|click| click.target.as_ref());
         target.map_or_else(|| "point".to_owned(), |target| self.label(target))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Command, Effect, Opened, Settings};
+    use crate::geometry::ImageSize;
+    use crate::project::{Camera, Document, FieldSpec, Frame};
+
+    #[test]
+    fn a_held_arrow_key_is_one_step_and_each_edit_is_journalled() {
+        let size = ImageSize::new(1920, 1080);
+        let at = ImagePoint::new(500.0, 400.0);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        frame.clicks.push(Click::landmark("centre_mark".into(), at));
+        document.frames.push(frame.into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app.update(Action::Select(Some(0)));
+        let image = |app: &App| app.frame().unwrap().clicks[0].image;
+        let nudge = |app: &mut App, dx_px: f64, held: bool| {
+            let effects = app.update(Action::Nudge { dx_px, dy_px: 0.0, held });
+            assert!(effects.iter().any(|effect| matches!(effect, Effect::Journal { .. })), "{dx_px}");
+        };
+        nudge(&mut app, 1.0, false);
+        for _ in 0..5 {
+            nudge(&mut app, 1.0, true);
+        }
+        nudge(&mut app, 1.0, false);
+        assert!((image(&app).x - 507.0).abs() < 1e-9);
+        app.update(Action::Command(Command::Undo));
+        assert!((image(&app).x - 506.0).abs() < 1e-9);
+        app.update(Action::Command(Command::Undo));
+        assert_eq!(image(&app), at);
+        // Away and back with the key held: no step, but the journal has to know.
+        nudge(&mut app, 1.0, false);
+        nudge(&mut app, -1.0, true);
+        assert!(app.open().unwrap().history.next_undo().is_none());
     }
 }

@@ -56,7 +56,10 @@ impl App {
                 Some("Only a reference teaches.")
             }
             C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all of its frames."),
-            C::GiveToCamera | C::NewCameraFromChange if self.is_read_only() => {
+            C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
+                Some("The field's size is known.")
+            }
+            C::GiveToCamera | C::NewCameraFromChange | C::ConfirmFieldSize if self.is_read_only() => {
                 Some("The document is open to look at only.")
             }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
@@ -174,6 +177,7 @@ impl App {
             C::PauseTrainer => self.pause_trainer(),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
             C::GiveToCamera => self.ask_camera(),
+            C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),
             C::EstimateBase => self.estimate_base(),

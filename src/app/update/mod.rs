@@ -92,7 +92,7 @@ impl App {
             Action::Drag(to) => self.drag(to),
             Action::Release => self.release(),
             Action::Select(click) => self.select(click),
-            Action::Nudge { dx_px, dy_px } => self.nudge(dx_px, dy_px),
+            Action::Nudge { dx_px, dy_px, held } => self.nudge(dx_px, dy_px, held),
             Action::View(view) => self.session.view = view,
             Action::FitScale(scale) => self.session.fit_scale = scale,
             Action::TypeName(typed) => self.type_name(typed),
@@ -127,6 +127,7 @@ impl App {
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             Action::AcceptAll => self.accept_all(),
             Action::SetTeaches { frame, teaches } => self.set_teaches(frame, teaches),
+            Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
@@ -164,6 +165,7 @@ impl App {
             Action::SaveFailed(message) => self.save_failed(message),
             Action::Exported(path) => {
                 self.session.notify(Level::Info, format!("Dataset written: {}", path.display()));
+                self.tell_assumed_size();
             }
             Action::Copied(path) => self.session.notify(Level::Info, format!("Copy written: {}", path.display())),
             Action::CloseRequested => self.close_requested(),
@@ -191,9 +193,9 @@ impl App {
         self.withdraw_outdated();
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
-        if open.history.commit(&open.document) {
-            self.journal(&name);
-        }
+        open.history.commit(&open.document);
+        // Even where it is no step: one that was gone on with may have come back to where it began.
+        self.journal(&name);
     }
 
     /// Gives the open step of undo up, and whatever was begun.

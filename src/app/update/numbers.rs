@@ -1,10 +1,10 @@
 //! Numbers that a person types or drags: pan, tilt, focal length, the camera, the field.
 
 use super::{App, solve_in_place};
-use crate::app::OpenProject;
 use crate::app::session::{Level, Mode};
+use crate::app::{Command, OpenProject};
 use crate::camera::{Ptz, PtzCamera};
-use crate::project::{Camera, CameraId, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
+use crate::project::{Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
 
 impl App {
     /// Opens a step of undo that a row of edits belongs to.
@@ -64,9 +64,15 @@ impl App {
 
     pub(super) fn edit_field(&mut self, field: FieldSpec) {
         self.within_edit(Step::on_document("Change field"), |app| {
+            let shown = app.session.frame;
             let Some(open) = &mut app.open else { return };
-            open.document.field = field;
-            solve_if_by_clicks(open, app.session.frame);
+            let camera = open.frame(shown).map(|frame| frame.camera.clone());
+            let own = camera.and_then(|camera| open.document.camera_mut(&camera)?.field.as_mut());
+            match own {
+                Some(own) => *own = field,
+                None => open.document.field = field,
+            }
+            solve_if_by_clicks(open, shown);
         });
     }
 
@@ -77,10 +83,9 @@ impl App {
         }
         self.session.mode = Mode::Idle;
         if let Some(open) = &mut self.open {
-            let changed = open
-                .history
-                .before()
-                .is_some_and(|before| before.cameras != open.document.cameras || before.field != open.document.field);
+            let changed = open.history.before().is_some_and(|before| {
+                before.cameras != open.document.cameras || !before.field.is_same_field(&open.document.field)
+            });
             if changed {
                 for index in 0..open.document.frames.len() {
                     solve_if_by_clicks(open, index);
@@ -88,6 +93,34 @@ impl App {
             }
         }
         self.commit();
+    }
+
+    /// The size of the shown frame's field is known to be right.
+    pub(super) fn confirm_field_size(&mut self) {
+        let Some(spec) = self.shown_field_spec().cloned() else { return };
+        if spec.assumed_size().is_none() || !self.begin_step(Step::on_document("Confirm field size")) {
+            return;
+        }
+        self.session.mode = Mode::Editing;
+        self.edit_field(FieldSpec { size: Some(FieldSize::Confirmed), ..spec });
+        self.end_edit();
+        self.session
+            .notices
+            .retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::ConfirmFieldSize));
+    }
+
+    /// Which field the shown frame has, by the document; the document's where there is no frame.
+    #[must_use]
+    pub fn shown_field_spec(&self) -> Option<&FieldSpec> {
+        let open = self.open.as_ref()?;
+        Some(self.frame().map_or(&open.document.field, |frame| open.document.field_of(frame)))
+    }
+
+    /// Says that the size of the field is assumed, with the way out.
+    pub(super) fn tell_assumed_size(&mut self) {
+        if let Some(told) = self.shown_field_spec().and_then(FieldSpec::assumed_size_told) {
+            self.session.notify_with(Level::Info, told, Some(("Confirm", Command::ConfirmFieldSize)));
+        }
     }
 
     /// Clicks decide again, instead of numbers by hand.
@@ -154,5 +187,52 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
         .is_some_and(|frame| !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none()));
     if wanted {
         solve_in_place(open, index);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::{Action, Opened, Settings};
+    use crate::geometry::ImageSize;
+    use crate::project::{Document, Frame};
+
+    fn app(own_field: bool) -> App {
+        let size = ImageSize::new(1920, 1080);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.field = own_field.then(|| FieldSpec::new("basketball_fiba"));
+        document.cameras.push(camera.into());
+        document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        app
+    }
+
+    #[test]
+    fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
+        for own_field in [false, true] {
+            let mut app = app(own_field);
+            app.update(Action::Exported("a.json".into()));
+            let offers = |app: &App| app.session.notices.iter().filter(|notice| notice.offer.is_some()).count();
+            assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
+            app.update(Action::Command(Command::ConfirmFieldSize));
+            assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));
+            assert!(app.why_not(Command::ConfirmFieldSize).is_some());
+            let document = &app.open().unwrap().document;
+            assert_eq!(document.field.size.is_none(), own_field, "only the field that is shown");
+            app.update(Action::Command(Command::Undo));
+            assert!(app.shown_field_spec().unwrap().assumed_size().is_some());
+        }
+    }
+
+    #[test]
+    fn a_number_changes_the_field_that_the_camera_looks_at() {
+        let mut app = app(true);
+        let mut spec = app.shown_field_spec().unwrap().clone();
+        spec.params.insert("length_m".to_owned(), 26.0);
+        app.update(Action::EditField(spec.clone()));
+        let document = &app.open().unwrap().document;
+        assert_eq!((document.cameras[0].field.as_ref(), document.field.params.len()), (Some(&spec), 0));
     }
 }

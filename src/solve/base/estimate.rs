@@ -2,15 +2,18 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
-use super::model_choice::{CrossValidation, choose, recrowned};
+use super::model_choice::{CrossValidation, FOLDS, choose, recrowned};
+use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
     AdjustOptions, BaseError, BaseModel, CrownModel, DisputedClick, FrameClicks, LensModel, MirroredFrame, ModelScore,
+    WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3};
 use crate::solve::refine::distance_px;
+use std::ops::ControlFlow;
 
 /// What a person may ask for.
 #[derive(Clone, Debug, PartialEq)]
@@ -113,6 +116,25 @@ pub fn estimate_base(
     previous: Option<&CameraBase>,
     options: &BaseOptions,
 ) -> Result<BaseEstimate, BaseError> {
+    let unwatched = |_| ControlFlow::Continue(());
+    estimate_base_watched(field, frames, image_size, principal_point, previous, options, &unwatched)
+}
+
+/// [`estimate_base`], told after each adjustment of the base; a break ends it.
+///
+/// # Errors
+/// Those of [`estimate_base`], and [`BaseError::Stopped`].
+pub fn estimate_base_watched(
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    image_size: ImageSize,
+    principal_point: ImagePoint,
+    previous: Option<&CameraBase>,
+    options: &BaseOptions,
+    watch: WatchBase<'_>,
+) -> Result<BaseEstimate, BaseError> {
+    let models = models(field, principal_point, options);
+    let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
         (*base, median(&distances(base, frames, &ptz)), ptz)
@@ -124,16 +146,26 @@ pub fn estimate_base(
     // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
     let pinhole =
         BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None };
-    for _ in 0..2 {
+    for _ in 0..STARTING_ROUNDS {
         let adjusted = adjust_base(field, frames, &base, &ptz, image_size.width, &pinhole, &options.adjust);
         base = adjusted.base;
         ptz = solve_all(&base, frames, image_size);
+        adjustments.made();
     }
 
-    let models = models(field, principal_point, options);
-    let validation =
-        CrossValidation { field, frames, start: &base, start_ptz: &ptz, image_size, options: &options.adjust };
+    let validation = CrossValidation {
+        field,
+        frames,
+        start: &base,
+        start_ptz: &ptz,
+        image_size,
+        options: &options.adjust,
+        adjustments: &adjustments,
+    };
     let scores = validation.scores(&models);
+    if adjustments.are_stopped() {
+        return Err(BaseError::Stopped);
+    }
     let solved_frames = ptz.iter().flatten().count();
     let model = choose(&scores, solved_frames).unwrap_or(pinhole);
 
@@ -180,6 +212,9 @@ pub fn estimate_base(
         mirrored,
     })
 }
+
+/// So often the pinhole is adjusted before models are compared.
+const STARTING_ROUNDS: usize = 2;
 
 /// Clicks this far off (median, px at 1920 px width) are explained by no camera.
 const NO_FIT_PX: f64 = 25.0;

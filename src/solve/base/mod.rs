@@ -11,14 +11,16 @@ mod estimate;
 mod frame_block;
 mod model_choice;
 mod parameters;
+mod progress;
 mod scatter;
 mod start;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
 pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
-pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base};
+pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_watched};
 pub use model_choice::{BaseModel, CrownModel, LensModel, ModelScore};
+pub use progress::{BaseProgress, WatchBase};
 pub use start::{BaseStart, start_base};
 
 use super::Observation;
@@ -76,6 +78,9 @@ pub enum BaseError {
         /// How deep, m.
         depth_m: f64,
     },
+    /// It was given up.
+    #[error("the estimation was stopped")]
+    Stopped,
     /// The frames leave part of the base open.
     #[error(
         "the frames leave the camera's position open by {sigma_m:.0} m: click landmarks in frames that look elsewhere, \

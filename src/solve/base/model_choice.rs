@@ -1,6 +1,7 @@
 //! Which lens and which pitch: every model is tried on clicks that it has not seen.
 
 use super::adjust::adjust_base;
+use super::progress::Adjustments;
 use super::{AdjustOptions, AdjustedBase, FrameClicks};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -102,6 +103,7 @@ pub(super) struct CrossValidation<'a> {
     pub start_ptz: &'a [Option<Ptz>],
     pub image_size: ImageSize,
     pub options: &'a AdjustOptions,
+    pub adjustments: &'a Adjustments<'a>,
 }
 
 impl CrossValidation<'_> {
@@ -113,8 +115,14 @@ impl CrossValidation<'_> {
     /// Holds out groups of frames, or of clicks where frames are few.
     fn score(&self, model: &BaseModel) -> ModelScore {
         let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
-        let hold_out =
-            |fold| if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
+        let hold_out = |fold| {
+            if self.adjustments.are_stopped() {
+                return Fold { errors: Vec::new(), position_m: self.start.position_m };
+            }
+            let tried = if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
+            self.adjustments.made();
+            tried
+        };
         let folds: Vec<Fold> = (0..FOLDS).into_par_iter().map(hold_out).collect();
         let mut errors: Vec<f64> = folds.iter().flat_map(|fold| fold.errors.iter().copied()).collect();
         errors.sort_by(f64::total_cmp);
@@ -208,7 +216,7 @@ fn jackknife(folds: &[Fold]) -> Vec3 {
 }
 
 /// Groups into which frames or clicks are dealt.
-const FOLDS: usize = 5;
+pub(super) const FOLDS: usize = 5;
 
 /// An observation of one field as one of the same field with another crown.
 pub(super) fn recrowned(observation: &Observation, from: &FieldModel, to: &FieldModel) -> Observation {

@@ -5,17 +5,23 @@ use crate::app::base::{BaseReadiness, BaseWork};
 use crate::app::{Action, Command};
 use crate::project::{Camera, EstimatedBase};
 use crate::ui::{Panel, theme};
-use egui::{Button, Frame, Grid, Label, Margin, RichText, Spinner, Ui};
+use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 
 /// Shows what the frames say about the base.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "BASE FROM THE FRAMES");
     match &panel.app.session.base {
-        BaseWork::Estimating(text) => {
-            ui.horizontal(|ui| {
-                ui.add(Spinner::new().size(14.0));
-                ui.add(Label::new(text.as_str()).wrap());
-            });
+        BaseWork::Estimating(work) => {
+            ui.add(Label::new(format!("From {}.", work.from)).wrap());
+            let share = work.progress.map_or(0.0, |progress| progress.done as f32 / progress.total.max(1) as f32);
+            let told = work.progress.map_or_else(
+                || "Looking for a start…".to_owned(),
+                |progress| format!("{} of {} adjustments", progress.done, progress.total),
+            );
+            let bar = ui.add(ProgressBar::new(share).text(told).desired_height(18.0));
+            bar.on_hover_text(
+                "Each model of lens and pitch is adjusted to each group of points, one held out at a time.",
+            );
             command(panel, ui, "Stop", Command::DropEstimatedBase);
         }
         BaseWork::Proposed(found) => {

@@ -10,8 +10,8 @@ use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
-    Align2, Button, Color32, CornerRadius, FontId, Grid, Label, Rect, Response, RichText, Role, Sense, Ui, WidgetInfo,
-    pos2, vec2,
+    Align2, Button, Color32, CornerRadius, FontId, Grid, Id, Label, Rect, Response, RichText, Role, Sense, Ui,
+    WidgetInfo, pos2, vec2,
 };
 
 /// The height of a bar's row, points.
@@ -20,6 +20,8 @@ const ROW: f32 = 20.0;
 const BAR: f32 = 56.0;
 /// The column of the numbers, points.
 const NUMBER: f32 = 48.0;
+/// More frames than this are shown when asked for.
+const FRAMES_SHOWN: usize = 12;
 /// More landmarks than this are not looked at one by one.
 const LANDMARKS_SHOWN: usize = 12;
 
@@ -98,7 +100,10 @@ fn list(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], lou
 
 fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f64>)], loud_px: f64) {
     let largest = frames.iter().filter_map(|(_, px)| *px).fold(0.0, f64::max);
-    for &(index, px) in frames {
+    let unfolded = Id::unique("all frames of the camera");
+    let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
+    let shown = if all { frames.len() } else { frames.len().min(FRAMES_SHOWN) };
+    for &(index, px) in &frames[..shown] {
         let Some(frame) = panel.app.open().and_then(|open| open.frame(index)) else { continue };
         let name = short_name(frame);
         let landmarks = frame.landmark_clicks();
@@ -123,6 +128,12 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
                 panel.actions.push(Action::UseForBase { frame: index, used: false });
             }
         });
+    }
+    if frames.len() > FRAMES_SHOWN {
+        let says = if all { "Fewer".to_owned() } else { format!("All {} frames", frames.len()) };
+        if ui.add(Button::new(RichText::new(says).small()).frame(false)).clicked() {
+            ui.data_mut(|data| data.insert_temp(unfolded, !all));
+        }
     }
 }
 

@@ -1,34 +1,40 @@
-//! The field: its template and what differs between venues.
+//! The field: its template, what differs between venues, how sure its size is, and what the dimensions mean.
 
 use super::{numbers, section};
-use crate::app::Action;
-use crate::field::{MAX_CROWN_M, builtin, builtin_names};
-use crate::project::FieldSpec;
+use crate::app::{Action, Command};
+use crate::field::{Curve, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
+use crate::project::{FieldSize, FieldSpec};
 use crate::ui::number::Number;
+use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
-use egui::{ComboBox, Label, RichText, Ui};
+use egui::{
+    Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
 use std::ops::RangeInclusive;
 
 /// The name of the crown in documents.
 const CROWN: &str = "crown_m";
+/// The sketch of a line's paint, points.
+const SKETCH: egui::Vec2 = egui::Vec2::new(64.0, 26.0);
 
 /// Shows the field.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     section(ui, "FIELD");
-    let Some(open) = panel.app.open() else { return };
-    let own = panel.app.frame().and_then(|frame| open.document.camera_of(frame)?.field.as_ref());
-    if own.is_some() {
-        ui.add(
-            Label::new(RichText::new("This camera has a field of its own in the document.").color(theme::WEAK)).wrap(),
-        );
-        return;
+    let Some(spec) = panel.app.shown_field_spec().cloned() else { return };
+    let open = panel.app.open();
+    if open.zip(panel.app.frame()).is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field) {
+        ui.label(RichText::new("This camera's own").small().color(theme::WEAK))
+            .on_hover_text("Other cameras of the document look at another field.");
     }
-    let spec = open.document.field.clone();
     template(panel, ui, &spec);
     if let Some(Err(error)) = &panel.app.current().field {
         ui.add(Label::new(RichText::new(error.to_string()).color(theme::BAD)).wrap());
     }
     params(panel, ui, &spec);
+    size(panel, ui, &spec);
+    if let Some(field) = panel.app.current().field().cloned() {
+        edge(ui, &field);
+    }
 }
 
 fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
@@ -52,15 +58,28 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
 fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     let known = builtin(&spec.template).map_or(&[][..], |template| &template.params);
     for param in known {
-        let tip = format!("{} to {} {}. {}.", param.min, param.max, param.unit, param.source.trim_end_matches('.'));
+        let tip = format!("{} {}.", range(param), param.source.trim_end_matches('.'));
         let value = spec.params.get(&param.name).copied().unwrap_or(param.default);
         let length = metres(&param.label, &tip, value, param.min..=param.max);
         row(panel, ui, spec, &param.name, length);
+        let rule = param.source.split(':').next().unwrap_or_default();
+        let allowed = format!("{} {rule}", range(param));
+        ui.add(Label::new(RichText::new(allowed).small().color(theme::WEAK)).truncate()).on_hover_text(&param.source);
     }
     let tip = "How much the middle is higher than the touchlines, m. Usual: 0.05 to 0.25.";
     let value = spec.params.get(CROWN).copied().unwrap_or(0.0);
     let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M);
     row(panel, ui, spec, CROWN, Number { speed: 0.002, decimals: 3, ..crown });
+}
+
+/// What the rules allow: "90 to 120 m."
+fn range(param: &Param) -> String {
+    let rounded = |value: f64| (value * 100.0).round() / 100.0;
+    if param.min < param.max {
+        format!("{} to {} {}.", rounded(param.min), rounded(param.max), param.unit)
+    } else {
+        format!("Always {} {}.", rounded(param.min), param.unit)
+    }
 }
 
 fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64>) -> Number<'a> {
@@ -77,12 +96,98 @@ fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64
     }
 }
 
+/// A parameter; one of the size that is changed is assumed again.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number: Number<'_>) {
     numbers::line(ui, number.name, number.tip, |ui| {
         number.show(ui, panel.app, panel.actions, |value| {
             let mut changed = spec.clone();
             changed.params.insert(param.to_owned(), value);
+            if param != CROWN {
+                changed.size = None;
+            }
             Action::EditField(changed)
         });
     });
+}
+
+/// Whether the size is known.
+fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
+    ui.add_space(theme::SPACE);
+    let known = match (spec.assumed_size_told(), spec.size()) {
+        (Some(told), _) => {
+            ui.horizontal_top(|ui| {
+                symbol::show(ui, Symbol::Warning, theme::CAUTION);
+                ui.vertical(|ui| {
+                    ui.add(Label::new(told).wrap());
+                    let command = Command::ConfirmFieldSize;
+                    let confirm = ui.add(Button::new("Confirm").small());
+                    if confirm.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                        panel.actions.push(Action::Command(command));
+                    }
+                });
+            });
+            return;
+        }
+        (None, FieldSize::Confirmed) => "Size confirmed",
+        (None, FieldSize::Fitted) => "Size fitted to the points",
+        (None, _) => return,
+    };
+    numbers::line(ui, known, "The dataset says so. A change of length or width makes it assumed again.", |ui| {
+        let doubt = ui.add(Button::new("Not sure").small());
+        if doubt.on_hover_text("The size is assumed after all.").clicked() {
+            panel.actions.push(Action::EditField(FieldSpec { size: None, ..spec.clone() }));
+        }
+    });
+}
+
+/// Which edge of the paint of the field's boundary its length and width mean, in words and as a sketch.
+fn edge(ui: &mut Ui, field: &FieldModel) {
+    let Some(edge) = boundary_edge(field) else { return };
+    let (says, at) = match edge {
+        PaintEdge::Outer => ("Length and width reach to the outer edge of the lines.", 1.0),
+        PaintEdge::Inner => ("Length and width reach to the inner edge of the lines.", 0.0),
+        PaintEdge::Centre => ("Length and width reach to the middle of the lines.", 0.5),
+    };
+    ui.add_space(theme::SPACE);
+    ui.horizontal(|ui| {
+        let (rect, response) = ui.allocate_exact_size(SKETCH, Sense::hover());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, says));
+        let painter = ui.painter();
+        painter.rect_filled(rect, CornerRadius::same(3), Color32::from_rgb(38, 74, 48));
+        let paint = Rect::from_min_size(pos2(rect.right() - 24.0, rect.top()), vec2(10.0, rect.height()));
+        painter.rect_filled(paint, CornerRadius::ZERO, theme::STRONG);
+        let end = pos2(paint.left() + at * paint.width(), rect.center().y);
+        let stroke = Stroke::new(1.5, theme::CAUTION);
+        painter.line_segment([pos2(rect.left(), end.y), end], stroke);
+        for dy in [-3.5, 3.5] {
+            painter.line_segment([end, end + vec2(-5.0, dy)], stroke);
+        }
+        painter.vline(end.x, rect.y_range(), Stroke::new(1.0, theme::CAUTION));
+        ui.add(Label::new(RichText::new(says).small().color(theme::WEAK)).wrap());
+    });
+}
+
+/// The edge of the first straight line on the ground along the field's border.
+fn boundary_edge(field: &FieldModel) -> Option<PaintEdge> {
+    /// What counts as on the border, m.
+    const NEAR_M: f64 = 0.01;
+    let on_border = |curve: &Curve| match curve {
+        Curve::Segment { from, to } => {
+            [from, to].iter().all(|end| end.z == 0.0 && (end.y.abs() - field.width_m / 2.0).abs() < NEAR_M)
+        }
+        Curve::Arc { .. } => false,
+    };
+    field.lines.iter().find(|line| on_border(&line.curve)).map(|line| line.edge)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_soccer_touchline_belongs_to_the_field_and_every_field_says_its_edge() {
+        let model = |name: &str| builtin(name).unwrap().default_model().unwrap();
+        assert_eq!(boundary_edge(&model("soccer")), Some(PaintEdge::Outer));
+        assert_eq!(boundary_edge(&model("basketball_fiba")), Some(PaintEdge::Inner));
+    }
 }

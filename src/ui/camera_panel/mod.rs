@@ -34,12 +34,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
             of_frames(panel, ui, &camera);
+            // Which sport it is comes before the first point; later it is settled.
+            let settled = camera.base().is_some() || panel.app.session.base.found().is_some();
+            if !settled {
+                field::show(panel, ui);
+            }
             estimate::show(panel, ui, &camera);
             over_time::show(panel, ui, &camera);
             if camera.base().is_some() {
                 numbers::position(panel, ui, &camera);
                 numbers::rotation(panel, ui, &camera);
-            } else {
+            } else if !settled {
                 no_base(panel, ui, &camera);
             }
             numbers::lens(panel, ui, &camera);
@@ -47,7 +52,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             if panel.app.session.base.found().is_none() {
                 evidence::frames_of_document(panel, ui, &camera);
             }
-            field::show(panel, ui);
+            if settled {
+                field::show(panel, ui);
+            }
             masks::show(panel, ui, &camera);
         });
     });

@@ -42,7 +42,8 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
     let position = estimate.base.position_m;
     let (half_length, half_width) = (field.length_m / 2.0, field.width_m / 2.0);
     let (left, right) = (position.x.min(-half_length), position.x.max(half_length));
-    let (near, far) = ((position.y - 8.0).min(-half_width), (position.y + 8.0).max(half_width));
+    let room_m = 8.0 + 2.0 * estimate.position_covariance[(1, 1)].max(0.0).sqrt();
+    let (near, far) = ((position.y - room_m).min(-half_width), (position.y + room_m).max(half_width));
     let scale = (f64::from(rect.width()) / (right - left)).min(f64::from(rect.height()) / (far - near));
     let middle = (f64::midpoint(left, right), f64::midpoint(near, far));
     let at = |point: Vec3| -> Pos2 {
@@ -109,5 +110,5 @@ fn ellipse(covariance: Matrix2<f64>) -> Vec<Vector2<f64>> {
 fn enlargement(covariance: Matrix2<f64>, scale: f64) -> f64 {
     let radius_m = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
     let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
-    [1.0, 2.0, 5.0, 10.0, 20.0, 50.0].iter().find(seen).copied().unwrap_or(100.0)
+    [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].iter().find(seen).copied().unwrap_or(100.0)
 }

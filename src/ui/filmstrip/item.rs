@@ -5,7 +5,7 @@ use crate::app::review::percent;
 use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
 use crate::app::{Action, OpenProject};
-use crate::project::Frame;
+use crate::project::{Frame, Solution};
 use crate::ui::menu::file_name;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -79,7 +79,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
         None => look.letter.to_string(),
     };
     painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, look.colour);
-    if frame.solution.as_ref().is_some_and(|solution| !solution.warnings.is_empty()) {
+    if frame.solution.as_ref().is_some_and(|solution| solution.warnings_of_frame().next().is_some()) {
         let corner = Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
         symbol::paint(painter, Symbol::Warning, corner, theme::CAUTION);
     }
@@ -127,7 +127,7 @@ fn tooltip(response: Response, index: usize, frame: &Frame) {
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
             ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));
         }
-        for warning in frame.solution.iter().flat_map(|solution| &solution.warnings) {
+        for warning in frame.solution.iter().flat_map(Solution::warnings_of_frame) {
             ui.label(egui::RichText::new(&warning.message).color(theme::CAUTION));
         }
         if let Some(comment) = &frame.comment {

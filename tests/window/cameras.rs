@@ -1,0 +1,66 @@
+//! Frames selected on the filmstrip and given to a camera, and the venue in the camera panel.
+
+use crate::window::Window;
+use egui::accesskit::Role;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::Command;
+use touchline::app::session::{Dialog, Panel};
+
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+/// Opens the camera panel with its key.
+fn camera_panel(window: &mut Window) {
+    window.key(Key::F2);
+    window.harness.run_steps(3);
+    assert_eq!(window.app().session.panel, Panel::Camera);
+}
+
+fn select(window: &mut Window, frame: usize, modifiers: Modifiers) {
+    window.harness.get_by_label_contains(&format!("Frame {frame}, ")).click_modifiers(modifiers);
+    window.harness.run_steps(3);
+}
+
+#[test]
+fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
+    let Some(mut window) = Window::open(5, SIZE, 1.0) else { return };
+    select(&mut window, 3, Modifiers::SHIFT);
+    select(&mut window, 5, Modifiers::COMMAND);
+    let selected: Vec<usize> = window.app().session.frames_selected.iter().copied().collect();
+    assert_eq!((selected, window.app().session.frame), (vec![0, 1, 2, 4], 0));
+    camera_panel(&mut window);
+    window.harness.get_by_label("4 frames selected");
+    window.harness.get_by_label("Give to a camera…").click();
+    window.harness.run_steps(3);
+    assert!(matches!(window.app().session.dialog, Some(Dialog::GiveToCamera(_))));
+    window.harness.get_by_label("Selected frames (4)");
+    window.harness.get_by_role_and_label(Role::TextInput, "Name of the new camera").focus();
+    window.harness.run_steps(2);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    window.harness.run_steps(2);
+    window.type_text("high behind");
+    window.harness.get_by_label("Make and give").click();
+    window.harness.run_steps(3);
+    let open = window.app().open().unwrap();
+    let cameras: Vec<&str> = open.document.frames.iter().map(|frame| frame.camera.as_str()).collect();
+    assert_eq!(cameras, ["high behind", "high behind", "high behind", "main", "high behind"]);
+    assert!(window.app().session.dialog.is_none() && window.app().session.frames_selected.is_empty());
+    select(&mut window, 4, Modifiers::NONE);
+    assert_eq!(window.app().session.frame, 3, "a plain click goes there and selects nothing");
+}
+
+#[test]
+fn the_size_of_the_field_is_confirmed_in_the_panel() {
+    let Some(mut window) = Window::open(1, [1280.0, 1600.0], 1.0) else { return };
+    camera_panel(&mut window);
+    window.harness.get_by_label("Field size 105 × 68 m is assumed.");
+    window.harness.get_by_label("Length and width reach to the outer edge of the lines.");
+    window.harness.get_by_label("90 to 120 m. IFAB Law 1.3");
+    window.harness.get_by_label("Confirm").click();
+    window.harness.run_steps(3);
+    window.harness.get_by_label("Size confirmed");
+    assert!(window.app().why_not(Command::ConfirmFieldSize).is_some());
+    window.harness.get_by_label("Not sure").click();
+    window.harness.run_steps(3);
+    window.harness.get_by_label("Field size 105 × 68 m is assumed.");
+}
