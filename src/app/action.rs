@@ -140,6 +140,8 @@ pub enum Action {
     SetReviewThreshold(f64),
     /// Also those that disagree with their neighbours.
     SetWithDisagreeing(bool),
+    /// The review panel's list has one suggestion a shot.
+    SetOnePerShot(bool),
     /// The suggestions that the preview shows are accepted together.
     AcceptAll,
     /// The forest learns from a reference, or does not.

@@ -3,6 +3,7 @@
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
 use crate::project::{Disagreement, Frame, FrameStatus, Unanswered, disagreements, unanswered};
+use std::collections::BTreeSet;
 
 /// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
@@ -53,11 +54,13 @@ pub struct ReviewChoice {
     pub threshold: f64,
     /// Also those that disagree with their neighbours.
     pub with_disagreeing: bool,
+    /// The list has one suggestion a shot.
+    pub one_per_shot: bool,
 }
 
 impl Default for ReviewChoice {
     fn default() -> Self {
-        Self { order: ReviewOrder::default(), threshold: 0.95, with_disagreeing: false }
+        Self { order: ReviewOrder::default(), threshold: 0.95, with_disagreeing: false, one_per_shot: false }
     }
 }
 
@@ -99,11 +102,15 @@ pub struct BulkAccept {
 /// What waits to be looked at: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Review {
-    /// The suggested frames, in the chosen order.
+    /// The suggested frames of the list, in the chosen order.
     pub rows: Vec<ReviewRow>,
+    /// Suggested frames of shots that the list shows by another one.
+    pub hidden: Vec<ReviewRow>,
+    /// The suggested frames are of several shots.
+    pub several_shots: bool,
     /// Frames without an answer.
     pub unanswered: Unanswered,
-    derived_from: Option<(u64, ReviewOrder, bool)>,
+    derived_from: Option<(u64, ReviewOrder, bool, bool)>,
 }
 
 impl Review {
@@ -115,14 +122,15 @@ impl Review {
         };
         // Neighbours are compared only while somebody looks at the result.
         let shown = session.panel == Panel::Review || session.dialog == Some(Dialog::AcceptAll);
-        let from = (open.revision, session.review.order, shown);
+        let choice = &session.review;
+        let from = (open.revision, choice.order, choice.one_per_shot, shown);
         if self.derived_from != Some(from) {
-            *self = Self::derive(open, session.review.order, shown);
+            *self = Self::derive(open, choice, shown);
             self.derived_from = Some(from);
         }
     }
 
-    fn derive(open: &OpenProject, order: ReviewOrder, with_neighbours: bool) -> Self {
+    fn derive(open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Self {
         let frames = &open.document.frames;
         let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
         let mut rows: Vec<ReviewRow> = frames
@@ -144,20 +152,40 @@ impl Review {
                 value(b).unwrap_or(f64::NEG_INFINITY).total_cmp(&value(a).unwrap_or(f64::NEG_INFINITY))
             }
         };
-        match order {
+        match choice.order {
             ReviewOrder::Confidence => rows.sort_by(descending(|row| row.confidence)),
             ReviewOrder::Disagreement => rows.sort_by(descending(ReviewRow::apart_px)),
             ReviewOrder::Time => {}
         }
-        Self { rows, unanswered: unanswered(&open.document), derived_from: None }
+        let mut shots = BTreeSet::new();
+        let first_of_shot: Vec<bool> = rows
+            .iter()
+            .map(|row| {
+                let frame = &frames[row.frame];
+                shots.insert((&frame.camera, &frame.clip))
+            })
+            .collect();
+        let mut first = first_of_shot.into_iter();
+        let (rows, hidden) = rows.into_iter().partition(|_| first.next() == Some(true) || !choice.one_per_shot);
+        Self {
+            rows,
+            hidden,
+            several_shots: shots.len() > 1,
+            unanswered: unanswered(&open.document),
+            derived_from: None,
+        }
     }
 
     /// What is accepted together by a choice.
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
         let certain = |row: &&ReviewRow| row.confidence.is_some_and(|confidence| confidence >= choice.threshold);
-        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
-            self.rows.iter().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
+        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) = self
+            .rows
+            .iter()
+            .chain(&self.hidden)
+            .filter(certain)
+            .partition(|row| row.disagrees() && !choice.with_disagreeing);
         rows.sort_by(|a, b| a.confidence.unwrap_or(0.0).total_cmp(&b.confidence.unwrap_or(0.0)));
         BulkAccept { rows, left_out: disagreeing.len() }
     }
@@ -195,9 +223,9 @@ mod tests {
     use crate::app::Opened;
     use crate::camera::Ptz;
     use crate::geometry::ImageSize;
-    use crate::project::{Document, FieldSpec, FramePtz, Solution, SolutionSource};
+    use crate::project::{Clip, Document, FieldSpec, FramePtz, Solution, SolutionSource};
 
-    fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
+    fn opened(confidences: &[Option<f64>]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
         for &confidence in confidences {
             let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(64, 36));
@@ -207,14 +235,25 @@ mod tests {
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
-        let open = OpenProject::new(Opened {
-            document,
-            folder: "/match".into(),
-            file: "/match/project.json".into(),
-            read_only: None,
-            notices: Vec::new(),
-        });
-        Review::derive(&open, order, true)
+        OpenProject::new(Opened::new(document, "/match/project.json"))
+    }
+
+    fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
+        let open = opened(confidences);
+        Review::derive(&open, &ReviewChoice { order, ..ReviewChoice::default() }, true)
+    }
+
+    #[test]
+    fn of_each_shot_the_most_certain_stands_for_the_others() {
+        let mut open = opened(&[Some(0.7), Some(0.9), Some(0.8), Some(0.6)]);
+        for (frame, shot) in open.document.frames.iter_mut().zip([1, 1, 2, 2]) {
+            frame.clip = Some(Clip::Number(shot));
+        }
+        let choice = ReviewChoice { one_per_shot: true, threshold: 0.5, ..ReviewChoice::default() };
+        let review = Review::derive(&open, &choice, false);
+        assert!(review.several_shots);
+        assert_eq!((frames(&review), review.hidden.len()), (vec![1, 2], 2));
+        assert_eq!(review.bulk(&choice).rows.len(), 4, "what is accepted together is all of them");
     }
 
     fn frames(review: &Review) -> Vec<usize> {

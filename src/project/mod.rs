@@ -29,6 +29,7 @@ mod location;
 mod lock;
 mod proposed;
 mod read;
+mod refit;
 mod shared;
 mod shots;
 mod solution;

@@ -413,6 +413,7 @@ fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back()
     };
     moved(&mut bench, 20.0);
     assert_eq!(bench.statuses(), "RNNN", "what was accepted stays");
+    assert_ne!(bench.pan_deg(0), Some(3.0), "turned so that its lines stay on the picture");
     assert!(bench.last_notice().starts_with("3 proposals were made for the old base"), "{}", bench.last_notice());
     bench.act(Action::Proposals(batch));
     assert_eq!(bench.statuses(), "RNNN", "made for the old base");
@@ -421,8 +422,8 @@ fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back()
     bench.command(Command::Undo);
     assert_eq!(bench.statuses(), "RSSS");
     assert_eq!(
-        [1, 2, 3].map(|frame| bench.pan_deg(frame)),
-        [Some(3.0); 3],
+        [0, 1, 2, 3].map(|frame| bench.pan_deg(frame)),
+        [Some(3.0); 4],
         "each state has what was made for its base"
     );
     bench.command(Command::Redo);

@@ -125,6 +125,7 @@ impl App {
             Action::SetReviewOrder(order) => self.session.review.order = order,
             Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
+            Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
             Action::AcceptAll => self.accept_all(),
             Action::SetTeaches { frame, teaches } => self.set_teaches(frame, teaches),
             Action::BaseProgress(progress) => self.base_progress(progress),
@@ -190,7 +191,7 @@ impl App {
 
     /// Closes the step of undo; what changed goes into the journal.
     fn commit(&mut self) {
-        self.withdraw_outdated();
+        self.follow_base();
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
         open.history.commit(&open.document);

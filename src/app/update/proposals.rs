@@ -4,7 +4,7 @@ use super::App;
 use crate::app::OpenProject;
 use crate::app::action::Effect;
 use crate::app::session::{Level, Saving};
-use crate::project::{Camera, CameraId, Document, FrameStatus};
+use crate::project::{Camera, CameraId, Document, Frame, FrameStatus};
 use crate::proposals::{NoProposal, Proposal};
 use std::collections::BTreeSet;
 
@@ -26,21 +26,32 @@ impl App {
         }
     }
 
-    /// Within a step that moved a camera: what was proposed for the old place goes. Accepted cameras stay.
-    pub(super) fn withdraw_outdated(&mut self) {
+    /// Within a step that moved a camera: what was proposed for the old place goes, and accepted lines stay on the picture
+    /// where they were.
+    pub(super) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
         let Some(before) = open.history.before() else { return };
+        let moved = moved_frames(before, &open.document);
+        if moved.is_empty() {
+            return;
+        }
+        let before = before.clone();
         let mut gone = 0;
-        for index in outdated(before, &open.document) {
-            let Some(frame) = open.document.frames.get_mut(index) else { continue };
-            if frame.status != FrameStatus::Reference && frame.is_suggestion() {
-                frame.ptz = None;
-                frame.solution = None;
-                gone += 1;
-                if frame.status != FrameStatus::Rejected {
-                    frame.status = frame.undecided();
+        for index in moved {
+            let Some(frame) = open.document.frames.get(index) else { continue };
+            if frame.status == FrameStatus::Reference {
+                if frame.is_suggestion() {
+                    open.document.refit(index, &before);
                 }
-            } else if let Some(solution) = &mut frame.solution {
+            } else if frame.is_suggestion() {
+                withdraw(&mut open.document.frames[index]);
+                gone += 1;
+                continue;
+            }
+            // A later correction must not start from what was proposed for the old place.
+            if keeps_proposal(&open.document.frames[index])
+                && let Some(solution) = &mut open.document.frames[index].solution
+            {
                 solution.proposed = None;
             }
         }
@@ -52,21 +63,34 @@ impl App {
     }
 }
 
-/// The frames with a proposal that was made for another base than their camera has by now.
-fn outdated(before: &Document, now: &Document) -> Vec<usize> {
+/// Takes back what was proposed for a frame.
+fn withdraw(frame: &mut Frame) {
+    frame.ptz = None;
+    frame.solution = None;
+    if frame.status != FrameStatus::Rejected {
+        frame.status = frame.undecided();
+    }
+}
+
+/// Whether a person corrected a proposal that the frame still keeps.
+fn keeps_proposal(frame: &Frame) -> bool {
+    frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some())
+}
+
+/// The frames with a camera that has moved since.
+fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
-    let is_outdated = |index: &usize| {
+    let is_moved = |index: &usize| {
         let frame = &now.frames[*index];
         let given_away = || {
             let known = before.frames.get(*index);
             known.is_some_and(|known| !known.is_same(frame) && known.camera != frame.camera)
         };
-        let corrected = frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some());
-        (frame.is_suggestion() || corrected) && (moved.contains(&frame.camera) || given_away())
+        moved.contains(&frame.camera) || given_away()
     };
-    (0..now.frames.len()).filter(is_outdated).collect()
+    (0..now.frames.len()).filter(is_moved).collect()
 }
 
 impl OpenProject {

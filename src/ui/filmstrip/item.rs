@@ -75,7 +75,8 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
     let number = if current { theme::STRONG } else { theme::WEAK };
     painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), number);
     let mark = match confidence(frame) {
-        Some(confidence) => format!("{} {}", percent(confidence), look.letter),
+        // Whole per cent: a number with a decimal would touch the next frame's.
+        Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), look.letter),
         None => look.letter.to_string(),
     };
     painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, look.colour);

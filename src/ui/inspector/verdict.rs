@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ways_out(panel, ui, &judgement.reason);
             }
             (None, Some(Err(error))) => said(ui, &in_words(error)),
-            (None, _) if app.frame().is_some_and(proposed) => proposal(panel, ui),
+            (None, _) if app.frame().is_some_and(proposed) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not know what it shows");
                 said(ui, &format!("No proposal: {reason}."));
@@ -44,6 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             (None, _) => said(ui, "No verdict before there is a solution."),
         }
+        teaching(panel, ui);
     });
 }
 
@@ -52,21 +53,25 @@ fn proposed(frame: &Frame) -> bool {
     matches!(frame.status, FrameStatus::Suggested | FrameStatus::Reference) && frame.is_suggestion()
 }
 
-/// How certain a proposal is; once it is accepted, whether it teaches.
-fn proposal(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(frame) = panel.app.frame() else { return };
+/// How certain a proposal is.
+fn proposal(app: &App, ui: &mut Ui) {
+    let Some(frame) = app.frame() else { return };
     let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
     let certain = confidence.map(|confidence| format!(": right with probability {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
     let state = if accepted { "Accepted as it is." } else { "Nobody has looked at it yet." };
     said(ui, &format!("Proposed{}. {state}", certain.unwrap_or_default()));
-    if accepted {
-        let mut teaches = frame.teaches();
-        let switch = ui.checkbox(&mut teaches, "Teaches the forest");
-        switch.on_hover_text("An accepted proposal is a label. Let it teach where no clicked reference looks.");
-        if teaches != frame.teaches() {
-            panel.actions.push(Action::SetTeaches { frame: panel.app.session.frame, teaches });
-        }
+}
+
+/// Whether an accepted proposal teaches.
+fn teaching(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
+    let Some(before) = panel.app.frame().filter(accepted).map(Frame::teaches) else { return };
+    let mut teaches = before;
+    let switch = ui.checkbox(&mut teaches, "Teaches the forest");
+    switch.on_hover_text("An accepted proposal is a label. Let it teach where no clicked reference looks.");
+    if teaches != before {
+        panel.actions.push(Action::SetTeaches { frame: panel.app.session.frame, teaches });
     }
 }
 

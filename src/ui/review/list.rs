@@ -25,15 +25,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let rows = &review.rows;
     let current = panel.app.session.frame;
     let place = rows.iter().position(|row| row.frame == current);
-    let moved = has_moved(ui, (current, choice.order));
+    let moved = what_moved(ui, (current, choice.order));
     ScrollArea::vertical().id_salt("review list").auto_shrink(false).show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let width = ui.available_width();
         ui.allocate_exact_size(vec2(width, ROW * rows.len() as f32), Sense::hover());
         let rect_of = |at: usize| Rect::from_min_size(origin + vec2(0.0, ROW * at as f32), vec2(width, ROW));
-        if let Some(place) = place.filter(|_| moved) {
-            let around = rect_of(place).expand2(vec2(0.0, ROW));
-            ui.scroll_to_rect_animation(around, None, egui::style::ScrollAnimation::none());
+        let in_view = match moved {
+            Moved::Nothing => None,
+            Moved::Frame => place.map(|place| rect_of(place).expand2(vec2(0.0, ROW))),
+            // The beginning of an order is what it is chosen for.
+            Moved::Order => Some(rect_of(0)),
+        };
+        if let Some(rect) = in_view {
+            ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
         }
         let first = (viewport.top() / ROW).floor().max(0.0) as usize;
         let last = ((viewport.bottom() / ROW).ceil() as usize).min(rows.len());
@@ -48,14 +53,25 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// Whether what has to be in view changed since the last time.
-fn has_moved(ui: &Ui, now: (usize, ReviewOrder)) -> bool {
+/// What changed since the list was drawn last.
+enum Moved {
+    Nothing,
+    Frame,
+    Order,
+}
+
+fn what_moved(ui: &Ui, now: (usize, ReviewOrder)) -> Moved {
     let memory = Id::unique("review list shows");
-    ui.data_mut(|data| {
+    let before = ui.data_mut(|data| {
         let before = data.get_temp::<(usize, ReviewOrder)>(memory);
         data.insert_temp(memory, now);
-        before != Some(now)
-    })
+        before
+    });
+    match before {
+        Some(before) if before == now => Moved::Nothing,
+        Some((_, order)) if order != now.1 => Moved::Order,
+        _ => Moved::Frame,
+    }
 }
 
 /// What lies above the line is accepted together.

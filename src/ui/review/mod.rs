@@ -31,7 +31,8 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Review").heading().color(theme::STRONG));
-            let count = panel.app.review().rows.len();
+            let review = panel.app.review();
+            let count = review.rows.len() + review.hidden.len();
             let said = if count == 1 { "1 suggestion".to_owned() } else { format!("{count} suggestions") };
             ui.label(RichText::new(said).color(theme::WEAK));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -58,6 +59,16 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
     });
+    if panel.app.review().several_shots {
+        Frame::new().inner_margin(Margin::symmetric(8, 0)).show(ui, |ui| {
+            let mut one = panel.app.session.review.one_per_shot;
+            let before = one;
+            ui.checkbox(&mut one, "One per shot").on_hover_text("Of each shot only the first in this order is listed.");
+            if one != before {
+                panel.actions.push(Action::SetOnePerShot(one));
+            }
+        });
+    }
     ui.add_space(theme::SPACE);
 }
 
