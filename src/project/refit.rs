@@ -4,7 +4,7 @@
 use super::{Camera, Document, Frame, FramePtz, SolutionWarning};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize};
-use crate::solve::{Observation, SolveContext, Target, solve_frame};
+use crate::solve::{ClickResidual, Observation, SolveContext, Target, solve_frame};
 
 /// Points of the picture by which the lines are held, in each direction.
 const GRID: [u32; 2] = [7, 5];
@@ -65,7 +65,7 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
     }
     let context = SolveContext { start: Some(before.ptz()), ..SolveContext::new(image_size) };
     let solved = solve_frame(base, &observations, &context).ok()?;
-    let off_px = solved.residuals.iter().filter_map(|residual| residual.distance_px()).fold(0.0, f64::max);
+    let off_px = solved.residuals.iter().filter_map(ClickResidual::distance_px).fold(0.0, f64::max);
     Some((solved.ptz, off_px))
 }
 
