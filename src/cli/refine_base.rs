@@ -6,8 +6,9 @@ use super::messages::Messages;
 use crate::project::{
     BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, mirrored_words, solve_document,
 };
-use crate::solve::base::{BaseOptions, CrownModel, LensModel};
+use crate::solve::base::{BaseOptions, CrownModel, FittedSize, LensModel};
 use clap::ValueEnum;
+use std::path::Path;
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
 /// frame is solved with them, statuses stay.
@@ -26,6 +27,9 @@ pub struct RefineBaseArgs {
     /// Also find the principal point (unstable with few frames).
     #[arg(long)]
     principal_point: bool,
+    /// Also find the field's length and width, within what the rules allow (unstable with few frames).
+    #[arg(long)]
+    field_size: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -79,11 +83,11 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let mut estimates = Vec::new();
     let mut errors = Vec::new();
     for camera in &cameras {
-        let estimate = |camera| -> Result<EstimatedBase, BaseEstimationError> {
-            BaseProblem::of(&document, camera, location.folder())?.estimate(&document, &options)
-        };
-        match estimate(camera) {
-            Ok(estimate) => estimates.push(estimate),
+        match estimate(&mut document, camera, location.folder(), &options, args.field_size) {
+            Ok((estimate, sizes)) => {
+                report_sizes(camera, &sizes, messages);
+                estimates.push(estimate);
+            }
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.as_str())),
         }
     }
@@ -114,6 +118,40 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
     messages.note(&format!("{} cameras estimated, {solved} frames solved", estimates.len()));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// The base of a camera; with `size` on a field whose size is found first and written into the document.
+fn estimate(
+    document: &mut Document,
+    camera: &CameraId,
+    folder: &Path,
+    options: &BaseOptions,
+    size: bool,
+) -> Result<(EstimatedBase, Vec<FittedSize>), BaseEstimationError> {
+    let problem = BaseProblem::of(document, camera, folder)?;
+    let found = problem.estimate(document, options)?;
+    if !size {
+        return Ok((found, Vec::new()));
+    }
+    let sizes = problem.fit_size(document, &found, folder)?;
+    let mut sized = document.clone();
+    sized.set_field_size(camera, &sizes);
+    let found = BaseProblem::of(&sized, camera, folder)?.estimate(&sized, options)?;
+    *document = sized;
+    Ok((found, sizes))
+}
+
+fn report_sizes(camera: &CameraId, sizes: &[FittedSize], messages: Messages) {
+    for size in sizes {
+        let what = size.name.trim_end_matches("_m");
+        messages.note(&format!(
+            "{}: field {what} {:.2} ± {:.2} m ({} m assumed)",
+            camera.as_str(),
+            size.value_m,
+            size.sigma_m,
+            size.assumed_m
+        ));
+    }
 }
 
 /// What was found, which models were compared, what disagrees.

@@ -2,7 +2,7 @@
 
 use super::{Camera, CameraId, Extra, FieldSize, Frame, Shared, doors};
 use crate::camera::PtzCamera;
-use crate::field::{FieldError, FieldModel, template_named};
+use crate::field::{FieldError, FieldModel, Template, template_named};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -90,7 +90,15 @@ impl FieldSpec {
     pub fn model(&self, folder: &Path) -> Result<FieldModel, FieldError> {
         let mut params = self.params.clone();
         let crown_m = params.remove(CROWN).unwrap_or(0.0);
-        template_named(&self.template, folder)?.model(&params, crown_m)
+        self.template(folder)?.model(&params, crown_m)
+    }
+
+    /// Its template; `folder` is the document's.
+    ///
+    /// # Errors
+    /// There is no such template.
+    pub fn template(&self, folder: &Path) -> Result<Template, FieldError> {
+        template_named(&self.template, folder)
     }
 }
 

@@ -32,6 +32,7 @@ mod read;
 mod refit;
 mod shared;
 mod shots;
+mod size_fit;
 mod solution;
 mod solve_all;
 mod store;

@@ -2,6 +2,7 @@
 
 use crate::program::touchline;
 use crate::seeded::{self, normal};
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -21,8 +22,13 @@ fn truth() -> CameraBase {
 
 /// Ten frames from left to right, 1.5 px of noise, a camera of which only the picture's size is known.
 fn document(name: &str) -> Document {
+    document_on(name, &BTreeMap::new())
+}
+
+/// The same on a field of another size, which the document does not say.
+fn document_on(name: &str, params: &BTreeMap<String, f64>) -> Document {
     let mut rng = seeded::rng(name);
-    let field = builtin("soccer").unwrap().model(&std::collections::BTreeMap::new(), 0.15).unwrap();
+    let field = builtin("soccer").unwrap().model(params, 0.15).unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
     document.cameras.push(Camera::new("main".into(), SIZE).into());
     for index in 0..10 {
@@ -121,6 +127,26 @@ fn what_is_missing_is_said_in_one_line() {
     write(&document, folder.path());
     let ran = touchline(folder.path(), "refine-base doc.json");
     assert!(ran.code == 2 && ran.stderr.contains("has no landmark \"nowhere\""), "{}", ran.stderr);
+}
+
+#[test]
+fn the_size_of_the_field_is_found_where_it_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let real = BTreeMap::from([("length_m".to_owned(), 103.4), ("width_m".to_owned(), 66.8)]);
+    write(&document_on("the_size_of_the_field_is_found_where_it_is_asked_for", &real), folder.path());
+    let asked = "refine-base doc.json -o sized.json --field-size --distortion k1-focal --crown 0.15";
+    let ran = touchline(folder.path(), asked);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(ran.stderr.contains("main: field length 103.") && ran.stderr.contains("(105 m assumed)"), "{}", ran.stderr);
+    let (_, sized, _) = read(&folder.path().join("sized.json")).unwrap();
+    for (name, real) in &real {
+        assert!((sized.field.params[name] - real).abs() < 0.4, "{name}: {} {}", sized.field.params[name], ran.stderr);
+    }
+    let z = |document: &Document| {
+        let base = document.cameras[0].base().unwrap();
+        (base.position_m - truth().position_m).component_div(&base.sigma.position_m).amax()
+    };
+    assert!(z(&sized) < 3.0, "{:?}", sized.cameras[0].base());
 }
 
 #[test]

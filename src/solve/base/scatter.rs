@@ -17,7 +17,7 @@ use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// How far landmarks lie off their places as people click them, 1-σ in each direction, as a share of the field's width: 6
 /// cm on a soccer pitch.
-const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
+pub(super) const USUAL_DISPLACEMENT: f64 = 0.06 / 68.0;
 
 /// How many directions of landmarks that is worth.
 const USUAL_WEIGHT: f64 = 6.0;
