@@ -294,6 +294,8 @@ pub enum Effect {
     OpenDemo,
     /// Estimate the base of a camera and report [`Action::BaseEstimated`].
     EstimateBase {
+        /// The field's size is fitted as well.
+        with_size: bool,
         /// The document.
         document: Document,
         /// The folder that its relative paths start from.

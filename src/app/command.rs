@@ -66,6 +66,7 @@ pub enum Command {
     SelectShot,
     NewCameraFromChange,
     ConfirmFieldSize,
+    FitFieldSize,
     Palette,
     Keys,
     About,
@@ -177,6 +178,7 @@ rows! {
     GiveToCamera, "give_to_camera", Camera, "Give frames to a camera…", "Say which camera took this frame, the selected frames, the shot, or all from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "Where somebody moved the camera, the frames from there on get a camera of their own.", [];
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Length and width are right; until then they are assumed, and the dataset says so.", [];
+    FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Find length and width together with the base, within what the rules allow; with few frames they are unsure.", [];
     SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot; Shift or Ctrl and a click on the filmstrip select single ones.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];

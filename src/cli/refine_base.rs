@@ -4,10 +4,12 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::project::{
-    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, mirrored_words, solve_document,
+    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, mirrored_words, size_words,
+    solve_document,
 };
-use crate::solve::base::{BaseOptions, CrownModel, FittedSize, LensModel};
+use crate::solve::base::{BaseOptions, CrownModel, LensModel};
 use clap::ValueEnum;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
@@ -83,11 +85,8 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let mut estimates = Vec::new();
     let mut errors = Vec::new();
     for camera in &cameras {
-        match estimate(&mut document, camera, location.folder(), &options, args.field_size) {
-            Ok((estimate, sizes)) => {
-                report_sizes(camera, &sizes, messages);
-                estimates.push(estimate);
-            }
+        match estimate(&document, camera, location.folder(), &options, args.field_size) {
+            Ok(estimate) => estimates.push(estimate),
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.as_str())),
         }
     }
@@ -120,37 +119,19 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
-/// The base of a camera; with `size` on a field whose size is found first and written into the document.
+/// The base of a camera; with `size` that of its field as well.
 fn estimate(
-    document: &mut Document,
+    document: &Document,
     camera: &CameraId,
     folder: &Path,
     options: &BaseOptions,
     size: bool,
-) -> Result<(EstimatedBase, Vec<FittedSize>), BaseEstimationError> {
+) -> Result<EstimatedBase, BaseEstimationError> {
     let problem = BaseProblem::of(document, camera, folder)?;
-    let found = problem.estimate(document, options)?;
-    if !size {
-        return Ok((found, Vec::new()));
-    }
-    let sizes = problem.fit_size(document, &found, folder)?;
-    let mut sized = document.clone();
-    sized.set_field_size(camera, &sizes);
-    let found = BaseProblem::of(&sized, camera, folder)?.estimate(&sized, options)?;
-    *document = sized;
-    Ok((found, sizes))
-}
-
-fn report_sizes(camera: &CameraId, sizes: &[FittedSize], messages: Messages) {
-    for size in sizes {
-        let what = size.name.trim_end_matches("_m");
-        messages.note(&format!(
-            "{}: field {what} {:.2} ± {:.2} m ({} m assumed)",
-            camera.as_str(),
-            size.value_m,
-            size.sigma_m,
-            size.assumed_m
-        ));
+    if size {
+        problem.estimate_with_size(document, folder, options, &|_| ControlFlow::Continue(()))
+    } else {
+        problem.estimate(document, options)
     }
 }
 
@@ -175,6 +156,9 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",
         found.median_px, found.p90_px, found.crown_m
     ));
+    for size in &estimated.sizes {
+        messages.note(&format!("{name}: field {}", size_words(size)));
+    }
     if let Some(told) = found.one_view() {
         messages.note(&format!("{name}: {told}"));
     }

@@ -81,10 +81,11 @@ impl Runner {
                     .map(|ready| Outcome::Opened(Box::new(ready)))
             }),
             Effect::CancelOpening => self.give_up(Kind::Opening),
-            Effect::EstimateBase { document, folder, camera } => {
+            Effect::EstimateBase { with_size, document, folder, camera } => {
                 self.begin("base", Kind::Estimate, move |watch| {
-                    let found =
-                        estimate(&document, &folder, &camera, &|progress| watch(Action::BaseProgress(progress)));
+                    let found = estimate(&document, &folder, &camera, with_size, &|progress| {
+                        watch(Action::BaseProgress(progress))
+                    });
                     Ok(Outcome::Action(Action::BaseEstimated(found)))
                 });
             }
@@ -253,10 +254,17 @@ fn estimate(
     document: &Document,
     folder: &Path,
     camera: &CameraId,
+    with_size: bool,
     watch: WatchBase<'_>,
 ) -> Result<Box<EstimatedBase>, String> {
     let problem = BaseProblem::of(document, camera, folder).map_err(|error| error.to_string())?;
-    problem.estimate_watched(document, &BaseOptions::default(), watch).map(Box::new).map_err(|error| error.to_string())
+    let options = BaseOptions::default();
+    let found = if with_size {
+        problem.estimate_with_size(document, folder, &options, watch)
+    } else {
+        problem.estimate_watched(document, &options, watch)
+    };
+    found.map(Box::new).map_err(|error| error.to_string())
 }
 
 /// Writes a document into another folder; an existing project there is not touched.

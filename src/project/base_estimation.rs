@@ -7,8 +7,8 @@ use crate::camera::{CameraBase, PtzCamera};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, MirroredFrame,
-    WatchBase, adjust_base, estimate_base_watched, start_base,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FittedSize, FrameClicks, LensModel,
+    MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
 };
 use crate::solve::{ObservationError, WarningCode};
 use serde_json::Value;
@@ -75,6 +75,8 @@ pub struct EstimatedBase {
     pub estimate: BaseEstimate,
     /// How well each landmark is hit, the worst first.
     pub landmarks: Vec<LandmarkFit>,
+    /// The field's size, where it was fitted as well; empty: as assumed.
+    pub sizes: Vec<FittedSize>,
 }
 
 /// How well the clicks on one landmark fit, over all frames.
@@ -189,7 +191,8 @@ impl BaseProblem {
             mirrored.frame = self.frames[mirrored.frame];
         }
         let landmarks = self.landmark_fits(document, &estimate);
-        Ok(EstimatedBase { camera: self.camera.clone(), frames: self.frames.clone(), estimate, landmarks })
+        let (camera, frames) = (self.camera.clone(), self.frames.clone());
+        Ok(EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new() })
     }
 
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
@@ -220,9 +223,10 @@ impl BaseProblem {
 }
 
 impl EstimatedBase {
-    /// Writes position, rotation, lens and sigma into the camera and the crown into its field; frames stay. Where there are
+    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into its field; frames stay. Where there are
     /// several cameras, each gets a field of its own with its crown: they may stand at different venues.
     pub fn write_camera(&self, document: &mut Document) {
+        document.set_field_size(&self.camera, &self.sizes);
         let base = &self.estimate.base;
         let shared = (document.cameras.len() > 1).then(|| document.field.clone());
         let Some(camera) = document.camera_mut(&self.camera) else { return };

@@ -69,6 +69,7 @@ pub use proposed::Proposed;
 pub use read::{ReadError, document_from_bytes};
 pub use shared::Shared;
 pub use shots::shots;
+pub use size_fit::size_words;
 pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
 pub use solve_all::{SolveOutcome, solve_document};
 pub use store::{Access, Opened, Recovery, Store, open, read, write_document};

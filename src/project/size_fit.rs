@@ -1,8 +1,8 @@
 //! The size of a document's field from the clicks of a camera.
 
-use super::{BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase};
+use super::{BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, FieldSize};
 use crate::field::FieldModel;
-use crate::solve::base::{AdjustOptions, FittedSize, SizeParam, SizeStart, fit_field_size};
+use crate::solve::base::{AdjustOptions, BaseOptions, FittedSize, SizeParam, SizeStart, WatchBase, fit_field_size};
 use std::path::Path;
 
 /// The parameters that are a field's size.
@@ -12,12 +12,29 @@ const SIZE: [&str; 2] = ["length_m", "width_m"];
 const SIGMA_SHARE: f64 = 1.0 / 12.0;
 
 impl BaseProblem {
-    /// Length and width of the field, from the clicks and the base that they gave; empty where the template leaves no choice, or
-    /// the clicks leave it open. `document` and `folder` are those that the clicks were gathered from.
+    /// Estimates the base together with the field's size: first the base on the field as assumed, then the size, then the base
+    /// again. `document` and `folder` are those that the clicks were gathered from.
     ///
     /// # Errors
-    /// The field is not valid.
-    pub fn fit_size(
+    /// The clicks give no base, or it was ended.
+    pub fn estimate_with_size(
+        &self,
+        document: &Document,
+        folder: &Path,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let found = self.estimate_watched(document, options, watch)?;
+        let sizes = self.fit_size(document, &found, folder)?;
+        let mut sized = document.clone();
+        sized.set_field_size(&self.camera, &sizes);
+        let found = Self::of(&sized, &self.camera, folder)?.estimate_watched(&sized, options, watch)?;
+        Ok(EstimatedBase { sizes, ..found })
+    }
+
+    /// Length and width of the field, from the clicks and the base that they gave; empty where the template leaves no choice, or
+    /// the clicks leave it open.
+    fn fit_size(
         &self,
         document: &Document,
         found: &EstimatedBase,
@@ -66,7 +83,10 @@ impl BaseProblem {
 
 impl Document {
     /// Writes a fitted size into the field of a camera; with several cameras each gets a field of its own.
-    pub fn set_field_size(&mut self, camera: &CameraId, sizes: &[FittedSize]) {
+    pub(super) fn set_field_size(&mut self, camera: &CameraId, sizes: &[FittedSize]) {
+        if sizes.is_empty() {
+            return;
+        }
         let shared = (self.cameras.len() > 1).then(|| self.field.clone());
         let Some(known) = self.camera_mut(camera) else { return };
         if let Some(shared) = shared {
@@ -77,6 +97,14 @@ impl Document {
             // A hundredth of a metre is more than clicks can tell.
             let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
             field.params.extend(sizes.iter().map(rounded));
+            field.size = Some(FieldSize::Fitted);
         }
     }
+}
+
+/// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
+#[must_use]
+pub fn size_words(size: &FittedSize) -> String {
+    let what = size.name.trim_end_matches("_m");
+    format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m)
 }

@@ -10,7 +10,9 @@ use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::jobs::Runner;
-use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, document_to_string};
+use touchline::project::{
+    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, Target, document_to_string,
+};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -92,7 +94,12 @@ impl Desk {
     }
 
     fn estimate(&mut self) {
-        self.command(Command::EstimateBase);
+        self.run(Command::EstimateBase);
+    }
+
+    /// Asks for an estimate and waits for it.
+    fn run(&mut self, command: Command) {
+        self.command(command);
         while matches!(self.app.session.base, BaseWork::Estimating(_)) {
             self.woken.recv_timeout(Duration::from_mins(1)).unwrap();
             for action in self.runner.poll() {
@@ -137,6 +144,25 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     assert_eq!(document_to_string(desk.document()).unwrap(), before);
     desk.command(Command::Redo);
     assert_eq!(desk.base(), Some(base));
+}
+
+#[test]
+fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
+    let mut desk = Desk::on(document(6, 6));
+    desk.run(Command::FitFieldSize);
+    let found = desk.app.session.base.proposed().unwrap();
+    let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
+    assert_eq!(names, ["length_m", "width_m"]);
+    for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
+        assert!((size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0, "{size:?}");
+    }
+    let told = &desk.app.session.notices.last().unwrap().text;
+    assert!(told.contains("Field length 10") && told.contains("m assumed)"), "{told}");
+    assert!(desk.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
+    desk.command(Command::UseEstimatedBase);
+    assert_eq!(*desk.document().field.size(), FieldSize::Fitted);
+    desk.command(Command::Undo);
+    assert!(desk.document().field.assumed_size().is_some() && desk.base().is_none(), "one step");
 }
 
 #[test]

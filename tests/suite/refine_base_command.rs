@@ -165,6 +165,44 @@ fn a_field_outside_the_rules_is_refused_with_the_range() {
     assert!(!folder.path().join("refined.json").exists());
 }
 
+/// The frame whose near and far names are all exchanged, and the one click that is 25 px off.
+#[test]
+fn wrong_names_among_real_clicks_are_marked() {
+    let Some(data) = crate::data::shared_data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let clicks = data.join("scouting-42ba34/clicks.json").canonicalize().unwrap();
+    let ran = touchline(folder.path(), &format!("refine-base {} -o out.json", clicks.display()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (_, refined, _) = read(&folder.path().join("out.json")).unwrap();
+    let published = read(&data.join("scouting-42ba34/fit-k1.json")).unwrap().1;
+    let mut warned = 0;
+    for (frame, known) in refined.frames.iter().zip(&published.frames) {
+        let solution = frame.solution.as_ref().unwrap();
+        let about_names = |code: &str| ["swapped", "mirrored", "wrong_line"].contains(&code);
+        if frame.name().contains("42ba34_9_2") {
+            let mirrored = solution.warnings.iter().find(|warning| warning.code == "mirrored").unwrap();
+            assert_eq!(
+                mirrored.renames.len(),
+                frame.clicks.iter().filter(|click| has_a_twin(click)).count(),
+                "{mirrored:?}"
+            );
+            continue;
+        }
+        warned += usize::from(solution.warnings.iter().any(|warning| about_names(&warning.code)));
+        for click in known.solution.iter().flat_map(|solution| &solution.disputed) {
+            assert!(solution.disputed.contains(click), "{}: {:?}", frame.name(), solution.disputed);
+        }
+    }
+    println!("{warned} other frames of {} have names that fit better", refined.frames.len());
+    assert!(warned <= 3, "{warned} false alarms");
+}
+
+/// Whether near and far are different spots for what a click shows.
+fn has_a_twin(click: &Click) -> bool {
+    let name = click.target.as_ref().unwrap().as_str();
+    name.contains("near") || name.contains("far")
+}
+
 #[test]
 fn real_clicks_give_a_real_camera() {
     let Some(data) = crate::data::shared_data() else { return };

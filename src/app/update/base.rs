@@ -7,7 +7,7 @@ use crate::app::action::Effect;
 use crate::app::base::{BaseReadiness, BaseWork, Estimating};
 use crate::app::session::{Level, Panel};
 use crate::field::{FieldModel, Symmetry};
-use crate::project::{Click, EstimatedBase, Frame, Step, Target};
+use crate::project::{Click, EstimatedBase, Frame, Step, Target, size_words};
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 
@@ -18,8 +18,8 @@ impl App {
         self.current.readiness
     }
 
-    /// Has the base estimated in the background.
-    pub(super) fn estimate_base(&mut self) {
+    /// Has the base estimated in the background, and the field's size with it.
+    pub(super) fn estimate_base(&mut self, with_size: bool) {
         let ready = self.base_readiness();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
         if ready.wide == 0 && self.current.base.is_none() {
@@ -27,6 +27,7 @@ impl App {
             return;
         }
         self.effects.push(Effect::EstimateBase {
+            with_size,
             document: open.document.clone(),
             folder: open.folder.clone(),
             camera,
@@ -148,8 +149,10 @@ fn told(found: &EstimatedBase) -> String {
         .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
         .unwrap_or_default();
     let one_view = estimate.one_view().map_or_else(String::new, |told| format!(" But {told}."));
+    let sizes: Vec<String> = found.sizes.iter().map(size_words).collect();
+    let sizes = if sizes.is_empty() { String::new() } else { format!(" Field {}.", sizes.join(", ")) };
     format!(
-        "Base found from {}: points fit to {:.1} px, median{before}.{one_view}",
+        "Base found from {}: points fit to {:.1} px, median{before}.{sizes}{one_view}",
         counted(frames),
         estimate.median_px
     )

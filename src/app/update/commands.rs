@@ -59,7 +59,7 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is known.")
             }
-            C::GiveToCamera | C::NewCameraFromChange | C::ConfirmFieldSize if self.is_read_only() => {
+            C::GiveToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize if self.is_read_only() => {
                 Some("The document is open to look at only.")
             }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
@@ -180,7 +180,8 @@ impl App {
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),
-            C::EstimateBase => self.estimate_base(),
+            C::EstimateBase => self.estimate_base(false),
+            C::FitFieldSize => self.estimate_base(true),
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),
             C::UseForBase => {

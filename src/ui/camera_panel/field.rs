@@ -119,11 +119,15 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
                 symbol::show(ui, Symbol::Warning, theme::CAUTION);
                 ui.vertical(|ui| {
                     ui.add(Label::new(told).wrap());
-                    let command = Command::ConfirmFieldSize;
-                    let confirm = ui.add(Button::new("Confirm").small());
-                    if confirm.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
-                        panel.actions.push(Action::Command(command));
-                    }
+                    ui.horizontal(|ui| {
+                        for (word, command) in [("Confirm", Command::ConfirmFieldSize), ("Fit", Command::FitFieldSize)]
+                        {
+                            let button = ui.add(Button::new(word).small());
+                            if button.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                                panel.actions.push(Action::Command(command));
+                            }
+                        }
+                    });
                 });
             });
             return;
