@@ -30,7 +30,7 @@ pub struct RelocalizeArgs {
     #[arg(long, value_name = "0..1", default_value_t = PoseOptions::default().min_confidence, value_parser = probability)]
     min_confidence: f64,
     /// Leaves examined in each tree.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
     /// Where chance starts; the same seed gives the same answers.
     #[arg(long, value_name = "S", default_value_t = 0)]

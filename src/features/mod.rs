@@ -25,7 +25,7 @@ mod sift;
 mod spread;
 
 pub use cache::{FeatureCache, FeatureKey};
-pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE};
+pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
 pub use extract::{Features, Keypoint, extract};
 pub use options::FeatureOptions;

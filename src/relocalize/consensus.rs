@@ -34,11 +34,13 @@ const DRAWS: usize = 6;
 /// How often a feature speaks with its likeliest candidate.
 const FIRST_CANDIDATE: f64 = 0.7;
 /// Pairs tried at least.
-const MIN_HYPOTHESES: usize = 40;
+const MIN_HYPOTHESES: usize = 16;
 /// A hypothesis is looked at in blocks of features, and given up where it has less than this share of what the best
 /// had there.
 const BLOCK: usize = 48;
 const FAR_BEHIND: f64 = 0.3;
+/// Features that hypotheses are scored over, drawn once: more tell cameras apart no better.
+const SCORED_FEATURES: usize = 400;
 /// Features that a new best is refined over.
 const LOCAL_FEATURES: usize = 80;
 
@@ -51,7 +53,8 @@ pub(super) fn find_consensus(
 ) -> Consensus {
     let mut rng = Pcg64Mcg::seed_from_u64(options.seed);
     let order = matches.by_distance();
-    let shuffled = shuffled(matches.len(), &mut rng);
+    let mut shuffled = shuffled(matches.len(), &mut rng);
+    shuffled.truncate(SCORED_FEATURES);
     let agreement_px = options.agreement_px * image_size.scale_from_1920();
     let min_separation_px = MIN_SEPARATION * f64::from(image_size.width);
     let mut best = Best { ptz: None, score: 0.0, agreeing: 0 };
@@ -84,7 +87,7 @@ pub(super) fn find_consensus(
             if agreeing >= MIN_INLIERS {
                 best.improve(matches, base, &shuffled, agreement_px);
             }
-            wanted = enough(best.agreeing as f64 / matches.len() as f64, options);
+            wanted = enough(best.agreeing as f64 / shuffled.len() as f64, options);
         }
     }
     Consensus { ptz: best.ptz, agreeing: best.agreeing, hypotheses }

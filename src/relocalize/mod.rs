@@ -2,10 +2,13 @@
 //!
 //! References teach a pan-tilt forest ([`train`]) which ray a descriptor shows; a new picture's features get candidate
 //! rays from it, and [`pose_from_candidates`] finds the camera that most of them agree on, or says by name why there is
-//! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk.
+//! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. References whose labels
+//! do not agree are found by [`contradictions()`].
 
 mod answer;
+mod confidence;
 mod consensus;
+mod contradictions;
 mod forest;
 mod matches;
 mod model;
@@ -13,8 +16,11 @@ mod not_found;
 mod pose;
 
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
+pub use confidence::Evidence;
+pub use contradictions::{Contradiction, ContradictionOptions, Reference, contradictions, suspects};
 pub use forest::{
-    Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, Stopped, TrainOptions, TrainProgress, train,
+    Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
+    TrainProgress, train,
 };
 pub use matches::RayMatches;
 pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};

@@ -8,8 +8,8 @@ use std::ops::RangeInclusive;
 /// How a forest file begins.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
-/// The newest version that is read, and the one that is written.
-pub const FOREST_VERSION: u32 = 1;
+/// The version that is read and written.
+pub const FOREST_VERSION: u32 = 2;
 
 /// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -101,7 +101,7 @@ impl ForestModel {
     /// What a file holds.
     ///
     /// # Errors
-    /// It is no forest, comes from a newer program, or is damaged.
+    /// It is no forest, comes from a newer or much older program, or is damaged.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, ForestFileError> {
         let mut header = Reader::new(bytes);
         if header.bytes(MAGIC.len()).ok() != Some(MAGIC) {
@@ -111,8 +111,8 @@ impl ForestModel {
         if version > FOREST_VERSION {
             return Err(ForestFileError::Newer { version, newest: FOREST_VERSION });
         }
-        if version == 0 {
-            return Err(ForestFileError::Damaged { what: "its version is 0" });
+        if version < FOREST_VERSION {
+            return Err(ForestFileError::Older { version });
         }
         let (length, checksum) = (header.u64()?, header.u32()?);
         let length = usize::try_from(length).map_err(|_| ForestFileError::Damaged { what: "it ends too early" })?;

@@ -4,9 +4,9 @@
 //! Everything happens in the camera's `base`, where the rays are: the base's own uncertainty plays no part.
 
 use super::consensus::{Consensus, find_consensus};
-use super::{NotFound, RayMatches};
+use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::{Loss, Observation, PtzRanges, Target, Uncertainty, refine};
 use std::collections::BTreeSet;
 
@@ -56,6 +56,9 @@ pub struct Pose {
     /// In how many places of the picture features agree (cells of a 32 × 18 grid): one board's many features are few
     /// places.
     pub places: usize,
+    /// How far the agreeing features spread where they spread least: the smaller standard deviation of their positions, px
+    /// at 1920 px width. A row of boards is long and narrow.
+    pub breadth_px: f64,
     /// The probability that the overlay is right within 10 px at 1920 px width.
     pub confidence: f64,
     /// Hypotheses tried.
@@ -66,7 +69,7 @@ pub struct Pose {
 const PLACES: (f64, f64) = (32.0, 18.0);
 
 /// Rounds of choosing candidates and refining over all of them.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 2;
 
 /// The median of the distance of a two-dimensional normal error, in sigmas of one axis.
 const MEDIAN_OF_RAYLEIGH: f64 = 1.1774;
@@ -122,20 +125,24 @@ pub fn pose_from_candidates(
     let observations: Vec<Observation> = observed(matches, &camera, inliers.iter().copied(), sigma_px * crowding);
     let uncertainty = Uncertainty::of(&camera, &observations, None).map_err(|_| no_agreement(inliers.len()))?;
     let worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
-    let confidence = confidence(places, worst_corner_sigma_px / image_size.scale_from_1920());
-    if !(confidence >= options.min_confidence) {
-        return Err(NotFound::Unsure { confidence, inliers: inliers.len(), places, worst_corner_sigma_px });
-    }
-    Ok(Pose {
+    let breadth_px = breadth(inliers.iter().map(|&feature| matches.point(feature))) / image_size.scale_from_1920();
+    let mut pose = Pose {
         ptz,
         covariance: uncertainty.ptz_covariance_deg(),
         worst_corner_sigma_px,
         rms_px,
         inliers,
         places,
-        confidence,
+        breadth_px,
+        confidence: 0.0,
         hypotheses,
-    })
+    };
+    pose.confidence = Evidence::of(&pose, image_size).confidence();
+    let (confidence, inliers) = (pose.confidence, pose.inliers.len());
+    if !(confidence >= options.min_confidence) {
+        return Err(NotFound::Unsure { confidence, inliers, places, worst_corner_sigma_px });
+    }
+    Ok(pose)
 }
 
 /// Whether an answer lies where the camera may be.
@@ -146,23 +153,21 @@ pub(super) fn plausible(ptz: &Ptz, image_size: ImageSize, options: &PoseOptions)
     }
 }
 
-/// Agreeing places at which an answer is as likely right as wrong, and how fast that changes.
-const EVEN_PLACES: f64 = 8.0;
-const PLACES_SCALE: f64 = 0.9;
-
-/// The probability that an overlay is right within 10 px: a logistic curve in the number of places, for the danger that
-/// all of it is chance, times the share of a normal error of this size (px at 1920 px width) that lies within 10 px.
-fn confidence(places: usize, worst_corner_sigma_px: f64) -> f64 {
-    let not_chance = 1.0 / (1.0 + (-(places as f64 - EVEN_PLACES) / PLACES_SCALE).exp());
-    let within = 1.0 - (-(10.0 / worst_corner_sigma_px).powi(2)).exp();
-    not_chance * within
-}
-
 /// In how many cells of the grid points lie.
 pub(super) fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
     let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
     let cell = |point: ImagePoint| ((point.x / width * PLACES.0) as i32, (point.y / height * PLACES.1) as i32);
     points.map(cell).collect::<BTreeSet<_>>().len()
+}
+
+/// The smaller standard deviation of points, along the axis on which they spread least, px.
+fn breadth(points: impl Iterator<Item = ImagePoint> + Clone) -> f64 {
+    let count = points.clone().count().max(1) as f64;
+    let middle = points.clone().fold(Vec2::zeros(), |sum, at| sum + Vec2::new(at.x, at.y)) / count;
+    let spread = points.map(|at| Vec2::new(at.x, at.y) - middle).map(|by| by * by.transpose());
+    let spread = spread.fold(nalgebra::Matrix2::zeros(), |sum, one| sum + one) / count;
+    let half_trace = spread.trace() / 2.0;
+    (half_trace - (half_trace * half_trace - spread.determinant()).max(0.0).sqrt()).max(0.0).sqrt()
 }
 
 /// Features with the candidates nearest to them in a camera, as observations.

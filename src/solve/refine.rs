@@ -140,10 +140,10 @@ impl NormalEquations {
         for observation in observations {
             let scale = 1.0 / observation.sigma_px;
             match observation.target {
-                Target::Landmark(at) => match camera.image_from_world_jacobian(at) {
-                    Ok(here) => {
-                        let residual = here.point.offset_from(observation.image) * scale;
-                        normal.add(ptz.focal_px, residual, here.by_ptz * scale, loss);
+                Target::Landmark(at) => match camera.image_from_world_by_ptz(at) {
+                    Ok((point, by_ptz)) => {
+                        let residual = point.offset_from(observation.image) * scale;
+                        normal.add(ptz.focal_px, residual, by_ptz * scale, loss);
                     }
                     Err(_) => normal.add_without_image(loss),
                 },

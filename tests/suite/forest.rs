@@ -7,9 +7,10 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline::camera::PanTilt;
 use touchline::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
+use touchline::geometry::Angle;
 use touchline::relocalize::{
-    CameraForest, Forest, ForestFileError, ForestModel, PredictOptions, Samples, Search, SeenRange, Stopped,
-    TrainOptions, train,
+    CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples, Search, SeenRange,
+    Stopped, TrainOptions, train,
 };
 
 fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
@@ -60,16 +61,19 @@ fn a_disturbed_descriptor_finds_its_ray() {
     let mut rng = rng("a_disturbed_descriptor_finds_its_ray");
     let scene = scene(2000, &mut rng);
     let forest = trained(&samples(&scene, 3, &mut rng), &TrainOptions::default());
-    assert_eq!(forest.trees(), 5);
+    assert_eq!(forest.trees(), 3);
     let (mut search, mut candidates) = (Search::default(), Vec::new());
-    let mut found = 0;
-    for (descriptor, ray) in &scene {
-        forest.predict(&disturbed(descriptor, 5, &mut rng), &PredictOptions::default(), &mut search, &mut candidates);
-        assert!(candidates.is_sorted_by(|a, b| a.squared_distance <= b.squared_distance));
-        assert!(candidates.len() <= 5);
-        found += usize::from(candidates.first().is_some_and(|best| best.ray.angle_to(*ray).degrees() < 0.01));
+    for (leaves_per_tree, share) in [(1, 0.9), (4, 0.98)] {
+        let options = PredictOptions { leaves_per_tree, ..PredictOptions::default() };
+        let mut found = 0;
+        for (descriptor, ray) in &scene {
+            forest.predict(&disturbed(descriptor, 5, &mut rng), &options, &mut search, &mut candidates);
+            assert!(candidates.is_sorted_by(|a, b| a.squared_distance <= b.squared_distance));
+            assert!(candidates.len() <= 5);
+            found += usize::from(candidates.first().is_some_and(|best| best.ray.angle_to(*ray).degrees() < 0.01));
+        }
+        assert!(f64::from(found as u32) > share * 2000.0, "{leaves_per_tree} leaves: {found} of 2000");
     }
-    assert!(found > 1950, "{found} of 2000");
     forest.predict(&Descriptor([0; DESCRIPTOR_BYTES]), &PredictOptions::default(), &mut search, &mut candidates);
     assert!(candidates.is_empty(), "nothing looks like this");
 }
@@ -92,29 +96,60 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
 fn options_shape_the_forest() {
     let mut rng = rng("options_shape_the_forest");
     let samples = samples(&scene(300, &mut rng), 4, &mut rng);
-    // Deep enough for every sample to have a leaf of its own.
-    let options = TrainOptions { max_depth: 60, ..TrainOptions::default() };
-    assert_eq!(trained(&samples, &options).leaves(), 5 * 1200);
-    assert_eq!(trained(&samples, &TrainOptions { frames_per_tree: Some(1), ..options }).leaves(), 5 * 300);
-    let shallow = trained(&samples, &TrainOptions { trees: 2, max_depth: 3, ..options });
-    assert!(shallow.trees() == 2 && shallow.leaves() <= 16);
-    assert!(shallow.mixed_leaves(0.01) > shallow.leaves() / 2, "far rays share leaves, and they say so");
-    let (mut search, mut candidates) = (Search::default(), Vec::new());
-    shallow.predict(&scene(1, &mut rng)[0].0, &PredictOptions::default(), &mut search, &mut candidates);
-    assert!(candidates.is_empty(), "mixed leaves are no match");
+    // Samples are only put together where their rays agree: not at all within nothing, by place within a little.
+    let apart = TrainOptions { merge_within: Angle::ZERO, ..TrainOptions::default() };
+    for leaf_samples in [1, 8, 100] {
+        let forest = trained(&samples, &TrainOptions { leaf_samples, ..apart });
+        assert_eq!(forest.means(), 3 * 1200, "all samples are held, {leaf_samples} a leaf at most");
+        assert!(forest.leaves() >= 3 * 1200 / leaf_samples as usize);
+    }
+    let frames = TrainOptions { frames_per_tree: Some(1), ..apart };
+    assert_eq!(trained(&samples, &frames).means(), 3 * 300, "those of one frame");
+    let one_leaf = TrainOptions { max_depth: 0, ..TrainOptions::default() };
+    let forest = trained(&samples, &one_leaf);
+    assert_eq!((forest.leaves(), forest.means()), (3, 3 * 300), "each place once");
+    let mean = trained(&samples, &TrainOptions { merge_within: Angle::from_degrees(180.0), ..one_leaf });
+    assert_eq!(mean.means(), 3, "one mean of everything");
+
+    // Splits that leave each side three tenths: after three of them a leaf holds 32 samples of 8 places at least.
+    let shallow = trained(&samples, &TrainOptions { trees: 2, max_depth: 3, ..TrainOptions::default() });
+    assert_eq!((shallow.trees(), shallow.leaves(), shallow.mixed_leaves(0.01)), (2, 16, 16), "far rays share leaves");
     let zero = TrainOptions {
         trees: 0,
         max_depth: 0,
         dimensions: 0,
-        thresholds: 0,
+        leaf_samples: 0,
         min_leaf: 0,
         node_samples: 0,
         frames_per_tree: Some(0),
-        seed: 0,
+        ..TrainOptions::published()
     };
-    assert_eq!(trained(&samples, &zero).leaves(), 1);
-    let large_leaves = TrainOptions { min_leaf: 3, ..options };
-    assert!(trained(&samples, &large_leaves).leaves() <= 5 * 400);
+    assert_eq!((trained(&samples, &zero).leaves(), trained(&samples, &zero).means()), (1, 1));
+    let large_leaves = TrainOptions { min_leaf: 3, leaf_samples: 1, ..TrainOptions::default() };
+    assert!(trained(&samples, &large_leaves).leaves() <= 3 * 400);
+}
+
+#[test]
+fn the_published_forest_is_there() {
+    let mut rng = rng("the_published_forest_is_there");
+    let scene = scene(300, &mut rng);
+    let samples = samples(&scene, 4, &mut rng);
+    let forest = trained(&samples, &TrainOptions { max_depth: 200, ..TrainOptions::published() });
+    assert_eq!((forest.trees(), forest.leaves(), forest.means()), (5, 5 * 1200, 5 * 1200), "a leaf for each sample");
+    assert_eq!(forest.mixed_leaves(1e-6), 0);
+    let mixing = trained(&samples, &TrainOptions { max_depth: 1, ..TrainOptions::published() });
+    assert_eq!((mixing.leaves(), mixing.means()), (10, 10), "a mean for each leaf");
+    let (mut search, mut candidates) = (Search::default(), Vec::new());
+    let anything = PredictOptions { max_squared_distance: 2.0, ..PredictOptions::default() };
+    mixing.predict(&scene[0].0, &anything, &mut search, &mut candidates);
+    assert!(candidates.is_empty(), "means that mix places are no match, however near");
+    mixing.predict(
+        &scene[0].0,
+        &PredictOptions { max_spread: Angle::from_degrees(180.0), ..anything },
+        &mut search,
+        &mut candidates,
+    );
+    assert!(!candidates.is_empty());
 }
 
 #[test]
@@ -123,12 +158,12 @@ fn one_sample_and_many_equal_ones_are_a_leaf() {
     let point = scene(1, &mut rng)[0];
     let mut samples = Samples::new();
     samples.add_frame([point]);
-    assert_eq!(trained(&samples, &TrainOptions::default()).leaves(), 5);
+    assert_eq!(trained(&samples, &TrainOptions::default()).leaves(), 3);
     for _ in 0..50 {
         samples.add_frame([point]);
     }
     let forest = trained(&samples, &TrainOptions::default());
-    assert_eq!((forest.leaves(), forest.mixed_leaves(1e-6)), (5, 0));
+    assert_eq!((forest.leaves(), forest.means(), forest.mixed_leaves(1e-6)), (3, 3, 0));
 }
 
 #[test]
@@ -138,11 +173,11 @@ fn training_can_be_stopped_and_counts_honestly() {
     let most = AtomicUsize::new(0);
     let watch = |progress: touchline::relocalize::TrainProgress| {
         most.fetch_max(progress.placed, Ordering::Relaxed);
-        assert_eq!(progress.total, 20_000);
+        assert_eq!(progress.total, 12_000);
         ControlFlow::Continue(())
     };
     train(&samples, &TrainOptions::default(), &watch).unwrap();
-    assert_eq!(most.load(Ordering::Relaxed), 20_000);
+    assert_eq!(most.load(Ordering::Relaxed), 12_000);
     let stopped = train(&samples, &TrainOptions::default(), &|_| ControlFlow::Break(()));
     assert_eq!(stopped.unwrap_err(), Stopped::Asked);
     let mut nothing = Samples::new();
@@ -162,8 +197,13 @@ fn a_file_comes_back_and_damage_is_named() {
     assert_eq!(ForestModel::from_bytes(b"{\"format\": \"touchline\"}").unwrap_err(), ForestFileError::NotAForest);
     assert_eq!(ForestModel::from_bytes(&[]).unwrap_err(), ForestFileError::NotAForest);
     let mut newer = bytes.clone();
-    newer[8] = 2;
-    assert_eq!(ForestModel::from_bytes(&newer).unwrap_err(), ForestFileError::Newer { version: 2, newest: 1 });
+    newer[8] = FOREST_VERSION as u8 + 1;
+    assert_eq!(
+        ForestModel::from_bytes(&newer).unwrap_err(),
+        ForestFileError::Newer { version: FOREST_VERSION + 1, newest: FOREST_VERSION }
+    );
+    newer[8] = 1;
+    assert_eq!(ForestModel::from_bytes(&newer).unwrap_err(), ForestFileError::Older { version: 1 });
     for length in (8..bytes.len()).step_by(97) {
         let error = ForestModel::from_bytes(&bytes[..length]).unwrap_err();
         assert!(matches!(error, ForestFileError::Damaged { .. }), "{length} bytes: {error}");

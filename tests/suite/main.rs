@@ -16,6 +16,7 @@ mod bad_videos;
 mod base_in_app;
 mod base_truth;
 mod cli_documents;
+mod contradictions;
 mod data;
 mod document;
 mod evaluate_command;

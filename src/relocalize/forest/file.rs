@@ -1,7 +1,7 @@
 //! A forest as bytes, little-endian, and back with every number checked.
 
-use super::tree::{Branch, Forest, LeafRay, Node, Target, Tree};
-use crate::features::{DESCRIPTOR_BYTES, Descriptor};
+use super::tree::{Branch, Forest, MeanRay, Node, Target, Tree};
+use crate::features::{DESCRIPTOR_BYTES, Descriptor, Sketch};
 use thiserror::Error;
 
 /// Why bytes are no forest.
@@ -18,6 +18,12 @@ pub enum ForestFileError {
         /// The newest that is known.
         newest: u32,
     },
+    /// Written by an older program, in a way that is no longer read: forests are trained again, not converted.
+    #[error("this forest has version {version}, which is no longer read; train it again")]
+    Older {
+        /// The file's version.
+        version: u32,
+    },
     /// Cut off, altered, or inconsistent in itself.
     #[error("this forest is damaged ({what}); train it again")]
     Damaged {
@@ -28,8 +34,9 @@ pub enum ForestFileError {
 
 /// The smallest sizes of the items in bytes, by which a count is checked before memory is reserved.
 const NODE_BYTES: usize = 10;
-const LEAF_BYTES: usize = DESCRIPTOR_BYTES + 12;
-const TREE_BYTES: usize = 12;
+const LEAF_BYTES: usize = 4;
+const MEAN_BYTES: usize = DESCRIPTOR_BYTES + 16;
+const TREE_BYTES: usize = 16;
 
 /// Appends a forest.
 pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
@@ -38,11 +45,15 @@ pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
     for tree in &forest.trees {
         number(out, tree.root.0);
         number(out, tree.nodes.len() as u32);
+        number(out, tree.leaf_ends.len() as u32);
         number(out, tree.rays.len() as u32);
         for node in &tree.nodes {
             out.extend([node.dimension, node.threshold]);
             number(out, node.branches[0].0);
             number(out, node.branches[1].0);
+        }
+        for end in &tree.leaf_ends {
+            number(out, *end);
         }
         for descriptor in &tree.descriptors {
             out.extend(descriptor.0);
@@ -51,6 +62,7 @@ pub(in crate::relocalize) fn write_forest(forest: &Forest, out: &mut Vec<u8>) {
             for value in [ray.pan_tilt[0], ray.pan_tilt[1], ray.spread] {
                 out.extend(value.to_le_bytes());
             }
+            number(out, ray.samples);
         }
     }
 }
@@ -129,9 +141,10 @@ impl<'a> Reader<'a> {
 
     fn tree(&mut self) -> Result<Tree, ForestFileError> {
         let root = Branch(self.u32()?);
-        let (nodes, leaves) = (self.u32()? as usize, self.u32()? as usize);
-        let needed = nodes.checked_mul(NODE_BYTES).zip(leaves.checked_mul(LEAF_BYTES));
-        if needed.is_none_or(|(nodes, leaves)| nodes.saturating_add(leaves) > self.rest.len()) {
+        let [nodes, leaves, means] = [self.u32()? as usize, self.u32()? as usize, self.u32()? as usize];
+        let needed = [(nodes, NODE_BYTES), (leaves, LEAF_BYTES), (means, MEAN_BYTES)];
+        let needed = needed.iter().try_fold(0usize, |sum, (count, bytes)| sum.checked_add(count.checked_mul(*bytes)?));
+        if needed.is_none_or(|needed| needed > self.rest.len()) {
             return Err(ForestFileError::Damaged { what: "it ends too early" });
         }
         check_branch(root, 0, nodes, leaves)?;
@@ -148,12 +161,17 @@ impl<'a> Reader<'a> {
                 Ok(Node { dimension, threshold, branches })
             })
             .collect::<Result<_, ForestFileError>>()?;
-        let (descriptors, _) = self.bytes(leaves * DESCRIPTOR_BYTES)?.as_chunks::<DESCRIPTOR_BYTES>();
-        let descriptors = descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
-        let rays = (0..leaves)
-            .map(|_| Ok(LeafRay { pan_tilt: [self.f32()?, self.f32()?], spread: self.f32()? }))
+        let leaf_ends: Vec<u32> = (0..leaves).map(|_| self.u32()).collect::<Result<_, _>>()?;
+        if !leaf_ends.is_sorted() || leaf_ends.last().is_some_and(|&last| last as usize != means) {
+            return Err(ForestFileError::Damaged { what: "a leaf ends before it begins" });
+        }
+        let (descriptors, _) = self.bytes(means * DESCRIPTOR_BYTES)?.as_chunks::<DESCRIPTOR_BYTES>();
+        let descriptors: Vec<Descriptor> = descriptors.iter().map(|bytes| Descriptor(*bytes)).collect();
+        let sketches = descriptors.iter().map(Sketch::of).collect();
+        let rays = (0..means)
+            .map(|_| Ok(MeanRay { pan_tilt: [self.f32()?, self.f32()?], spread: self.f32()?, samples: self.u32()? }))
             .collect::<Result<_, ForestFileError>>()?;
-        Ok(Tree { root, nodes, descriptors, rays })
+        Ok(Tree { root, nodes, leaf_ends, descriptors, sketches, rays })
     }
 }
 

@@ -1,22 +1,49 @@
 //! The pan-tilt forest: from a descriptor to the rays it may show (section 3.2 of the paper).
 //!
-//! A split tests one byte of the descriptor against a threshold, chosen among random candidates so that the unit rays of
-//! the two sides deviate least from their means. A leaf keeps its mean descriptor, its mean ray and how far its rays
-//! spread. A descriptor is looked up in all trees best-first, going back to the branches that it missed by least; the
-//! distance to a leaf's descriptor gates what is no match.
+//! A split tests one byte of the descriptor against a threshold. A leaf holds descriptors with their rays: samples of one
+//! place, seen from several references, become one, their mean. A descriptor is looked up in all trees; what the leaves
+//! reached hold is compared with it byte by byte, and then, best first, what the branches hold that were missed by least.
+//! The squared distance gates what is no match, and the nearest places stay as candidates.
 //!
 //! Rays are directions in `base`, exact, so that one scene point has one label whichever frame saw it.
+//!
+//! # Where it departs from the paper, and what was tried
+//!
+//! The published forest ([`TrainOptions::published`]) goes on until a leaf has one sample or depth 20 is reached, and knows
+//! a leaf by the mean of its samples. That loses twice: one miss on a long way down ends at a stranger, and at depth 20
+//! leaves mix places. On the drawn references and frames of the bench, 1000 SIFT features a frame (all 120 000 samples
+//! known; a search through all of them names .675 of the rays within 0.5°), share of rays within 0.5° and time for a
+//! frame's features on a busy machine:
+//!
+//! | forest | rays | ms |
+//! |---|---|---|
+//! | published, 4 leaves per tree | .448 | 9.6 |
+//! | the same without a limit to its depth | .585 | 25 |
+//! | leaves of 8 samples, published splits, 5 trees, 7 leaves in all | .620 | 16 |
+//! | the same splits among the 24 bytes that vary most, 2 trees | .610 | 4.4 |
+//! | widest gap among them instead, 2 trees, leaves of 16 | .604 | 0.9 |
+//! | and places merged in the leaves, 2 trees, 2 leaves in all | .575 | 0.6 |
+//! | 3 trees, leaves of 32, 3 leaves in all (the default) | .614 | 1.0 |
+//! | 5 trees, leaves of 32, 5 leaves in all | .638 | 2.4 |
+//!
+//! Lost: the mean as threshold (as in other randomised k-d trees), more than 2 bytes tried at a split (nothing gained),
+//! leaves of 64 (slower than they gain), following branches that were missed by more than a quarter of the best distance
+//! (nothing gained), letting several near neighbours vote (.676 falls to .663 as more vote), three and more samples in
+//! the least leaf.
 
 mod file;
+mod leaf;
 mod options;
 mod predict;
+mod samples;
 mod split;
 mod train;
 mod tree;
 
 pub use file::ForestFileError;
 pub(super) use file::{Reader, write_forest};
-pub use options::{PredictOptions, TrainOptions};
+pub use options::{PredictOptions, SplitRule, TrainOptions};
 pub use predict::{RayCandidate, Search};
-pub use train::{Samples, Stopped, TrainProgress, train};
+pub use samples::Samples;
+pub use train::{Stopped, TrainProgress, train};
 pub use tree::Forest;

@@ -1,11 +1,10 @@
 //! Training: samples to a forest, the same bytes on any number of threads.
 
-use super::TrainOptions;
+use super::leaf::means;
 use super::split::{Split, choose_split};
-use super::tree::{Branch, Forest, LeafRay, MAX_ITEMS, Node, Tree};
-use crate::camera::PanTilt;
-use crate::features::{DESCRIPTOR_BYTES, Descriptor};
-use crate::geometry::Vec3;
+use super::tree::{Branch, Forest, MAX_ITEMS, MeanRay, Node, Tree};
+use super::{Samples, TrainOptions};
+use crate::features::{Descriptor, Sketch};
 use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -13,57 +12,6 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use thiserror::Error;
-
-/// What a forest learns from: descriptors and the rays they show, frame by frame.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Samples {
-    pub(super) descriptors: Vec<Descriptor>,
-    /// Unit directions in `base`.
-    pub(super) rays: Vec<Vec3>,
-    /// Where each frame's samples end.
-    frame_ends: Vec<usize>,
-}
-
-impl Samples {
-    /// No samples.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Adds a frame's descriptors with their rays in `base`.
-    pub fn add_frame(&mut self, samples: impl IntoIterator<Item = (Descriptor, PanTilt)>) {
-        for (descriptor, ray) in samples {
-            self.descriptors.push(descriptor);
-            self.rays.push(ray.direction());
-        }
-        self.frame_ends.push(self.descriptors.len());
-    }
-
-    /// How many samples there are.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.descriptors.len()
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.descriptors.is_empty()
-    }
-
-    /// How many frames they are from.
-    #[must_use]
-    pub const fn frames(&self) -> usize {
-        self.frame_ends.len()
-    }
-
-    /// The samples of one frame.
-    fn of_frame(&self, frame: usize) -> std::ops::Range<u32> {
-        let start = if frame == 0 { 0 } else { self.frame_ends[frame - 1] };
-        start as u32..self.frame_ends[frame] as u32
-    }
-}
 
 /// How far training has come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -171,7 +119,7 @@ impl Watch<'_> {
 
 /// A tree as it grows.
 enum Grown {
-    Leaf(Box<(Descriptor, LeafRay)>),
+    Leaf(Vec<(Descriptor, MeanRay)>),
     Node(Split, Box<[Grown; 2]>),
 }
 
@@ -187,15 +135,15 @@ impl Grower<'_> {
         if self.watch.stopped.load(Ordering::Relaxed) {
             return None;
         }
-        let splits = depth < self.options.max_depth && at.len() >= 2 * self.options.min_leaf.max(1) as usize;
+        let unsplit = (self.options.leaf_samples as usize).max(2 * self.options.min_leaf.max(1) as usize - 1);
+        let splits = depth < self.options.max_depth && at.len() > unsplit;
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let split = if splits { choose_split(self.samples, at, self.options, &mut rng) } else { None };
         let Some(split) = split else {
             self.watch.placed(at.len());
-            return Some(Grown::Leaf(Box::new(self.leaf(at))));
+            return Some(Grown::Leaf(means(self.samples, at, self.options.merge_within)));
         };
-        let (dimension, threshold) = (usize::from(split.dimension), split.threshold);
-        let middle = partition(at, |sample| self.samples.descriptors[sample as usize].0[dimension] <= threshold);
+        let middle = partition(at, |sample| self.samples.byte(sample, split.dimension) <= split.threshold);
         let seeds: [u64; 2] = rng.random();
         let (below, above) = at.split_at_mut(middle);
         let (below, above) = if below.len().min(above.len()) >= PARALLEL_SAMPLES {
@@ -204,24 +152,6 @@ impl Grower<'_> {
             (self.grow(below, depth + 1, seeds[0]), self.grow(above, depth + 1, seeds[1]))
         };
         Some(Grown::Node(split, Box::new([below?, above?])))
-    }
-
-    fn leaf(&self, at: &[u32]) -> (Descriptor, LeafRay) {
-        let count = at.len() as f64;
-        let mut sums = [0u32; DESCRIPTOR_BYTES];
-        let mut direction = Vec3::zeros();
-        for &sample in at {
-            for (sum, &byte) in sums.iter_mut().zip(&self.samples.descriptors[sample as usize].0) {
-                *sum += u32::from(byte);
-            }
-            direction += self.samples.rays[sample as usize];
-        }
-        let mean = if at.len() == 1 { direction } else { direction.normalize() };
-        let squares: f64 = at.iter().map(|&sample| (self.samples.rays[sample as usize] - mean).norm_squared()).sum();
-        let ray = PanTilt::from_direction(mean);
-        let descriptor = Descriptor(sums.map(|sum| ((f64::from(sum) / count).round()) as u8));
-        let pan_tilt = [ray.pan.radians() as f32, ray.tilt.radians() as f32];
-        (descriptor, LeafRay { pan_tilt, spread: (squares / count).sqrt() as f32 })
     }
 }
 
@@ -239,17 +169,26 @@ fn partition(at: &mut [u32], belongs_first: impl Fn(u32) -> bool) -> usize {
 
 /// A grown tree in flat memory: nodes in depth-first order, so that a way down mostly walks forward.
 fn flatten(grown: &Grown) -> Tree {
-    let mut tree = Tree { root: Branch::leaf(0), nodes: Vec::new(), descriptors: Vec::new(), rays: Vec::new() };
+    let mut tree = Tree {
+        root: Branch::leaf(0),
+        nodes: Vec::new(),
+        leaf_ends: Vec::new(),
+        descriptors: Vec::new(),
+        sketches: Vec::new(),
+        rays: Vec::new(),
+    };
     tree.root = add(grown, &mut tree);
     tree
 }
 
 fn add(grown: &Grown, tree: &mut Tree) -> Branch {
     match grown {
-        Grown::Leaf(leaf) => {
-            tree.descriptors.push(leaf.0);
-            tree.rays.push(leaf.1);
-            Branch::leaf(tree.rays.len() - 1)
+        Grown::Leaf(means) => {
+            tree.descriptors.extend(means.iter().map(|mean| mean.0));
+            tree.sketches.extend(means.iter().map(|mean| Sketch::of(&mean.0)));
+            tree.rays.extend(means.iter().map(|mean| mean.1));
+            tree.leaf_ends.push(tree.rays.len() as u32);
+            Branch::leaf(tree.leaf_ends.len() - 1)
         }
         Grown::Node(split, children) => {
             let index = tree.nodes.len();

@@ -1,6 +1,7 @@
 //! A tree in flat memory.
 
-use crate::features::Descriptor;
+use crate::features::{Descriptor, Sketch};
+use std::ops::Range;
 
 /// Where a branch leads: an inner node or a leaf, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,22 +41,53 @@ pub(super) struct Node {
     pub branches: [Branch; 2],
 }
 
-/// The ray of a leaf.
+/// What samples of one place say together.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct LeafRay {
+pub(super) struct MeanRay {
     /// Mean pan and tilt in `base`, rad.
     pub pan_tilt: [f32; 2],
     /// Root mean square of the angles to the mean, rad.
     pub spread: f32,
+    /// Samples that it stands for.
+    pub samples: u32,
 }
 
-/// Nodes before their children, leaves apart.
+/// Nodes before their children; what the leaves hold stands leaf after leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tree {
     pub root: Branch,
     pub nodes: Vec<Node>,
+    /// Where what each leaf holds ends.
+    pub leaf_ends: Vec<u32>,
     pub descriptors: Vec<Descriptor>,
-    pub rays: Vec<LeafRay>,
+    /// Of the descriptors; not stored in files.
+    pub sketches: Vec<Sketch>,
+    pub rays: Vec<MeanRay>,
+}
+
+impl Tree {
+    /// What a leaf holds: indices of `descriptors` and `rays`.
+    #[inline]
+    pub(super) fn held(&self, leaf: usize) -> Range<usize> {
+        let start = if leaf == 0 { 0 } else { self.leaf_ends[leaf - 1] as usize };
+        start..self.leaf_ends[leaf] as usize
+    }
+
+    /// How far the rays of all samples of a leaf spread, rad, root mean square.
+    fn spread(&self, leaf: usize) -> f64 {
+        let held = &self.rays[self.held(leaf)];
+        let weight: f64 = held.iter().map(|ray| f64::from(ray.samples)).sum();
+        let mean = |of: &dyn Fn(&MeanRay) -> f64| {
+            held.iter().map(|ray| f64::from(ray.samples) * of(ray)).sum::<f64>() / weight.max(1.0)
+        };
+        // A pan counts by the cosine of its tilt.
+        let at = [0, 1].map(|axis| mean(&|ray| f64::from(ray.pan_tilt[axis])));
+        let squares = mean(&|ray| {
+            let [pan, tilt] = ray.pan_tilt.map(f64::from);
+            ((pan - at[0]) * at[1].cos()).powi(2) + (tilt - at[1]).powi(2) + f64::from(ray.spread).powi(2)
+        });
+        squares.sqrt()
+    }
 }
 
 /// A trained pan-tilt forest. It holds descriptors and rays, and nothing about where they came from.
@@ -74,13 +106,30 @@ impl Forest {
     /// How many leaves all trees have.
     #[must_use]
     pub fn leaves(&self) -> usize {
+        self.trees.iter().map(|tree| tree.leaf_ends.len()).sum()
+    }
+
+    /// How many descriptors all leaves hold, each the mean of samples that show one place.
+    #[must_use]
+    pub fn means(&self) -> usize {
         self.trees.iter().map(|tree| tree.rays.len()).sum()
+    }
+
+    /// The memory that it takes, bytes.
+    #[must_use]
+    pub fn memory_bytes(&self) -> usize {
+        let mean = size_of::<Descriptor>() + size_of::<Sketch>() + size_of::<MeanRay>();
+        let of_tree = |tree: &Tree| {
+            tree.rays.len() * mean + tree.nodes.len() * size_of::<Node>() + tree.leaf_ends.len() * size_of::<u32>()
+        };
+        self.trees.iter().map(of_tree).sum()
     }
 
     /// How many leaves mix rays that spread by more than an angle (rad, root mean square): different places that look
     /// alike, or references that contradict each other.
     #[must_use]
     pub fn mixed_leaves(&self, spread: f64) -> usize {
-        self.trees.iter().flat_map(|tree| &tree.rays).filter(|ray| f64::from(ray.spread) > spread).count()
+        let mixed = |tree: &Tree| (0..tree.leaf_ends.len()).filter(|&leaf| tree.spread(leaf) > spread).count();
+        self.trees.iter().map(mixed).sum()
     }
 }

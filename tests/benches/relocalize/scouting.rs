@@ -1,0 +1,171 @@
+//! Real frames: every clip answered by the other clips of its match.
+
+use super::set::{Set, grown, quantile};
+use super::time::seconds;
+use std::path::Path;
+use touchline::camera::Ptz;
+use touchline::features::{FeatureOptions, extract};
+use touchline::field::FieldModel;
+use touchline::media::load_image;
+use touchline::project::{BaseProblem, Document, observations, read, solve_document};
+use touchline::relocalize::{Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize};
+use touchline::solve::Target;
+use touchline::solve::base::BaseOptions;
+
+/// The matches.
+pub const MATCHES: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
+
+/// A match's frames, solved with the base that the program finds from the clicks itself.
+pub fn document(data: &Path, name: &str) -> Document {
+    let folder = data.join(format!("scouting-{name}"));
+    let mut document = read(&folder.join("clicks.json")).unwrap().1;
+    let camera = document.cameras[0].id.clone();
+    let problem = BaseProblem::of(&document, &camera, &folder).unwrap();
+    let estimate = problem.estimate(&document, &BaseOptions::default()).unwrap();
+    estimate.write_camera(&mut document);
+    solve_document(&mut document, &folder, &|| ()).unwrap();
+    document
+}
+
+/// A frame whose clicks have near and far mixed up throughout: what it says cannot be measured against.
+const MIRRORED: &str = "42ba34_9_2";
+
+/// The solved frames of a set with clicks that can be believed.
+pub fn usable(set: &Set) -> Vec<usize> {
+    let usable = |&frame: &usize| {
+        let frame = &set.document.frames[frame];
+        frame.ptz.is_some() && !frame.name().contains(MIRRORED)
+    };
+    set.all().into_iter().filter(usable).collect()
+}
+
+/// A frame that its own clip has not taught.
+pub struct Answer {
+    pub frame: usize,
+    pub relocalized: Relocalized,
+    /// The median distance of its clicks from their landmarks, px at 1920 px width; infinite without a camera.
+    pub error_px: f64,
+}
+
+/// Every frame of a set answered by a forest of the other clips.
+pub fn answers(set: &Set, field: &FieldModel, train: &TrainOptions, ask: &RelocalizeOptions) -> Vec<Answer> {
+    let usable = usable(set);
+    let mut clips: Vec<_> = usable.iter().map(|&i| set.document.frames[i].clip.clone()).collect();
+    clips.sort();
+    clips.dedup();
+    let mut answers = Vec::new();
+    for clip in clips {
+        let (asked, teachers): (Vec<usize>, Vec<usize>) =
+            usable.iter().copied().partition(|&i| set.document.frames[i].clip == clip);
+        let (samples, seen) = set.samples(&teachers, usize::MAX);
+        let forest = grown(&samples, train);
+        answers.extend(asked.into_iter().map(|frame| answer(set, frame, (&forest, &seen), field, ask)));
+    }
+    answers
+}
+
+pub fn answer(
+    set: &Set,
+    frame: usize,
+    (forest, seen): (&Forest, &SeenRange),
+    field: &FieldModel,
+    ask: &RelocalizeOptions,
+) -> Answer {
+    let relocalized = relocalize(&set.features[frame], forest, seen, &set.base(frame), ask);
+    let error_px = relocalized.pose.as_ref().map_or(f64::INFINITY, |pose| click_error_px(set, frame, pose.ptz, field));
+    Answer { frame, relocalized, error_px }
+}
+
+/// The median distance of a frame's clicks from their landmarks in a camera, px at 1920 px width.
+pub fn click_error_px(set: &Set, frame: usize, ptz: Ptz, field: &FieldModel) -> f64 {
+    let camera = touchline::camera::PtzCamera::new(set.base(frame), ptz);
+    let observed = observations(&set.document.frames[frame], field).unwrap();
+    let mut distances: Vec<f64> = observed
+        .iter()
+        .filter_map(|observation| match observation.target {
+            Target::Landmark(at) => {
+                Some(camera.image_from_world(at).map_or(f64::INFINITY, |image| image.distance_px(observation.image)))
+            }
+            Target::Line(_) => None,
+        })
+        .collect();
+    quantile(&mut distances, 0.5) / set.features[frame].image_size.scale_from_1920()
+}
+
+/// Accuracy and time by resolution and number of features.
+pub fn accuracy(data: &Path) {
+    println!("\n## scouting: every clip answered by the others\n");
+    println!(
+        "| features | match | frames | answered | within 5 / 10 / 20 px of all | wrong (> 20 px) | median px | features + \
+         predict + pose, ms |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    let documents = MATCHES.map(|name| document(data, name));
+    for (max_width_px, max_count) in [(960, 300), (960, 600), (960, 1000), (640, 600), (1920, 1000)] {
+        let options = FeatureOptions { max_width_px, max_count, ..FeatureOptions::default() };
+        let mut all = Vec::new();
+        for (number, name) in MATCHES.iter().enumerate() {
+            let folder = data.join(format!("scouting-{name}"));
+            let set = Set::from_document(documents[number].clone(), &folder, &options);
+            let field = set.document.field.model(&folder).unwrap();
+            let found = answers(&set, &field, &TrainOptions::default(), &RelocalizeOptions::default());
+            let label = format!("{max_count} at {max_width_px} px");
+            row(&label, name, &found, features_ms(&set, &folder, &options));
+            for answer in &found {
+                let name = set.document.frames[answer.frame].name();
+                match &answer.relocalized.pose {
+                    Err(reason) => println!("<!-- {name}: {reason} -->"),
+                    Ok(pose) if answer.error_px > 10.0 => println!(
+                        "<!-- {name}: {:.1} px, confidence {:.3}, {} places, {} inliers -->",
+                        answer.error_px,
+                        pose.confidence,
+                        pose.places,
+                        pose.inliers.len()
+                    ),
+                    Ok(_) => {}
+                }
+            }
+            all.extend(found);
+        }
+        row(&format!("{max_count} at {max_width_px} px"), "**all**", &all, f64::NAN);
+    }
+}
+
+/// What finding the features of a few frames costs on one thread, ms.
+fn features_ms(set: &Set, folder: &Path, options: &FeatureOptions) -> f64 {
+    let masks = &set.document.cameras[0].masks;
+    let frames: Vec<_> = set.document.frames.iter().step_by(set.document.frames.len() / 4).collect();
+    let pictures: Vec<_> = frames.iter().map(|frame| load_image(&frame.image_path(folder).unwrap()).unwrap()).collect();
+    let (_, time_s) = seconds(|| pictures.iter().filter(|picture| extract(picture, masks, options).is_ok()).count());
+    time_s * 1e3 / pictures.len() as f64
+}
+
+fn row(label: &str, name: &str, answers: &[Answer], features_ms: f64) {
+    let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
+    let within = |px: f64| 100.0 * errors.iter().filter(|error| **error <= px).count() as f64 / errors.len() as f64;
+    let given = errors.iter().filter(|error| error.is_finite()).count();
+    let wrong = errors.iter().filter(|error| error.is_finite() && **error > 20.0).count();
+    let within = [within(5.0), within(10.0), within(20.0)];
+    let ms = |of: fn(&Relocalized) -> std::time::Duration| {
+        let mut ms: Vec<f64> = answers.iter().map(|answer| of(&answer.relocalized).as_secs_f64() * 1e3).collect();
+        quantile(&mut ms, 0.5)
+    };
+    println!(
+        "| {label} | {name} | {} | {given} | {:.1} / {:.1} / {:.1} % | {wrong} | {:.2} | {features_ms:.0} + {:.2} + {:.2} |",
+        answers.len(),
+        within[0],
+        within[1],
+        within[2],
+        quantile(&mut errors, 0.5),
+        ms(|answer| answer.predict_time),
+        ms(|answer| answer.pose_time),
+    );
+}
+
+/// Whatever is found, however unsure: what the confidence is fitted to.
+pub fn unsure() -> RelocalizeOptions {
+    RelocalizeOptions {
+        pose: PoseOptions { min_confidence: 0.0, ..PoseOptions::default() },
+        ..RelocalizeOptions::default()
+    }
+}

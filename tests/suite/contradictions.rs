@@ -1,0 +1,86 @@
+//! References that contradict each other are found, and the wrong one named.
+
+use crate::seeded::rng;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline::features::{DESCRIPTOR_BYTES, Descriptor, Features, Keypoint};
+use touchline::geometry::{ImageSize, Vec3};
+use touchline::relocalize::{Contradiction, ContradictionOptions, Reference, contradictions, suspects};
+
+const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+fn scene(rng: &mut Pcg64Mcg) -> Vec<(Descriptor, PanTilt)> {
+    let point = |rng: &mut Pcg64Mcg| {
+        let ray = PanTilt::from_degrees(rng.random_range(-30.0..30.0), rng.random_range(-20.0..-2.0));
+        let bytes: [u8; DESCRIPTOR_BYTES] =
+            std::array::from_fn(|_| (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8);
+        (Descriptor(bytes), ray)
+    };
+    (0..1500).map(|_| point(rng)).collect()
+}
+
+/// What a camera sees of the scene.
+fn picture(scene: &[(Descriptor, PanTilt)], ptz: Ptz, rng: &mut Pcg64Mcg) -> Features {
+    let camera = PtzCamera::new(base(), ptz);
+    let mut features = Features { image_size: SIZE, ..Features::default() };
+    for (descriptor, ray) in scene {
+        let Ok(point) = camera.image_from_ray(*ray) else { continue };
+        if SIZE.contains(point) {
+            features.keypoints.push(Keypoint { point, size_px: 3.0, strength: 1.0 });
+            let noisy = descriptor.0.map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
+            features.descriptors.push(Descriptor(noisy));
+        }
+    }
+    features
+}
+
+/// Six references from left to right, labelled as they look, but for what `mislabel` does.
+fn found(name: &str, mislabel: impl Fn(usize, Ptz) -> Ptz) -> Vec<Contradiction> {
+    let mut rng = rng(name);
+    let scene = scene(&mut rng);
+    let looks = |i: usize| Ptz::from_degrees(-15.0 + 6.0 * i as f64, -10.0, 1800.0 + 200.0 * (i % 3) as f64);
+    let pictures: Vec<Features> = (0..6).map(|i| picture(&scene, looks(i), &mut rng)).collect();
+    let references: Vec<Reference> = pictures
+        .iter()
+        .enumerate()
+        .map(|(i, features)| Reference { features, camera: PtzCamera::new(base(), mislabel(i, looks(i))) })
+        .collect();
+    contradictions(&references, &ContradictionOptions::default())
+}
+
+#[test]
+fn right_labels_agree() {
+    assert_eq!(found("right_labels_agree", |_, ptz| ptz), []);
+}
+
+#[test]
+fn a_wrong_pan_is_found_with_its_size_and_named() {
+    let two_degrees = |i: usize, ptz: Ptz| {
+        if i == 2 { Ptz::from_degrees(ptz.pan.degrees() + 2.0, ptz.tilt.degrees(), ptz.focal_px) } else { ptz }
+    };
+    let found = found("a_wrong_pan_is_found_with_its_size_and_named", two_degrees);
+    assert!(found.len() >= 2 && found.iter().all(|pair| pair.references.contains(&2)), "{found:?}");
+    assert!(found.is_sorted_by(|a, b| a.disagreement_px >= b.disagreement_px));
+    for pair in &found {
+        // 2° are some 70 px at 2000 px of focal length, half as much again at 1920 px width, and more in the corners.
+        assert!((80.0..160.0).contains(&pair.disagreement_px) && pair.shared > 30, "{pair:?}");
+    }
+    assert_eq!(suspects(&found), [2]);
+}
+
+#[test]
+fn a_wrong_focal_length_is_found_and_nothing_is_said_without_common_views() {
+    let longer = |i: usize, ptz: Ptz| Ptz { focal_px: ptz.focal_px * if i == 4 { 1.1 } else { 1.0 }, ..ptz };
+    let found = found("a_wrong_focal_length_is_found", longer);
+    assert!(!found.is_empty() && suspects(&found) == [4], "{found:?}");
+    assert_eq!(contradictions(&[], &ContradictionOptions::default()), []);
+    let nothing = Features { image_size: SIZE, ..Features::default() };
+    let blank = Reference { features: &nothing, camera: PtzCamera::new(base(), Ptz::from_degrees(0.0, -10.0, 2000.0)) };
+    assert_eq!(contradictions(&[blank, blank], &ContradictionOptions::default()), []);
+    assert_eq!(suspects(&[]), [] as [usize; 0]);
+}
