@@ -54,7 +54,7 @@ fn the_size_of_the_field_is_confirmed_in_the_panel() {
     let Some(mut window) = Window::open(1, [1280.0, 1600.0], 1.0) else { return };
     camera_panel(&mut window);
     window.harness.get_by_label("Field size 105 × 68 m is assumed.");
-    window.harness.get_by_label("Length and width reach to the outer edge of the lines.");
+    window.harness.get_by_role_and_label(Role::Image, "Length and width reach to the outer edge of the lines.");
     window.harness.get_by_label("90 to 120 m. IFAB Law 1.3");
     window.harness.get_by_label("Confirm").click();
     window.harness.run_steps(3);

@@ -178,7 +178,7 @@ mod tests {
         let at = ImagePoint::new(500.0, 400.0);
         let mut document = Document::new(FieldSpec::new("soccer"));
         document.cameras.push(Camera::new("main".into(), size).into());
-        let mut frame = Frame::from_image("a.jpg", "main".into(), size);
+        let mut frame = Frame { status: FrameStatus::Draft, ..Frame::from_image("a.jpg", "main".into(), size) };
         frame.clicks.push(Click::landmark("centre_mark".into(), at));
         document.frames.push(frame.into());
         let mut app = App::new(Settings::default());
