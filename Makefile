@@ -8,7 +8,7 @@ RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 lib
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench demo build-packages run-packages
+.PHONY: help run test check bench demo experiments build-packages run-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
@@ -41,6 +41,13 @@ demo: build-packages ## draw projects/demo again
 	rm -rf target/demo-new
 	cargo run --release --quiet -- synth --demo -o target/demo-new
 	rm -rf projects/demo && mv target/demo-new projects/demo
+
+experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments
+	cargo build --release
+	rm -rf target/experiments
+	cargo run --release --quiet -- experiment all -o target/experiments
+	rm -rf tests/experiments && mkdir -p tests/experiments
+	cd target/experiments && cp README.md *-sheet.png $$(ls *.svg | grep -v times) ../../tests/experiments/
 
 build-packages:
 	@.ci/packages $(BUILD_PACKAGES)

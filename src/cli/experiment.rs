@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// The same seed gives the same bytes; what depends on the machine stands apart, in files whose names end with `times`.
 #[derive(clap::Args, Debug)]
 pub struct ExperimentArgs {
-    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, pose, or all.
+    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose, or all.
     #[arg(value_name = "NAME", value_parser = named)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.
@@ -66,7 +66,7 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     let own = own_documents(args, messages)?;
     let chosen: Vec<Experiment> =
         args.experiments.0.iter().copied().filter(|experiment| own.is_none() || experiment.takes_frames()).collect();
-    ensure!(!chosen.is_empty(), "this experiment looks at no frames; --train and --test have no meaning for it");
+    ensure!(!chosen.is_empty(), "this experiment does not look at frames of your own; leave --train and --test away");
     let workshop = Workshop::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own);
     let mut reports = Vec::new();
     for experiment in chosen {

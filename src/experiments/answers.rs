@@ -11,6 +11,8 @@ use std::ops::ControlFlow;
 /// What became of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AskedFrame {
+    /// Which frame of the set.
+    pub frame: usize,
     /// Which split it was asked in.
     pub split: usize,
     /// Its horizontal field of view, degrees.
@@ -26,6 +28,8 @@ pub struct AskedFrame {
 /// The errors of an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundCamera {
+    /// The camera that was found.
+    pub camera: PtzCamera,
     /// `IoU_part`; none where the picture shows nothing of the field.
     pub iou: Option<f64>,
     /// Of rotation, pan, tilt, focal length.
@@ -37,6 +41,7 @@ impl FoundCamera {
     pub fn of(set: &FrameSet, frame: usize, estimate: &PtzCamera) -> Self {
         let known = &set.frames[frame];
         Self {
+            camera: *estimate,
             iou: iou_part(&known.field, &known.truth, estimate, known.features.image_size),
             error: camera_error(&known.truth, estimate),
         }
@@ -59,7 +64,7 @@ pub fn ask(
         let one = |&frame: &usize| {
             let known = &set.frames[frame];
             let view_deg = horizontal_view(known.truth.ptz().focal_px, known.features.image_size).degrees();
-            let mut asked = AskedFrame { split: number, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 };
+            let mut asked = AskedFrame { frame, split: number, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 };
             let Some((forest, seen)) = &forest else { return asked };
             let base = base_of(&known.truth);
             let answer = relocalize(&known.features, forest, seen, &base, asking);

@@ -84,7 +84,7 @@ fn ask_split(set: &FrameSet, number: usize, count: usize, stride: usize, seed: u
         let known = &set.frames[frame];
         let (size, base) = (known.features.image_size, *known.truth.base());
         let view_deg = horizontal_view(known.truth.ptz().focal_px, size).degrees();
-        let blank = AskedFrame { split: number, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 };
+        let blank = AskedFrame { frame, split: number, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 };
         let Some((forest, seen)) = &taught else { return [blank; 3] };
 
         let start = Instant::now();
@@ -103,7 +103,7 @@ fn ask_split(set: &FrameSet, number: usize, count: usize, stride: usize, seed: u
             let pose = pose_from_candidates(&matches, &base, size, &pose_options).ok()?;
             Some(PtzCamera::new(base, pose.ptz))
         });
-        let by_forest = ask_forest(set, frame, (forest, seen), seed, blank);
+        let by_forest = ask_forest(set, frame, (forest, seen), seed, &blank);
         [by_homography, by_neighbours, by_forest]
     };
     let answers: Vec<[AskedFrame; 3]> = asked.par_iter().map(one).collect();
@@ -115,7 +115,7 @@ fn ask_forest(
     frame: usize,
     (forest, seen): (&crate::relocalize::Forest, &SeenRange),
     seed: u64,
-    blank: AskedFrame,
+    blank: &AskedFrame,
 ) -> AskedFrame {
     let known = &set.frames[frame];
     let mut options = RelocalizeOptions::default();
@@ -126,7 +126,7 @@ fn ask_forest(
         FoundCamera::of(set, frame, &camera)
     });
     let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
-    AskedFrame { found, predict_ms: ms(answer.predict_time), pose_ms: ms(answer.pose_time), ..blank }
+    AskedFrame { found, predict_ms: ms(answer.predict_time), pose_ms: ms(answer.pose_time), ..*blank }
 }
 
 /// The feature of a reference that is nearest to one of a picture.

@@ -13,6 +13,8 @@
 
 mod answers;
 mod baselines;
+mod contact_sheet;
+mod descriptors;
 mod evaluation;
 pub mod figure;
 mod options;

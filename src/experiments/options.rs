@@ -2,7 +2,7 @@
 
 use super::figure::FigureError;
 use super::workshop::{Progress, Workshop};
-use super::{Report, baselines, pose, ransac, relocalization, synthetic};
+use super::{Report, baselines, descriptors, pose, ransac, relocalization, synthetic};
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::media::MediaError;
@@ -32,13 +32,15 @@ pub enum Experiment {
     Fov,
     /// Matching to references, nearest neighbours and the forest over the number of references.
     Baselines,
+    /// SIFT against ORB and AKAZE.
+    Descriptors,
     /// With and without distortion in the optimisation.
     Pose,
 }
 
 impl Experiment {
     /// All of them, in the order of the report.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Synthetic,
         Self::Ransac,
         Self::Highlights,
@@ -48,6 +50,7 @@ impl Experiment {
         Self::Trees,
         Self::Fov,
         Self::Baselines,
+        Self::Descriptors,
         Self::Pose,
     ];
 
@@ -64,14 +67,15 @@ impl Experiment {
             Self::Trees => "trees",
             Self::Fov => "fov",
             Self::Baselines => "baselines",
+            Self::Descriptors => "descriptors",
             Self::Pose => "pose",
         }
     }
 
-    /// Whether it looks at frames, which may be a user's own.
+    /// Whether it looks at frames that may be a user's own.
     #[must_use]
     pub const fn takes_frames(self) -> bool {
-        !matches!(self, Self::Synthetic | Self::Ransac)
+        !matches!(self, Self::Synthetic | Self::Ransac | Self::Descriptors)
     }
 
     /// Runs it.
@@ -89,6 +93,7 @@ impl Experiment {
             Self::Trees => relocalization::trees(workshop, progress),
             Self::Fov => relocalization::fov(workshop, progress),
             Self::Baselines => baselines::run(workshop, progress),
+            Self::Descriptors => descriptors::run(workshop, progress),
             Self::Pose => pose::run(workshop, progress),
         }
     }
@@ -160,6 +165,9 @@ pub enum ExperimentError {
         /// What is wrong.
         source: PictureError,
     },
+    /// Frames of a user's own have no drawn pictures to look for other features in.
+    #[error("this experiment looks at drawn frames only; leave --train and --test away")]
+    NoPictures,
     /// The two documents share no camera with solved frames.
     #[error(
         "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"

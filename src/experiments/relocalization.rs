@@ -1,6 +1,7 @@
 //! The forest on sequences: by sequence, by field of view, by gate and by number of trees.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_split, tally_table};
+use super::contact_sheet::contact_sheet;
 use super::figure::{Axis, Figure, Line, Mark, Series};
 use super::sets::FrameSet;
 use super::workshop::Progress;
@@ -29,28 +30,28 @@ fn ask_set(workshop: &Workshop, set: &FrameSet) -> Vec<AskedFrame> {
 
 /// Says what the frames are, so that nobody takes a drawn set for a real one.
 fn introduce(report: &mut Report, set: &FrameSet, words: &str) {
-    report.say(&format!("Frames: {}. {words}", set.title));
+    report.say(&format!("Frames: {}. {} {words}", set.title, set.teaching));
 }
 
 /// Four sequences of 29 frames, each asked of the other three (the paper's `highlights`).
 pub fn highlights(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.highlights(progress)?;
-    let mut report = Report::new("highlights", "Highlights: every sequence asked of the others");
-    introduce(&mut report, set, "The teachers of a sequence are the frames of all others.");
-    sequences(&mut report, workshop, set);
+    let mut report = Report::new("highlights", "Highlights: sequences of one match");
+    introduce(&mut report, set, "");
+    sequences(&mut report, workshop, set)?;
     Ok(report)
 }
 
 /// Two games of 42 and 33 frames, half of them for training (the paper's `worldcup`).
 pub fn worldcup(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.worldcup(progress)?;
-    let mut report = Report::new("worldcup", "World Cup: half of each game teaches the other half");
-    introduce(&mut report, set, "Every other frame teaches; frames are seconds apart.");
-    sequences(&mut report, workshop, set);
+    let mut report = Report::new("worldcup", "World Cup: two games");
+    introduce(&mut report, set, "");
+    sequences(&mut report, workshop, set)?;
     Ok(report)
 }
 
-fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) {
+fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) -> Result<(), ExperimentError> {
     let asked = ask_set(workshop, set);
     report.table("sequences", "By sequence.", tally_table(("sequence", "sequence"), &by_split(set, &asked)));
     let ranges = set.splits.iter().map(|split| ranges_row(set, &split.name, &split.asked));
@@ -72,7 +73,20 @@ fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) {
         values.sort_by(f64::total_cmp);
         times.push(vec![step.into(), quantile(&values, 0.5).into(), quantile(&values, 0.9).into()]);
     }
-    report.time_table("steps-times", "One frame, features found already.", times);
+    report.time_table(
+        "steps-times",
+        "One frame, features found already; other frames were asked at the same time.",
+        times,
+    );
+    if let Some(png) = contact_sheet(set, &asked)? {
+        report.picture(
+            "sheet",
+            "Six frames from the worst to the best: the answer's lines over the picture; from above what the picture shows by the \
+             true camera (blue) and by the answer (orange).",
+            png,
+        );
+    }
+    Ok(())
 }
 
 fn ranges_row(set: &FrameSet, name: &str, frames: &[usize]) -> Vec<Cell> {

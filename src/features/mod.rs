@@ -6,12 +6,14 @@
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
+//! | [`extract_binary`] | ORB and AKAZE, to compare with |
 //!
-//! SIFT is OpenCV's; it is called in one function, and the rest builds without it ([`FeatureError::WithoutOpenCv`] says
+//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it ([`FeatureError::WithoutOpenCv`] says
 //! so by name). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
 //! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
 //! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
 
+mod binary;
 mod cache;
 mod descriptor;
 mod error;
@@ -24,6 +26,7 @@ mod sift;
 #[cfg(feature = "opencv")]
 mod spread;
 
+pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;

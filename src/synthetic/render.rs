@@ -92,7 +92,7 @@ impl Stadium {
                 self.cover(prop, &caster, &sights[y * width..(y + 1) * width], row, y);
             }
         });
-        let movers = props.iter().filter_map(|prop| prop.seen(&caster, &sights, width, self)).collect();
+        let movers = props.par_iter().filter_map(|prop| prop.seen(&caster, &sights, width, self)).collect();
 
         let moves = options.shutter_s > 0.0;
         let exposure = if moves { exposure.moved(camera, options) } else { exposure };

@@ -11,6 +11,9 @@ mod svg;
 mod ticks;
 mod typeface;
 
+pub(super) use raster::{SCALE, painted};
+pub(super) use shape::{Anchor, Drawing, Rgb, Shape};
+
 use thiserror::Error;
 
 /// A diagram with two axes; its legend stands above them, where it hides nothing.

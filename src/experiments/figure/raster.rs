@@ -8,15 +8,21 @@ use image::{ImageFormat, Rgb as Pixel, RgbImage};
 use std::io::Cursor;
 
 /// Pixels for a px of the drawing: 420 px become 992 pixels, 84 mm at 300 dots an inch.
-const SCALE: f64 = 992.0 / 420.0;
+pub const SCALE: f64 = 992.0 / 420.0;
 /// Corners of a drawn circle.
 const CIRCLE_CORNERS: u32 = 24;
 
 /// The drawing as PNG.
 pub fn png(drawing: &Drawing) -> Result<Vec<u8>, FigureError> {
+    painted(drawing, |_| {})
+}
+
+/// The drawing as PNG, over what `before` puts on the white sheet.
+pub fn painted(drawing: &Drawing, before: impl FnOnce(&mut RgbImage)) -> Result<Vec<u8>, FigureError> {
     let typeface = Typeface::load()?;
     let side = |length: f64| (length * SCALE).round().max(1.0) as u32;
     let mut picture = RgbImage::from_pixel(side(drawing.width), side(drawing.height), Pixel([255, 255, 255]));
+    before(&mut picture);
     for shape in &drawing.shapes {
         draw(&mut picture, shape, &typeface);
     }

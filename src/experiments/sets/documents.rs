@@ -43,7 +43,8 @@ pub fn of_documents(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<
             let Some(truth) = document.pointed(frame) else { continue };
             let features = features.map_err(|source| ExperimentError::Picture { frame: frame.name(), source })?;
             let field = document.field_of(frame).model(folder)?;
-            frames.push(KnownFrame { truth, features: (*features.features).clone(), field });
+            let features = (*features.features).clone();
+            frames.push(KnownFrame { truth, features, field, jpeg: None, masks: Vec::new() });
             cameras.push(frame.camera.as_str().to_owned());
         }
         if taught == 0 {
@@ -67,5 +68,6 @@ pub fn of_documents(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<
         return Err(ExperimentError::NothingInCommon);
     }
     let title = format!("own frames, {taught} that teach and {} that are asked", frames.len() - taught);
-    Ok(FrameSet { title, frames, splits })
+    let teaching = "The frames of one document are asked of those of the other, camera by camera.";
+    Ok(FrameSet { title, teaching, frames, splits })
 }

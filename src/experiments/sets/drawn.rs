@@ -3,15 +3,14 @@
 use super::{FrameSet, KnownFrame, Split};
 use crate::camera::PtzCamera;
 use crate::experiments::{ExperimentError, ExperimentOptions};
-use crate::features::{FeatureOptions, extract};
+use crate::features::{FeatureOptions, Features, extract};
 use crate::field::{FieldModel, builtin};
 use crate::geometry::{ImageSize, PixelBox};
-use crate::media::Picture;
+use crate::media::{MediaError, Picture};
 use crate::synthetic::{PathStep, Preset, ShootOptions, Stadium, StadiumOptions, camera_path, stadium};
-use image::codecs::jpeg::{JpegDecoder, JpegEncoder};
+use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbImage};
 use rayon::prelude::*;
-use std::io::Cursor;
 
 /// Seconds between the frames of a sequence like the paper's highlights, and from the start of one to that of the next.
 const HIGHLIGHTS_STEP_S: f64 = 0.8;
@@ -67,6 +66,7 @@ pub fn highlights(
     };
     Ok(FrameSet {
         title: format!("drawn, {sequences} sequences of {frames} frames, {} × {} px", size.width, size.height),
+        teaching: "A sequence is asked of the frames of all others.",
         frames: take(&orders, progress)?,
         splits: (0..sequences).map(split).collect(),
     })
@@ -85,6 +85,7 @@ pub fn worldcup(options: &ExperimentOptions, progress: &(dyn Fn() + Sync)) -> Re
             "drawn, two games of {} and {} frames, {} × {} px",
             counts[0], counts[1], size.width, size.height
         ),
+        teaching: "Every other frame of a game teaches the rest; frames are seconds apart.",
         frames: Vec::new(),
         splits: Vec::new(),
     };
@@ -130,19 +131,22 @@ fn take(orders: &[Order<'_>], progress: &(dyn Fn() + Sync)) -> Result<Vec<KnownF
         let options = order.shoot.frame(order.number, &order.step, order.size, order.seed);
         let drawn = order.scene.render(&order.camera, order.size, &options);
         let masks: Vec<PixelBox> = drawn.movers.iter().map(|mover| mover.area).chain(drawn.score_bug).collect();
-        let picture = through_jpeg(&drawn.image, order.shoot.jpeg_quality)?;
-        let features = extract(&picture, &masks, &FeatureOptions::default())?;
+        let mut jpeg = Vec::new();
+        JpegEncoder::new_with_quality(&mut jpeg, order.shoot.jpeg_quality).encode_image(&drawn.image)?;
+        let field = order.scene.field().clone();
+        let features = Features::default();
+        let mut known = KnownFrame { truth: order.camera, features, field, jpeg: Some(jpeg), masks };
+        if let Some(picture) = known.picture() {
+            known.features = extract(&as_picture(picture)?, &known.masks, &FeatureOptions::default())?;
+        }
         progress();
-        Ok(KnownFrame { truth: order.camera, features, field: order.scene.field().clone() })
+        Ok(known)
     };
     orders.par_iter().map(one).collect()
 }
 
-/// A picture as it comes out of a JPEG file.
-fn through_jpeg(image: &RgbImage, quality: u8) -> Result<Picture, ExperimentError> {
-    let mut bytes = Vec::new();
-    JpegEncoder::new_with_quality(&mut bytes, quality).encode_image(image)?;
-    let decoder = JpegDecoder::new(Cursor::new(bytes))?;
-    let decoded = DynamicImage::from_decoder(decoder)?.into_rgba8();
-    Ok(Picture::new(ImageSize::new(decoded.width(), decoded.height()), decoded.into_raw())?)
+/// A decoded image as a picture.
+pub fn as_picture(image: RgbImage) -> Result<Picture, MediaError> {
+    let rgba = DynamicImage::from(image).into_rgba8();
+    Picture::new(ImageSize::new(rgba.width(), rgba.height()), rgba.into_raw())
 }

@@ -4,12 +4,14 @@ mod documents;
 mod drawn;
 
 pub use documents::{OwnDocuments, of_documents};
-pub use drawn::{highlights, worldcup};
+pub use drawn::{as_picture, highlights, worldcup};
 
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::Features;
 use crate::field::FieldModel;
+use crate::geometry::PixelBox;
 use crate::relocalize::{Samples, SeenRange};
+use image::{ImageFormat, RgbImage};
 
 /// A frame whose camera is known.
 #[derive(Clone, Debug)]
@@ -20,6 +22,18 @@ pub struct KnownFrame {
     pub features: Features,
     /// Its field.
     pub field: FieldModel,
+    /// Its picture as a JPEG file, where it was drawn.
+    pub jpeg: Option<Vec<u8>>,
+    /// Where players and graphics are, px.
+    pub masks: Vec<PixelBox>,
+}
+
+impl KnownFrame {
+    /// Its picture, where it was drawn.
+    pub fn picture(&self) -> Option<RgbImage> {
+        let decoded = image::load_from_memory_with_format(self.jpeg.as_ref()?, ImageFormat::Jpeg).ok()?;
+        Some(decoded.into_rgb8())
+    }
 }
 
 /// Frames, and how they are split.
@@ -27,6 +41,8 @@ pub struct KnownFrame {
 pub struct FrameSet {
     /// What it is, in words: "drawn, …" where it is drawn.
     pub title: String,
+    /// Who teaches whom, in words.
+    pub teaching: &'static str,
     /// The frames.
     pub frames: Vec<KnownFrame>,
     /// Who teaches whom; the frames of one split are of one camera.
