@@ -176,6 +176,25 @@ impl Review {
         }
     }
 
+    /// How many suggestions are accepted together by a choice, how many are left out, and the least certain one's
+    /// probability.
+    #[must_use]
+    pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
+        let (mut taken, mut left_out, mut lowest) = (0, 0, None);
+        for row in self.rows.iter().chain(&self.hidden) {
+            let Some(confidence) = row.confidence.filter(|confidence| *confidence >= choice.threshold) else {
+                continue;
+            };
+            if row.disagrees() && !choice.with_disagreeing {
+                left_out += 1;
+            } else {
+                taken += 1;
+                lowest = Some(lowest.map_or(confidence, |lowest: f64| lowest.min(confidence)));
+            }
+        }
+        (taken, left_out, lowest)
+    }
+
     /// What is accepted together by a choice.
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
@@ -282,7 +301,10 @@ mod tests {
         assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0], 1));
         let bulk = review.bulk(&ReviewChoice { with_disagreeing: true, ..choice });
         assert_eq!((bulk.rows.iter().map(|row| row.frame).collect::<Vec<_>>(), bulk.left_out), (vec![0, 1], 0));
-        assert!(review.bulk(&ReviewChoice { threshold: 1.0, ..choice }).rows.is_empty());
+        assert_eq!(review.bulk_size(&choice), (1, 1, Some(0.97)));
+        let none = ReviewChoice { threshold: 1.0, ..choice };
+        assert!(review.bulk(&none).rows.is_empty());
+        assert_eq!(review.bulk_size(&none), (0, 0, None));
     }
 
     #[test]

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 /// Gaps in pan are told apart by this much, degrees.
 const BIN_DEG: f64 = 10.0;
+/// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
+const BESIDE: usize = 2;
 
 /// What the forest has no answer for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -21,7 +23,7 @@ pub struct Unanswered {
 pub struct LabelNext {
     /// Its place in the document.
     pub frame: usize,
-    /// Where it probably looks, by the frames around it, degrees; none where its shot has no solved frame.
+    /// Where it probably looks, by the frames around it, degrees; none where these do not tell.
     pub pan_deg: Option<f64>,
 }
 
@@ -61,13 +63,15 @@ pub fn unanswered(document: &Document) -> Unanswered {
         let can_be_labelled = |&index: &usize| document.frames[index].is_unanswered_by_view();
         let here: Vec<usize> = shot.iter().copied().filter(can_be_labelled).collect();
         let pans = pans_of(document, &shot);
-        if pans.is_empty() && here.len() > blind.len() {
-            blind.clone_from(&here);
-        }
+        let mut unknown = Vec::new();
         for index in here {
-            if let Some(pan_deg) = pan_between(&pans, index) {
-                by_pan.entry((pan_deg / BIN_DEG).round() as i64).or_default().push((index, pan_deg));
+            match pan_between(&pans, index) {
+                Some(pan_deg) => by_pan.entry((pan_deg / BIN_DEG).round() as i64).or_default().push((index, pan_deg)),
+                None => unknown.push(index),
             }
+        }
+        if unknown.len() > blind.len() {
+            blind = unknown;
         }
     }
     // Of equally large gaps the leftmost: nothing depends on the order of the frames.
@@ -91,7 +95,7 @@ fn pans_of(document: &Document, shot: &[usize]) -> Vec<(usize, f64)> {
     shot.iter().filter_map(solved).collect()
 }
 
-/// Where a frame probably looks: on the way between its solved neighbours, or as the only one does.
+/// Where a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
 fn pan_between(pans: &[(usize, f64)], index: usize) -> Option<f64> {
     let next = pans.partition_point(|&(solved, _)| solved < index);
     let before = next.checked_sub(1).and_then(|before| pans.get(before));
@@ -101,7 +105,9 @@ fn pan_between(pans: &[(usize, f64)], index: usize) -> Option<f64> {
             let turn = Angle::from_degrees(pan_to - pan_from).wrapped().degrees();
             Some(Angle::from_degrees(pan_from + share * turn).wrapped().degrees())
         }
-        (Some(&(_, pan_deg)), None) | (None, Some(&(_, pan_deg))) => Some(pan_deg),
+        (Some(&(beside, pan_deg)), None) | (None, Some(&(beside, pan_deg))) => {
+            (beside.abs_diff(index) <= BESIDE).then_some(pan_deg)
+        }
         (None, None) => None,
     }
 }
@@ -145,6 +151,14 @@ mod tests {
         assert!((next.pan_deg.unwrap() - 40.0).abs() < 1e-9, "{next:?}");
         assert_eq!(document.frames[1].no_answer(), Some("3 of 30."));
         assert_eq!(document.frames[0].no_answer(), None);
+    }
+
+    #[test]
+    fn far_from_the_only_solved_frame_nobody_knows_where_a_frame_looks() {
+        let mut frames = vec![(1, Some(5.0))];
+        frames.extend([(1, None); 9]);
+        assert_eq!(unanswered(&document(&frames)).label_next, Some(LabelNext { frame: 6, pan_deg: None }));
+        assert_eq!(unanswered(&document(&frames[..3])).label_next.unwrap().pan_deg, Some(5.0));
     }
 
     #[test]

@@ -106,17 +106,16 @@ fn unanswered(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// How certain is certain enough, and how many that are.
 fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
-        let bulk = panel.app.review().bulk(&panel.app.session.review);
+        let (taken, left_out, lowest) = panel.app.review().bulk_size(&panel.app.session.review);
         let command = Command::AcceptAllAbove;
-        let says = ui.add(Button::new(format!("Accept {} above…", bulk.rows.len())));
-        let lowest = bulk.rows.first().and_then(|row| row.confidence);
+        let says = ui.add(Button::new(format!("Accept {taken} above…")));
         let lowest = lowest.map_or_else(String::new, |lowest| format!(" The least certain has {}.", percent(lowest)));
         if says.on_hover_text(format!("{}{lowest}", panel.app.settings.keys.tooltip(command))).clicked() {
             panel.actions.push(Action::Command(command));
         }
         threshold(panel, ui);
-        if bulk.left_out > 0 {
-            ui.label(RichText::new(format!("{} disagree", bulk.left_out)).small().color(theme::CAUTION))
+        if left_out > 0 {
+            ui.label(RichText::new(format!("{left_out} disagree")).small().color(theme::CAUTION))
                 .on_hover_text("Certain, but far off the way between the frames before and after: look at each.");
         }
     });
