@@ -8,7 +8,7 @@ use crate::camera::Ptz;
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
-use crate::proposals::Proposal;
+use crate::proposals::{Proposal, UsedFeatures};
 use crate::solve::base::BaseProgress;
 use std::path::{Path, PathBuf};
 
@@ -154,6 +154,8 @@ pub enum Action {
 
     /// What the background trainer is doing and has found out.
     Trainer(Box<TrainerStatus>),
+    /// What the forest made of the shown frame's features.
+    Features(Box<UsedFeatures>),
 
     /// How far the estimation of a base has come.
     BaseProgress(BaseProgress),

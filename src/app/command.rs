@@ -56,6 +56,7 @@ pub enum Command {
     CameraPanel,
     TrainerPanel,
     PauseTrainer,
+    ShowFeatures,
     ReviewPanel,
     EstimateBase,
     UseEstimatedBase,
@@ -169,6 +170,7 @@ rows! {
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
     TrainerPanel, "trainer_panel", View, "Trainer panel", "What the forest learns from, what it is worth, and where a reference is missing.", ["F3"];
     PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "No training and no proposals in the background until it is resumed.", [];
+    ShowFeatures, "show_features", View, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];

@@ -147,7 +147,8 @@ pub fn without_answer(unanswered: &Unanswered) -> Option<String> {
 }
 
 /// Degrees as a person reads them, with a minus that no line breaks at.
-fn whole_degrees(degrees: f64) -> String {
+#[must_use]
+pub fn whole_degrees(degrees: f64) -> String {
     let sign = if degrees.round() < 0.0 { "−" } else { "" };
     format!("{sign}{:.0}°", degrees.round().abs())
 }

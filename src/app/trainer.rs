@@ -1,7 +1,7 @@
 //! The background trainer as the window sees it: what it is doing, what it has found out.
 
 use crate::project::Document;
-use crate::proposals::{Coverage, Quality};
+use crate::proposals::{Coverage, Quality, UsedFeatures};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -12,6 +12,10 @@ pub struct TrainerState {
     pub status: TrainerStatus,
     /// The user has it rest.
     pub paused: bool,
+    /// The features of the shown frame lie over the picture.
+    pub show_features: bool,
+    /// Those of the frame that was looked at last.
+    pub features: Option<UsedFeatures>,
     /// The version of the document that it knows.
     pub(super) told_version: Option<u64>,
     /// The frame that it knows to be shown.
@@ -27,7 +31,7 @@ pub struct TrainerStatus {
     pub references: usize,
     /// Those that teach.
     pub teachers: usize,
-    /// Those that do not: accepted suggestions.
+    /// Those that do not by choice: accepted suggestions. The rest waits for the base of its camera.
     pub withheld: usize,
     /// Teachers that teach nothing, by their frames, and why.
     pub failed: Arc<[(usize, String)]>,
@@ -100,6 +104,8 @@ pub enum TrainerOrder {
     Document(Box<Document>),
     /// The frame that is shown now: its neighbours come first.
     Frame(usize),
+    /// The features of the shown frame are wanted, or not any more.
+    Features(bool),
     /// It rests, or goes on.
     Pause(bool),
 }

@@ -157,6 +157,7 @@ impl Runner {
         actions.extend(reports.into_iter().map(|report| match report {
             TrainerReport::Status(status) => Action::Trainer(status),
             TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
+            TrainerReport::Features(used) => Action::Features(used),
         }));
         let reports = self.saver.as_mut().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));

@@ -8,6 +8,7 @@
 //! | [`AskingOrder`] | which frames the forest is asked for first |
 //! | [`Curriculum`], [`keep_forest`], [`kept_forest`] | what a forest was taught; the forest on disk |
 //! | [`measure`], [`Quality`], [`Coverage`] | references left out and asked for; where a reference is missing |
+//! | [`UsedFeatures`] | what the forest made of a picture's features |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!
 //! The window's trainer and the command line both live on this room; nothing here starts a thread.
@@ -25,6 +26,7 @@ mod proposing;
 mod quality;
 mod store;
 mod teachers;
+mod used_features;
 
 pub use bases::{BaseMismatch, adopt_bases};
 pub use coverage::{Cell, Coverage};
@@ -39,3 +41,4 @@ pub use proposing::{is_open, propose};
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
 pub use teachers::Teachers;
+pub use used_features::{FeatureUse, UsedFeatures};

@@ -72,7 +72,7 @@ impl Quality {
         self.asked.iter().filter(|asked| asked.found.is_some()).count()
     }
 
-    /// The median of the errors of those found, px at 1920 px width.
+    /// The median of the errors of those found, px at 1920 px width; of two in the middle the greater.
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
         let mut errors: Vec<f64> = self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect();

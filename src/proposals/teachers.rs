@@ -31,4 +31,12 @@ impl Teachers {
         }
         found
     }
+
+    /// Those of a document that can teach by now: their camera's base is known and they are solved.
+    #[must_use]
+    pub fn of_solved(document: &Document) -> Self {
+        let mut found = Self::of(document, false);
+        found.frames.retain(|&index| document.pointed(&document.frames[index]).is_some());
+        found
+    }
 }

@@ -94,6 +94,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::CameraPanel => app.session.panel == RightPanel::Camera,
         Command::TrainerPanel => app.session.panel == RightPanel::Trainer,
         Command::PauseTrainer => app.session.trainer.paused,
+        Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == RightPanel::Review,
         Command::Teaches => app.frame().is_some_and(crate::project::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,

@@ -5,10 +5,16 @@
 use divan::{Bencher, black_box};
 use egui::{Context, Event, Key, Modifiers, Pos2, RawInput, Rect, vec2};
 use std::sync::Arc;
+#[cfg(feature = "opencv")]
+use std::time::Duration;
+#[cfg(feature = "opencv")]
+use touchline::app::TrainerOrder;
 use touchline::app::{Action, App, Command, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
+#[cfg(feature = "opencv")]
+use touchline::jobs::{Trainer, TrainerOptions};
 use touchline::project::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};
 
@@ -127,6 +133,70 @@ fn step(bencher: Bencher<'_, '_>) {
             modifiers: Modifiers::NONE,
         }])
     });
+}
+
+/// The same while the trainer learns without a pause: every 20 frames of the window a reference is changed.
+#[cfg(feature = "opencv")]
+#[divan::bench]
+fn step_while_the_trainer_works(bencher: Bencher<'_, '_>) {
+    let mut window = Window::open();
+    let school = School::open();
+    let mut frames = 0;
+    bencher.bench_local(|| {
+        if frames % 20 == 0 {
+            school.change(frames);
+        }
+        frames += 1;
+        black_box(school.trainer.poll());
+        let key = if window.app.session.frame + 1 < FRAMES { Key::Period } else { Key::R };
+        let (physical_key, pressed, repeat) = (None, true, false);
+        window.frame(vec![Event::Key { key, physical_key, pressed, repeat, modifiers: Modifiers::NONE }])
+    });
+}
+
+/// A trainer with references to learn from.
+#[cfg(feature = "opencv")]
+struct School {
+    trainer: Trainer,
+    document: Document,
+    _folder: tempfile::TempDir,
+}
+
+#[cfg(feature = "opencv")]
+impl School {
+    /// References of coloured noise, full of features.
+    fn open() -> Self {
+        const REFERENCES: usize = 24;
+        let size = ImageSize::new(640, 360);
+        let folder = tempfile::tempdir().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        let level = BaseAngles::default().base_from_world();
+        camera.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), level, size.centre()));
+        document.cameras.push(camera.into());
+        for index in 0..REFERENCES {
+            let grain = |x: u32, y: u32| {
+                ((x / 5).wrapping_mul(2_654_435_761) ^ (y / 5 + index as u32).wrapping_mul(40_503)) >> 7
+            };
+            let picture = image::RgbImage::from_fn(size.width, size.height, |x, y| image::Rgb([grain(x, y) as u8; 3]));
+            let name = format!("{index}.png");
+            picture.save(folder.path().join(&name)).unwrap();
+            let mut frame = Frame::from_image(&name, "main".into(), size);
+            frame.status = FrameStatus::Reference;
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(index as f64, -12.0, 800.0), None));
+            document.frames.push(frame.into());
+        }
+        let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
+        let trainer = Trainer::start(folder.path().join("project.json"), options, Arc::new(|| ())).unwrap();
+        Self { trainer, document, _folder: folder }
+    }
+
+    /// A reference is another one now.
+    fn change(&self, number: usize) {
+        let mut document = self.document.clone();
+        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.001 * number as f64, -12.0, 800.0), None));
+        self.trainer.tell(TrainerOrder::Document(Box::new(document)));
+    }
 }
 
 /// The palette lies over everything.

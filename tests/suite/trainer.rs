@@ -27,6 +27,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
             match report {
                 TrainerReport::Status(status) => last = *status,
                 TrainerReport::Proposals(proposals) => proposed.extend(proposals),
+                TrainerReport::Features(_) => panic!("nobody asked for features"),
             }
         }
     }

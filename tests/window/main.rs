@@ -10,5 +10,6 @@ mod labelling;
 mod names;
 mod panels;
 mod review;
+mod trainer;
 mod viewport;
 mod window;

@@ -32,7 +32,7 @@ impl App {
             | C::Keys
             | C::About
             | C::OverlayStyle => None,
-            C::PauseTrainer => self.no_trainer(),
+            C::PauseTrainer | C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
@@ -175,6 +175,7 @@ impl App {
             C::CameraPanel => self.toggle_panel(Panel::Camera),
             C::TrainerPanel => self.toggle_panel(Panel::Trainer),
             C::PauseTrainer => self.pause_trainer(),
+            C::ShowFeatures => self.show_features(),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
             C::GiveToCamera => self.ask_camera(),
             C::ConfirmFieldSize => self.confirm_field_size(),

@@ -46,6 +46,14 @@ impl App {
         self.effects.push(Effect::Trainer(TrainerOrder::Pause(trainer.paused)));
     }
 
+    /// Shows the features of the shown frame, or hides them.
+    pub(super) fn show_features(&mut self) {
+        let trainer = &mut self.session.trainer;
+        trainer.show_features = !trainer.show_features;
+        trainer.features = None;
+        self.effects.push(Effect::Trainer(TrainerOrder::Features(trainer.show_features)));
+    }
+
     /// What is kept of the trainer's state when another document is opened.
     pub(super) fn trainer_for_another(&self) -> TrainerState {
         TrainerState { paused: self.session.trainer.paused, ..TrainerState::default() }

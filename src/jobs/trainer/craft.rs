@@ -7,7 +7,7 @@ use crate::media::FrameReader;
 use crate::project::Document;
 use crate::proposals::{
     Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied,
-    WorkFolder, keep_forest, kept_forest, learn, measure, propose, study,
+    UsedFeatures, WorkFolder, keep_forest, kept_forest, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -36,17 +36,20 @@ pub(super) trait Craft {
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, String>;
 
-    /// What the forest proposes for some frames; fewer where the watch ended it.
+    /// What the forest proposes for some frames; fewer where the watch, which is told how many are done, ended it.
     fn propose(
         &mut self,
         document: &Document,
         frames: &[usize],
         forest: (&ForestModel, u64),
-        watch: &dyn Fn() -> ControlFlow<()>,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
 
     /// What a forest of these teachers is worth; none where it cannot be measured or the watch ended it.
     fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Quality>;
+
+    /// What a forest makes of a frame's features; none where the frame cannot be read.
+    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
 
     /// Why nothing is kept on disk, if so.
     fn not_kept(&self) -> Option<String>;
@@ -141,13 +144,13 @@ impl Craft for Workshop {
         document: &Document,
         frames: &[usize],
         (model, generation): (&ForestModel, u64),
-        watch: &dyn Fn() -> ControlFlow<()>,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
-            if watch().is_break() {
+            if watch(made.len()).is_break() {
                 break;
             }
             let proposals = pictures.each(&mut self.reader, few, |index, _, found| {
@@ -167,6 +170,15 @@ impl Craft for Workshop {
         measure(document, &studied.lessons, &self.options, &self.relocalizing, &|done, of| {
             watch.tell(Doing::Measuring(Share { done, of }))
         })
+    }
+
+    fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {
+        let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+        let used = pictures.each(&mut self.reader, &[frame], |index, _, found| {
+            let used = |found| UsedFeatures::of(document, index, &found, model, &self.relocalizing);
+            ControlFlow::Continue(found.ok().map(used))
+        });
+        used?.pop()?
     }
 
     fn not_kept(&self) -> Option<String> {

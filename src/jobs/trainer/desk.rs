@@ -4,7 +4,7 @@ use super::super::Wake;
 use super::TrainerReport;
 use crate::app::{TrainerOrder, TrainerStatus};
 use crate::project::Document;
-use crate::proposals::Proposal;
+use crate::proposals::{Proposal, UsedFeatures};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -30,6 +30,7 @@ struct State {
     last: TrainerStatus,
     told: Option<Instant>,
     proposals: Vec<Proposal>,
+    features: Option<UsedFeatures>,
 }
 
 /// What the trainer is to go by.
@@ -41,6 +42,8 @@ pub(super) struct Orders {
     pub(super) edition: u64,
     /// The frame that is shown.
     pub(super) frame: usize,
+    /// The features of the shown frame are wanted.
+    pub(super) features: bool,
     /// It rests.
     pub(super) paused: bool,
     /// Counts all orders.
@@ -66,6 +69,10 @@ impl Desk {
                 orders.frame = frame;
                 None
             }
+            TrainerOrder::Features(wanted) => {
+                orders.features = wanted;
+                None
+            }
             TrainerOrder::Pause(paused) => {
                 orders.paused = paused;
                 None
@@ -80,13 +87,14 @@ impl Desk {
     pub(super) fn fetch_reports(&self) -> Vec<TrainerReport> {
         let mut state = self.lock();
         let proposals = std::mem::take(&mut state.proposals);
-        let status = state.status.take();
+        let (status, features) = (state.status.take(), state.features.take());
         drop(state);
         self.changed.notify_all();
         // Those of two forests are two reports: among themselves the later ones would make the earlier ones stale.
         let by_forest = proposals.chunk_by(|a, b| a.generation == b.generation);
         let proposals = by_forest.map(|proposals| TrainerReport::Proposals(proposals.to_vec()));
-        proposals.chain(status.map(|status| TrainerReport::Status(Box::new(status)))).collect()
+        let features = features.map(|used| TrainerReport::Features(Box::new(used)));
+        proposals.chain(features).chain(status.map(|status| TrainerReport::Status(Box::new(status)))).collect()
     }
 
     pub(super) fn stop(&self) {
@@ -137,6 +145,12 @@ impl Desk {
         state.last.clone_from(status);
         state.status = Some(status.clone());
         drop(state);
+        (self.wake)();
+    }
+
+    /// Leaves what was made of features, in place of what was left before.
+    pub(super) fn show_features(&self, used: UsedFeatures) {
+        self.lock().features = Some(used);
         (self.wake)();
     }
 

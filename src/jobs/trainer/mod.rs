@@ -21,7 +21,7 @@ use self::desk::Desk;
 use self::work::Work;
 use super::Wake;
 use crate::app::{TrainerOrder, TrainerStatus};
-use crate::proposals::Proposal;
+use crate::proposals::{Proposal, UsedFeatures};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -52,6 +52,8 @@ pub enum TrainerReport {
     Status(Box<TrainerStatus>),
     /// What the forest proposes.
     Proposals(Vec<Proposal>),
+    /// What the forest made of the shown frame's features.
+    Features(Box<UsedFeatures>),
 }
 
 /// The trainer of an open document. Dropping it ends its thread.

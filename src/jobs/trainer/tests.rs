@@ -5,11 +5,11 @@ use super::craft::{Craft, Learnt};
 use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
-use crate::camera::{PanTilt, Ptz};
+use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
-use crate::geometry::{ImageSize, Mat3};
+use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
-use crate::proposals::{Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Timings};
+use crate::proposals::{Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Timings, UsedFeatures};
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -98,12 +98,12 @@ impl Craft for StandIn {
         document: &Document,
         frames: &[usize],
         (_, generation): (&ForestModel, u64),
-        watch: &dyn Fn() -> ControlFlow<()>,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         match self.begin(Begun::Propose(frames.to_vec())) {
             Let::Panic => panic!("the forest burns"),
             Let::Stopped => {
-                until_stopped(watch);
+                until_stopped(&|| watch(0));
                 Vec::new()
             }
             Let::Well | Let::Fail => {
@@ -122,6 +122,10 @@ impl Craft for StandIn {
                 None
             }
         }
+    }
+
+    fn features(&mut self, _: &Document, frame: usize, _: &ForestModel) -> Option<UsedFeatures> {
+        Some(UsedFeatures { frame, features: Vec::new() })
     }
 
     fn not_kept(&self) -> Option<String> {
@@ -155,6 +159,7 @@ struct Hand {
     woken: Receiver<()>,
     status: TrainerStatus,
     proposals: Vec<Proposal>,
+    features: Vec<usize>,
 }
 
 impl Hand {
@@ -166,7 +171,7 @@ impl Hand {
         let make = move |_| StandIn { begun: begin, orders, confidence };
         let trainer = Trainer::start_with(options, Arc::new(move || wake.send(()).unwrap_or_default()), make).unwrap();
         let (status, proposals) = (TrainerStatus::default(), Vec::new());
-        Self { trainer: Some(trainer), begun, go, woken, status, proposals }
+        Self { trainer: Some(trainer), begun, go, woken, status, proposals, features: Vec::new() }
     }
 
     fn tell(&self, order: TrainerOrder) {
@@ -188,6 +193,7 @@ impl Hand {
             match report {
                 TrainerReport::Status(status) => self.status = *status,
                 TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
+                TrainerReport::Features(used) => self.features.push(used.frame),
             }
         }
     }
@@ -214,7 +220,10 @@ impl Hand {
 /// Frames of which the first few are references.
 fn document(references: usize, others: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
-    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    let mut main = Camera::new("main".into(), SIZE);
+    let level = BaseAngles::default().base_from_world();
+    main.set_base(&CameraBase::new(Vec3::new(0.0, -66.0, 18.0), level, SIZE.centre()));
+    document.cameras.push(main.into());
     for index in 0..references + others {
         let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
         if index < references {
@@ -237,11 +246,13 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     hand.document(&document(2, 28));
     hand.expect(&Begun::Recall, Let::Stopped);
     hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
-    hand.expect(&Begun::Propose(vec![6, 5, 7, 4, 8, 3, 9, 2]), Let::Well);
-    hand.expect(&Begun::Propose(vec![10, 11, 12, 13, 14]), Let::Well);
+    for near in [vec![6, 5, 7, 4], vec![8, 3, 9, 2], vec![10, 11, 12, 13], vec![14]] {
+        hand.expect(&Begun::Propose(near), Let::Well);
+    }
     hand.expect(&Begun::Measure, Let::Well);
-    hand.expect(&Begun::Propose((15..23).collect()), Let::Well);
-    hand.expect(&Begun::Propose((23..30).collect()), Let::Well);
+    for far in [15..19, 19..23, 23..27, 27..30] {
+        hand.expect(&Begun::Propose(far.collect()), Let::Well);
+    }
     hand.until_idle();
     assert_eq!((hand.status.references, hand.status.teachers, hand.status.answered), (2, 2, 28));
     assert_eq!(hand.status.forest.unwrap().generation, 1);
@@ -339,6 +350,42 @@ fn every_stage_can_be_paused_and_taken_up_again() {
 }
 
 #[test]
+fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
+    let mut hand = Hand::start(0.95);
+    hand.document(&document(1, 1));
+    hand.expect(&Begun::Recall, Let::Well);
+    hand.expect(&Begun::Propose(vec![1]), Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+    hand.tell(TrainerOrder::Features(true));
+    hand.woken.recv().unwrap();
+    hand.tell(TrainerOrder::Frame(1));
+    while hand.features.last() != Some(&1) {
+        hand.woken.recv().unwrap();
+        hand.poll();
+    }
+    assert!(hand.features == [0, 1] || hand.features == [1], "{:?}", hand.features);
+    hand.nothing_begun();
+}
+
+#[test]
+fn references_wait_for_the_base_of_their_camera() {
+    let mut hand = Hand::start(0.95);
+    let known = document(2, 0);
+    let mut all = known.clone();
+    all.cameras[0].position_m = None;
+    hand.document(&all);
+    hand.until(|status| status.references == 2);
+    assert_eq!((hand.status.teachers, &hand.status.trouble), (0, &None));
+    hand.nothing_begun();
+    hand.document(&known);
+    hand.expect(&Begun::Recall, Let::Well);
+    hand.expect(&Begun::Measure, Let::Well);
+    hand.until_idle();
+    assert_eq!(hand.status.teachers, 2);
+}
+
+#[test]
 fn every_stage_ends_when_the_trainer_is_dropped() {
     for stages in 0..3 {
         let mut hand = Hand::start(0.95);
@@ -427,8 +474,7 @@ fn the_book_asks_again_for_what_the_document_lost() {
     book.look_at(&undone);
     assert_eq!(wanted(&book, &undone, 1), [1]);
     let mut moved = all.clone();
-    moved.cameras[0].position_m = Some(crate::geometry::Vec3::new(0.0, -60.0, 18.0));
-    moved.cameras[0].base_from_world = Some(Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0));
+    moved.cameras[0].position_m = Some(Vec3::new(0.0, -60.0, 18.0));
     let mut book = Book::default();
     book.enter(&proposal(&all, 2, 1, 0.95));
     book.look_at(&moved);

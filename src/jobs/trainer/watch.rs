@@ -46,7 +46,7 @@ impl<'a> Watch<'a> {
         let Some(Some((edition, document))) = news else { return false };
         *looked_at = edition;
         let Some(document) = document else { return true };
-        let taught = || Curriculum::of(&document, &Teachers::of(&document, false).frames);
+        let taught = || Curriculum::of(&document, &Teachers::of_solved(&document).frames);
         let wanted = match &self.until {
             Until::Done => true,
             Until::Unlearnt(learning) => taught().contains(learning),

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// Frames that are asked for at a time; orders are looked at in between.
-const BATCH: usize = 8;
+const BATCH: usize = 4;
 
 /// Proposals are reported at the latest when there are so many.
 const GATHER_MOST: usize = 64;
@@ -45,6 +45,8 @@ pub(super) struct Work<C> {
     turn_until: Instant,
     book: Book,
     queue: Queue,
+    /// The frame whose features were shown last, and by which forest.
+    shown: Option<(usize, u64)>,
     measured: u64,
     gathered: Vec<Proposal>,
     gathered_since: Instant,
@@ -69,6 +71,7 @@ struct Queue {
 enum Step {
     Recall,
     Learn,
+    ShowFeatures(usize),
     Propose(Vec<usize>),
     Measure,
     /// Wait for an order, but not beyond a time.
@@ -94,6 +97,7 @@ impl<C: Craft> Work<C> {
             turn_until: now,
             book: Book::default(),
             queue: Queue::default(),
+            shown: None,
             measured: 0,
             gathered: Vec::new(),
             gathered_since: now,
@@ -112,6 +116,7 @@ impl<C: Craft> Work<C> {
             match step {
                 Step::Recall => self.recall(),
                 Step::Learn => self.learn(),
+                Step::ShowFeatures(frame) => self.show_features(frame),
                 Step::Propose(frames) => self.propose(&frames),
                 Step::Measure => self.measure(),
                 Step::Wait(doing, until) => {
@@ -131,7 +136,7 @@ impl<C: Craft> Work<C> {
             && let Some(document) = &orders.document
         {
             self.document = document.clone();
-            self.teachers = Teachers::of(document, false);
+            self.teachers = Teachers::of_solved(document);
             let curriculum = Curriculum::of(document, &self.teachers.frames);
             if curriculum != self.curriculum {
                 self.curriculum = curriculum;
@@ -142,6 +147,9 @@ impl<C: Craft> Work<C> {
             (self.status.references, self.status.teachers, self.status.withheld) =
                 (*references, frames.len(), *withheld);
             self.count();
+        }
+        if !orders.features {
+            self.shown = None;
         }
         self.orders = orders;
     }
@@ -172,6 +180,10 @@ impl<C: Craft> Work<C> {
             due = Some(settled.max(turn));
         }
         if serves {
+            let wanted = (self.orders.frame, self.generation);
+            if self.orders.features && self.shown != Some(wanted) && wanted.0 < self.document.frames.len() {
+                return Step::ShowFeatures(wanted.0);
+            }
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.first) {
                 return Step::Propose(frames);
             }
@@ -258,12 +270,10 @@ impl<C: Craft> Work<C> {
 
     fn propose(&mut self, frames: &[usize]) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
-        let share = {
-            let done = self.book.given_by(self.generation);
-            Share { done, of: done + frames.len() + self.queue.first.len() + self.queue.rest.len() }
-        };
+        let done = self.book.given_by(self.generation);
+        let of = done + frames.len() + self.queue.first.len() + self.queue.rest.len();
         let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Done);
-        let asking = || watch.tell(Doing::Proposing(share));
+        let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
         let (document, generation) = (&self.document, self.generation);
         let craft = &mut self.craft;
         let proposed =
@@ -289,6 +299,19 @@ impl<C: Craft> Work<C> {
         self.gathered.extend(proposals);
         if self.gathered.len() >= GATHER_MOST {
             self.hand_over();
+        }
+    }
+
+    /// Somebody looks at the features of a frame.
+    fn show_features(&mut self, frame: usize) {
+        self.shown = Some((frame, self.generation));
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let (craft, document) = (&mut self.craft, &self.document);
+        match catch_unwind(AssertUnwindSafe(|| craft.features(document, frame, &model))) {
+            Ok(Some(used)) => self.desk.show_features(used),
+            // The picture is missing: the viewport says so.
+            Ok(None) => {}
+            Err(panic) => self.status.trouble = Some(broke_down("looking at features", panic.as_ref())),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Where references look, over pan and tilt.
 
+use crate::app::guidance::whole_degrees;
 use crate::camera::PtzCamera;
 use crate::geometry::ImageSize;
 use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
@@ -19,8 +20,7 @@ const OUTSIDE: Color32 = Color32::from_rgb(20, 22, 25);
 /// left out and asked for as dots; the shown frame as an outline.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option<&Quality>) {
     let missing = coverage.missing_pan_deg.map(|pan_deg| {
-        // Adding 0 turns −0 into 0.
-        format!("No reference sees the field near pan {:.0}°: label a frame there.", pan_deg.round() + 0.0)
+        format!("No reference sees the field near pan {}: label a frame there.", whole_degrees(pan_deg))
     });
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let told = missing.clone().unwrap_or_else(|| "References see all of the field.".to_owned());
@@ -40,7 +40,7 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
                the shown frame.";
     response.on_hover_text(tip);
     ui.horizontal(|ui| {
-        let border = |degrees: f64| egui::RichText::new(format!("{degrees:.0}°")).small().color(theme::WEAK);
+        let border = |degrees: f64| egui::RichText::new(whole_degrees(degrees)).small().color(theme::WEAK);
         ui.label(border(*coverage.pan_deg.start()));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.label(border(*coverage.pan_deg.end()));

@@ -96,6 +96,11 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         |count: usize, one: &str, more: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {more}") };
     let teach = count(status.teachers, "reference teaches.", "references teach.");
     ui.label(teach);
+    let waiting = status.references.saturating_sub(status.teachers + status.withheld);
+    if waiting > 0 {
+        let text = count(waiting, "reference waits for its camera's base.", "references wait for their camera's base.");
+        ui.add(Label::new(RichText::new(text).color(theme::CAUTION)).wrap());
+    }
     if status.withheld > 0 {
         let text = count(status.withheld, "accepted suggestion does not teach.", "accepted suggestions do not teach.");
         ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(

@@ -1,6 +1,7 @@
 //! What the forest is worth: references that were left out and asked for.
 
 use crate::app::Action;
+use crate::app::guidance::whole_degrees;
 use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
@@ -62,7 +63,11 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
         )
     };
     let number = write(&says, colour, 90.0);
-    let left = write(&format!("{name}  pan {:.0}°", asked.pan_deg), theme::TEXT, rect.width() - number.size().x - 16.0);
+    let left = write(
+        &format!("{name}  pan {}", whole_degrees(asked.pan_deg)),
+        theme::TEXT,
+        rect.width() - number.size().x - 16.0,
+    );
     let middle = |height: f32| rect.center().y - height / 2.0;
     let number_at = egui::pos2(rect.right() - 4.0 - number.size().x, middle(number.size().y));
     ui.painter().galley(number_at, number, colour);

@@ -3,6 +3,7 @@
 //! [`read`] turns the pointer into actions before anything is drawn, so that the overlay follows a dragged point in the
 //! same frame of the window; [`show`] draws.
 
+mod features;
 mod hints;
 mod labels;
 mod placement;
@@ -171,6 +172,7 @@ fn show_frame(
     canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), layers);
     labels::paint(&painter, placement, overlay.labels());
     trust::propose(panel, ui, &painter, placement);
+    features::show(panel.app, &painter, placement);
     hints::over_picture(panel, ui, placement);
     trust::legend(panel, &painter, placement);
     cursor(panel, ui, placement, hold);

@@ -1,0 +1,56 @@
+//! The features of the shown frame, and what the forest made of them.
+
+use super::{Placement, plate};
+use crate::app::App;
+use crate::proposals::{FeatureUse, UsedFeatures};
+use crate::ui::theme;
+use egui::{Align2, Color32, FontId, Painter, Stroke, vec2};
+
+/// How large a feature is drawn, points.
+const RADIUS: f32 = 2.5;
+
+/// Draws them while they are wanted and known.
+pub fn show(app: &App, painter: &Painter, placement: &Placement) {
+    let trainer = &app.session.trainer;
+    if !trainer.show_features {
+        return;
+    }
+    let visible = placement.rect;
+    let used = trainer.features.as_ref().filter(|used| used.frame == app.session.frame);
+    for (point, used) in used.into_iter().flat_map(|used| &used.features) {
+        let at = placement.screen_from_image(*point);
+        if !visible.expand(RADIUS).contains(at) {
+            continue;
+        }
+        match used {
+            FeatureUse::Kept => painter.circle_filled(at, RADIUS - 1.0, Color32::from_white_alpha(110)),
+            FeatureUse::Matched => painter.circle_stroke(at, RADIUS, Stroke::new(1.2, theme::CAUTION)),
+            FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::GOOD),
+        };
+    }
+    let at = visible.left_bottom() + vec2(10.0, -16.0);
+    let behind = Color32::from_black_alpha(170);
+    plate(painter, at, Align2::LEFT_CENTER, &legend(used), FontId::proportional(12.0), theme::STRONG, behind);
+}
+
+fn legend(used: Option<&UsedFeatures>) -> String {
+    let Some(used) = used else { return "Looking for features…".to_owned() };
+    let [kept, matched, agree] =
+        [FeatureUse::Kept, FeatureUse::Matched, FeatureUse::Agrees].map(|at_least| used.count(at_least));
+    format!("{kept} features (white), {matched} look like the references (yellow), {agree} agree (green)")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImagePoint;
+
+    #[test]
+    fn each_kind_contains_the_next() {
+        let at = ImagePoint::new(1.0, 2.0);
+        let features = [FeatureUse::Kept, FeatureUse::Agrees, FeatureUse::Matched, FeatureUse::Agrees];
+        let used = UsedFeatures { frame: 0, features: features.map(|used| (at, used)).to_vec() };
+        assert_eq!(legend(Some(&used)), "4 features (white), 3 look like the references (yellow), 2 agree (green)");
+        assert_eq!(legend(None), "Looking for features…");
+    }
+}

@@ -1,0 +1,109 @@
+//! The trainer panel: what goes on, what the forest learns from and is worth, where a reference is missing.
+#![cfg(feature = "opencv")]
+
+use crate::window::{Window, truth};
+use egui::{Key, Rect, pos2};
+use egui_kittest::kittest::Queryable as _;
+use std::sync::Arc;
+use std::time::Duration;
+use touchline::app::session::Panel;
+use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus};
+use touchline::proposals::{Cell, Coverage, FoundAgain, LeftOut, LeftOutBy, Quality};
+
+/// What a trainer would say that has learnt from six references on the left.
+fn status() -> TrainerStatus {
+    let cell = |index: usize| {
+        let (column, row) = (index % 10, index / 10);
+        Cell { references: if column < 5 { row as u32 } else { 0 }, field: row > 0 && (1..9).contains(&column) }
+    };
+    let asked = |frame: usize, found: Option<f64>| LeftOut {
+        frame,
+        pan_deg: truth(frame).ptz().pan.degrees(),
+        tilt_deg: -13.0,
+        found: found.map(|error_px| FoundAgain { error_px, confidence: 0.97 }),
+    };
+    TrainerStatus {
+        doing: Doing::Proposing(Share { done: 30, of: 120 }),
+        references: 8,
+        teachers: 6,
+        withheld: 2,
+        failed: vec![(2, "the image changed since it was labelled".to_owned())].into(),
+        forest: Some(ForestFacts {
+            generation: 3,
+            references: 5,
+            features: 4870,
+            trees: 5,
+            leaves: 23_410,
+            took: Some(Duration::from_millis(1340)),
+        }),
+        answered: 27,
+        unanswered: 3,
+        quality: Some(Arc::new(Quality {
+            left_out_by: LeftOutBy::Shot,
+            groups: 3,
+            asked: vec![asked(0, Some(1.4)), asked(3, Some(64.0)), asked(5, None)],
+        })),
+        coverage: Some(Arc::new(Coverage {
+            pan_deg: -60.0..=60.0,
+            tilt_deg: -30.0..=0.0,
+            columns: 10,
+            cells: (0..60).map(cell).collect(),
+            missing_pan_deg: Some(40.2),
+        })),
+        trouble: None,
+        not_kept: None,
+    }
+}
+
+#[test]
+fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
+    let Some(mut window) = Window::open(6, [1280.0, 860.0], 1.0) else { return };
+    window.key(Key::F3);
+    assert_eq!(window.app().session.panel, Panel::Trainer);
+    window.harness.get_by_label("Waits for the first reference.");
+    window.harness.state_mut().apply([Action::Trainer(Box::new(status()))]);
+    window.harness.run_steps(3);
+    for said in [
+        "Proposing cameras: 30 of 120.",
+        "6 references teach.",
+        "2 accepted suggestions do not teach.",
+        "0002.png teaches nothing: the image changed since it was labelled",
+        "27 cameras proposed.",
+        "No reference sees the field near pan 40°: label a frame there.",
+    ] {
+        assert!(window.harness.query_all_by_label(said).next().is_some(), "{said}");
+    }
+    window.harness.get_by_label_contains("2 of 3 references left out");
+    window.harness.get_by_label("proposing 30/120");
+    window.snapshot_of("trainer", Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 836.0)));
+
+    // A reference that was left out leads to its frame.
+    window.harness.get_by_label("0003.png: 64 px").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.frame, 3);
+
+    window.harness.get_by_label("Pause").click();
+    window.harness.run_steps(2);
+    assert!(window.app().session.trainer.paused);
+    window.wait_for(|shell| shell.app().session.trainer.status.doing == Doing::Paused);
+    window.harness.run_steps(2);
+    window.harness.get_by_label("Resume").click();
+    window.harness.run_steps(2);
+    assert!(!window.app().session.trainer.paused);
+    window.key(Key::F3);
+    assert_eq!(window.app().session.panel, Panel::Frame);
+}
+
+#[test]
+fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
+    let Some(mut window) = Window::open(2, [1280.0, 720.0], 1.0) else { return };
+    let trouble = Some("A mistake in this program while learning: the saw broke.".to_owned());
+    let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
+    window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
+    window.harness.run_steps(2);
+    window.harness.get_by_label("trainer: trouble").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.panel, Panel::Trainer);
+    window.harness.get_by_label_contains("the saw broke");
+    assert!(window.app().why_not(Command::PauseTrainer).is_none());
+}
