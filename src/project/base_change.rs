@@ -27,7 +27,7 @@ impl CameraChange {
     #[must_use]
     pub fn told(&self) -> String {
         format!(
-            "The camera stopped fitting at frame {} ({:.0} → {:.0} px).",
+            "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
             grouped(self.frame + 1),
             self.before_px,
             self.after_px

@@ -92,7 +92,7 @@ pub enum Fault {
     },
     /// The base fits the frames before and not those after.
     #[error(
-        "stopped fitting at {frame} ({before_px:.0} → {after_px:.0} px); give the frames from there on to a new camera"
+        "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); give the frames from there on to a new camera"
     )]
     StoppedFitting {
         /// The first frame that does not fit.

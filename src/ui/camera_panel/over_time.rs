@@ -75,7 +75,9 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         area.left() + area.width() * share.clamp(0.0, 1.0) as f32
     };
     let at = |point: &Point| -> Pos2 {
-        pos2(x_of(point.frame), area.bottom() - area.height() * (point.rms_px / highest).min(1.0) as f32)
+        // By the root: a few px stay apart although others are off by fifty.
+        let share = (point.rms_px / highest).clamp(0.0, 1.0).sqrt() as f32;
+        pos2(x_of(point.frame), area.bottom() - area.height() * share)
     };
     painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, theme::LINE));
     painter.text(
