@@ -5,11 +5,12 @@ use super::document::{DocumentArg, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::features::FeatureOptions;
+use crate::features::{Detector, FeatureOptions};
 use crate::media::FrameReader;
 use crate::proposals::{FramePictures, LearnOptions, Teachers, learn, study};
 use crate::relocalize::{CameraForest, TrainOptions};
 use anyhow::ensure;
+use clap::ValueEnum;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -44,12 +45,25 @@ pub struct TrainArgs {
     /// `RootSIFT` instead of plain SIFT.
     #[arg(long)]
     root_sift: bool,
+    /// What finds features; the forest remembers it.
+    #[arg(long, value_enum, default_value_t = DetectorArg::Sift)]
+    detector: DetectorArg,
     /// Where chance starts; the same seed gives the same forest.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replace an existing file.
     #[arg(long)]
     force: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum DetectorArg {
+    /// As in the paper.
+    Sift,
+    /// Corners and bits: faster, for comparison.
+    Orb,
+    /// Bits from a non-linear scale space, for comparison.
+    Akaze,
 }
 
 /// Carries out the command.
@@ -117,6 +131,11 @@ impl TrainArgs {
                 max_count: self.features,
                 max_width_px: self.max_width,
                 root_sift: self.root_sift,
+                detector: match self.detector {
+                    DetectorArg::Sift => Detector::Sift,
+                    DetectorArg::Orb => Detector::Orb,
+                    DetectorArg::Akaze => Detector::Akaze,
+                },
             },
             train: TrainOptions {
                 trees: self.trees,

@@ -1,6 +1,6 @@
 //! ORB and AKAZE, to compare SIFT with; nothing else lives on them. The boundary to OpenCV's detectors of this kind.
 
-use super::{FeatureError, Keypoint};
+use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::Picture;
 
@@ -31,6 +31,21 @@ impl BinaryDescriptor {
             words[at / 8] |= u64::from(*byte) << (8 * (at % 8));
         }
         Self { bits: words }
+    }
+
+    /// 128 of its bits as bytes, so that one forest serves all features: ORB's first, which are those that its authors
+    /// found to vary most, and AKAZE's evenly. What a bit counts makes a quarter of them the gate of SIFT (0.2).
+    #[must_use]
+    pub fn as_bytes(&self, kind: BinaryKind) -> Descriptor {
+        const SET: u8 = 40;
+        let step = match kind {
+            BinaryKind::Orb => 1.0,
+            BinaryKind::Akaze => f64::from(kind.bits()) / DESCRIPTOR_BYTES as f64,
+        };
+        Descriptor(std::array::from_fn(|at| {
+            let bit = (at as f64 * step) as usize;
+            if self.bits[bit / 64] >> (bit % 64) & 1 == 1 { SET } else { 0 }
+        }))
     }
 
     /// How many bits differ.
@@ -107,7 +122,7 @@ pub fn extract_binary(
 }
 
 #[cfg(feature = "opencv")]
-mod opencv_calls {
+pub(super) mod opencv_calls {
     use super::{BinaryDescriptor, BinaryKind};
     use crate::features::Keypoint;
     use crate::features::grey::GreyPicture;
@@ -119,31 +134,47 @@ mod opencv_calls {
     /// From OpenCV's keypoint, which counts from the first pixel's centre, to corner coordinates.
     const CORNER_FROM_OPENCV: f64 = 0.5;
 
+    /// ORB's pyramid shrinks by this factor a level. A level's coordinates are multiplied by its scale without the half
+    /// pixel, so that the half pixel grows with the level.
+    const ORB_SCALE: f32 = 1.2;
+
+    /// Pictures with a shorter side give no features: the patches are larger.
+    const MIN_SIDE_PX: u32 = 64;
+
     /// All features with OpenCV's own settings; of ORB's at most `limit`, which it asks for.
     pub fn detect(
         grey: &GreyPicture,
         kind: BinaryKind,
         limit: usize,
     ) -> opencv::Result<Vec<(Keypoint, BinaryDescriptor)>> {
+        if grey.size.width.min(grey.size.height) < MIN_SIDE_PX {
+            return Ok(Vec::new());
+        }
+        crate::features::sift::use_one_thread();
         let image = Mat::new_rows_cols_with_bytes::<u8>(grey.size.height as i32, grey.size.width as i32, &grey.values)?;
         let mut keypoints = Vector::<KeyPoint>::new();
         let mut descriptors = Mat::default();
         match kind {
             BinaryKind::Orb => {
                 let limit = limit.min(i32::MAX as usize) as i32;
-                let mut orb: Ptr<ORB> = ORB::create(limit, 1.2, 8, 31, 0, 2, ORB_ScoreType::HARRIS_SCORE, 31, 20)?;
+                let mut orb: Ptr<ORB> =
+                    ORB::create(limit, ORB_SCALE, 8, 31, 0, 2, ORB_ScoreType::HARRIS_SCORE, 31, 20)?;
                 orb.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
             }
             BinaryKind::Akaze => {
-                let (kind, spread) = (AKAZE_DescriptorType::DESCRIPTOR_MLDB, KAZE_DiffusivityType::DIFF_PM_G2);
-                let mut akaze: Ptr<AKAZE> = AKAZE::create(kind, 0, 3, 0.001, 4, 4, spread)?;
+                let (bits, spread) = (AKAZE_DescriptorType::DESCRIPTOR_MLDB, KAZE_DiffusivityType::DIFF_PM_G2);
+                let mut akaze: Ptr<AKAZE> = AKAZE::create(bits, 0, 3, 0.001, 4, 4, spread)?;
                 akaze.detect_and_compute(&image, &no_array(), &mut keypoints, &mut descriptors, false)?;
             }
         }
         let mut found = Vec::with_capacity(keypoints.len());
         for (row, keypoint) in keypoints.iter().enumerate() {
             let at = keypoint.pt();
-            let point = ImagePoint::new(f64::from(at.x) + CORNER_FROM_OPENCV, f64::from(at.y) + CORNER_FROM_OPENCV);
+            let half_px = match kind {
+                BinaryKind::Orb => CORNER_FROM_OPENCV * f64::from(ORB_SCALE).powi(keypoint.octave()),
+                BinaryKind::Akaze => CORNER_FROM_OPENCV,
+            };
+            let point = ImagePoint::new(f64::from(at.x) + half_px, f64::from(at.y) + half_px);
             let descriptor = BinaryDescriptor::from_bytes(descriptors.at_row::<u8>(row as i32)?);
             found.push((Keypoint { point, size_px: keypoint.size(), strength: keypoint.response() }, descriptor));
         }
@@ -154,6 +185,15 @@ mod opencv_calls {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_quarter_of_the_bits_is_the_gate() {
+        let [none, quarter] = [0, 0b0001_0001].map(|byte| BinaryDescriptor::from_bytes(&[byte; 64]));
+        for kind in [BinaryKind::Orb, BinaryKind::Akaze] {
+            let distance = none.as_bytes(kind).squared_distance(&quarter.as_bytes(kind));
+            assert!((distance - 0.2).abs() < 0.05, "{kind:?}: {distance}");
+        }
+    }
 
     #[test]
     fn bits_that_differ_are_counted() {

@@ -40,7 +40,8 @@ impl FeatureKey {
         let mut digest = Sha256::new();
         digest.update(VERSION.to_le_bytes());
         digest.update(picture_sha256.as_bytes());
-        for number in [options.max_count, options.max_width_px, u32::from(options.root_sift)] {
+        let FeatureOptions { max_count, max_width_px, root_sift, detector } = *options;
+        for number in [max_count, max_width_px, u32::from(root_sift), detector.code()] {
             digest.update(number.to_le_bytes());
         }
         for mask in masks {
@@ -174,6 +175,7 @@ fn decode(file: &[u8]) -> Option<Features> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::features::Detector;
 
     fn features(count: u8) -> Features {
         Features {
@@ -196,9 +198,11 @@ mod tests {
         assert_eq!(cache.get(&key), Some(features(3)));
         let mask = PixelBox { x: 1.0, y: 2.0, width: 3.0, height: 4.0 };
         let root = FeatureOptions { root_sift: true, ..options };
+        let orb = FeatureOptions { detector: Detector::Orb, ..options };
         for other in [
             FeatureKey::new("abd", &options, &[]),
             FeatureKey::new("abc", &root, &[]),
+            FeatureKey::new("abc", &orb, &[]),
             FeatureKey::new("abc", &options, &[mask]),
         ] {
             assert_ne!(other, key);

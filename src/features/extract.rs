@@ -1,5 +1,7 @@
 //! A picture's features: found, masked, capped.
 
+#[cfg(feature = "opencv")]
+use super::{BinaryKind, Detector};
 use super::{Descriptor, FeatureError, FeatureOptions};
 use crate::geometry::{ImagePoint, ImageSize, PixelBox};
 use crate::media::Picture;
@@ -44,7 +46,7 @@ impl Features {
 #[cfg(feature = "opencv")]
 const SURPLUS: u32 = 2;
 
-/// The SIFT features of a picture whose centres lie in none of the `masks` (px of the full picture).
+/// The features of a picture whose centres lie in none of the `masks` (px of the full picture).
 ///
 /// # Errors
 /// The program was built without OpenCV, or OpenCV refused. A picture without texture has no features, and no error.
@@ -54,28 +56,50 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
     let factor = options.reduction(image_size.width);
     let grey = super::grey::grey_reduced(picture, factor);
     let limit = f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
-    let found =
-        super::sift::sift(&grey, limit.min(f64::from(i32::MAX)) as u32).map_err(|error| FeatureError::OpenCv {
-            width: image_size.width,
-            height: image_size.height,
-            reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
-        })?;
+    let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| FeatureError::OpenCv {
+        width: image_size.width,
+        height: image_size.height,
+        reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+    })?;
     let full_px = f64::from(factor);
-    let (keypoints, values): (Vec<_>, Vec<_>) = found
+    let (keypoints, descriptors): (Vec<_>, Vec<_>) = found
         .into_iter()
-        .map(|(reduced, values)| {
+        .map(|(reduced, descriptor)| {
             let point = ImagePoint::new(reduced.point.x * full_px, reduced.point.y * full_px);
-            (Keypoint { point, size_px: reduced.size_px * factor as f32, ..reduced }, values)
+            (Keypoint { point, size_px: reduced.size_px * factor as f32, ..reduced }, descriptor)
         })
         .filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)))
         .unzip();
     let kept = super::spread::spread(&keypoints, image_size, options.max_count as usize);
-    let describe = if options.root_sift { Descriptor::root } else { Descriptor::plain };
     Ok(Features {
         image_size,
         keypoints: kept.iter().map(|&index| keypoints[index]).collect(),
-        descriptors: kept.iter().map(|&index| describe(&values[index])).collect(),
+        descriptors: kept.iter().map(|&index| descriptors[index]).collect(),
     })
+}
+
+/// What the detector finds in a grey picture: about `limit` keypoints in its px, and their descriptors.
+#[cfg(feature = "opencv")]
+fn found(
+    grey: &super::grey::GreyPicture,
+    limit: u32,
+    options: &FeatureOptions,
+) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
+    match options.detector {
+        Detector::Sift => {
+            let describe = if options.root_sift { Descriptor::root } else { Descriptor::plain };
+            let found = super::sift::sift(grey, limit)?;
+            Ok(found.into_iter().map(|(keypoint, values)| (keypoint, describe(&values))).collect())
+        }
+        Detector::Orb => bits(grey, limit, BinaryKind::Orb),
+        Detector::Akaze => bits(grey, limit, BinaryKind::Akaze),
+    }
+}
+
+#[cfg(feature = "opencv")]
+fn bits(grey: &super::grey::GreyPicture, limit: u32, kind: BinaryKind) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
+    let found = super::binary::opencv_calls::detect(grey, kind, limit as usize)?;
+    Ok(found.into_iter().map(|(keypoint, descriptor)| (keypoint, descriptor.as_bytes(kind))).collect())
 }
 
 /// The share of a picture that no mask covers, at least a tenth: what is found there must make up for the rest.
@@ -87,7 +111,7 @@ fn open_share(masks: &[PixelBox], size: ImageSize) -> f64 {
     (1.0 - covered / (width * height)).max(0.1)
 }
 
-/// The SIFT features of a picture; this program was built without OpenCV and has none.
+/// The features of a picture; this program was built without OpenCV and has none.
 ///
 /// # Errors
 /// Always [`FeatureError::WithoutOpenCv`].

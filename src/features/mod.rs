@@ -2,11 +2,11 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | [`extract`] | SIFT of a picture, outside its masks, spread over it |
+//! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
-//! | [`extract_binary`] | ORB and AKAZE, to compare with |
+//! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
 //!
 //! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it ([`FeatureError::WithoutOpenCv`] says
 //! so by name). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
@@ -31,4 +31,4 @@ pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
 pub use extract::{Features, Keypoint, extract};
-pub use options::FeatureOptions;
+pub use options::{Detector, FeatureOptions};

@@ -1,5 +1,34 @@
 //! How features are looked for.
 
+/// What finds and describes features.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Detector {
+    /// SIFT (Lowe, 2004), as in the paper.
+    #[default]
+    Sift,
+    /// ORB (Rublee and others, 2011): corners and bits, much faster, for comparison.
+    Orb,
+    /// AKAZE (Alcantarilla and others, 2013): bits from a non-linear scale space, for comparison.
+    Akaze,
+}
+
+impl Detector {
+    /// All of them, by the number that files hold for them.
+    pub const ALL: [Self; 3] = [Self::Sift, Self::Orb, Self::Akaze];
+
+    /// The number that files hold for it.
+    #[must_use]
+    pub const fn code(self) -> u32 {
+        self as u32
+    }
+
+    /// The detector of a number; none where there is no such.
+    #[must_use]
+    pub fn from_code(code: u32) -> Option<Self> {
+        Self::ALL.get(code as usize).copied()
+    }
+}
+
 /// How features are looked for. Forests remember theirs: what was learned at one setting is asked at the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FeatureOptions {
@@ -11,11 +40,13 @@ pub struct FeatureOptions {
     /// `RootSIFT`: the square root of the histograms' shares, so that Euclidean distances are Hellinger distances
     /// (Arandjelović and Zisserman, CVPR 2012). Plain by default, as in the paper.
     pub root_sift: bool,
+    /// What finds them. SIFT by default.
+    pub detector: Detector,
 }
 
 impl Default for FeatureOptions {
     fn default() -> Self {
-        Self { max_count: 1000, max_width_px: 1280, root_sift: false }
+        Self { max_count: 1000, max_width_px: 1280, root_sift: false, detector: Detector::Sift }
     }
 }
 

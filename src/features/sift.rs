@@ -21,7 +21,13 @@ const EDGE: f64 = 10.0;
 const SIGMA: f64 = 1.6;
 
 /// Frames are the unit of parallelism: OpenCV's own threads would only get in each other's way.
-static ONE_THREAD: Once = Once::new();
+pub(super) fn use_one_thread() {
+    static ONE_THREAD: Once = Once::new();
+    ONE_THREAD.call_once(|| {
+        // A failure leaves OpenCV's default, which is only slower.
+        let _ = opencv::core::set_num_threads(1);
+    });
+}
 
 /// The strongest `limit` SIFT keypoints of a grey picture and their descriptors, in OpenCV's numbers (0 to 255).
 pub(super) fn sift(grey: &GreyPicture, limit: u32) -> opencv::Result<Vec<(Keypoint, [f32; DESCRIPTOR_BYTES])>> {
@@ -29,10 +35,7 @@ pub(super) fn sift(grey: &GreyPicture, limit: u32) -> opencv::Result<Vec<(Keypoi
     if limit == 0 || width.min(height) < MIN_SIDE_PX {
         return Ok(Vec::new());
     }
-    ONE_THREAD.call_once(|| {
-        // A failure leaves OpenCV's default, which is only slower.
-        let _ = opencv::core::set_num_threads(1);
-    });
+    use_one_thread();
     let image = Mat::new_rows_cols_with_bytes::<u8>(height as i32, width as i32, &grey.values)?;
     let mut sift = SIFT::create(limit.min(i32::MAX as u32) as i32, LAYERS, CONTRAST, EDGE, SIGMA)?;
     let mut keypoints = Vector::<KeyPoint>::new();

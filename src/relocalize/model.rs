@@ -2,14 +2,14 @@
 
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
 use crate::camera::Ptz;
-use crate::features::FeatureOptions;
+use crate::features::{Detector, FeatureOptions};
 use std::ops::RangeInclusive;
 
 /// How a forest file begins.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
 /// The version that is read and written.
-pub const FOREST_VERSION: u32 = 2;
+pub const FOREST_VERSION: u32 = 3;
 
 /// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,7 +76,8 @@ impl ForestModel {
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut body = Vec::new();
         text(&mut body, &self.document);
-        for number in [self.features.max_count, self.features.max_width_px, u32::from(self.features.root_sift)] {
+        let FeatureOptions { max_count, max_width_px, root_sift, detector } = self.features;
+        for number in [max_count, max_width_px, u32::from(root_sift), detector.code()] {
             body.extend(number.to_le_bytes());
         }
         body.extend((self.cameras.len() as u32).to_le_bytes());
@@ -131,6 +132,8 @@ impl ForestModel {
                 1 => true,
                 _ => return Err(ForestFileError::Damaged { what: "its kind of features is not known" }),
             },
+            detector: Detector::from_code(body.u32()?)
+                .ok_or(ForestFileError::Damaged { what: "its detector of features is not known" })?,
         };
         let count = body.count(1)?;
         let cameras = (0..count).map(|_| camera(&mut body)).collect::<Result<_, _>>()?;

@@ -3,7 +3,7 @@
 
 use crate::seeded::rng;
 use rand::RngExt;
-use touchline::features::{FeatureOptions, extract};
+use touchline::features::{Detector, FeatureOptions, extract};
 use touchline::geometry::{ImagePoint, ImageSize, PixelBox};
 use touchline::media::Picture;
 
@@ -71,12 +71,36 @@ fn a_mirrored_picture_has_its_features_mirrored() {
 }
 
 #[test]
+fn other_detectors_are_as_unbiased_and_find_their_features_again() {
+    for (detector, limit_px) in [(Detector::Orb, 0.3), (Detector::Akaze, 0.1)] {
+        let options = FeatureOptions { detector, ..FeatureOptions::default() };
+        let bias = mirror_bias(&options);
+        assert!(bias.abs() < limit_px, "{detector:?}: {bias} px");
+        let (picture, _) = textured(320, 240);
+        let darker = picture.rgba().iter().map(|&value| (f32::from(value) * 0.9) as u8).collect();
+        let darker = Picture::new(picture.size(), darker).unwrap();
+        let [one, other] = [&picture, &darker].map(|picture| extract(picture, &[], &options).unwrap());
+        let near = |at: usize| {
+            let distances = other.descriptors.iter().map(|known| one.descriptors[at].squared_distance(known));
+            let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
+            nearest.1 < 0.2 && one.keypoints[at].point.distance_px(other.keypoints[nearest.0].point) < 2.0
+        };
+        let again = (0..one.len()).filter(|&at| near(at)).count();
+        assert!(again * 2 > one.len(), "{detector:?}: {again} of {}", one.len());
+    }
+}
+
+#[test]
 fn masks_and_the_cap_are_kept() {
     let (picture, _) = textured(320, 240);
-    let options = FeatureOptions { max_count: 20, ..FeatureOptions::default() };
     let mask = PixelBox { x: 0.0, y: 0.0, width: 160.0, height: 240.0 };
+    let uncapped = extract(&picture, &[mask], &FeatureOptions::default()).unwrap();
+    assert!(uncapped.keypoints.iter().all(|keypoint| keypoint.point.x >= 160.0));
+    // What a mask covers is made up for elsewhere: half as many as there are can still be had in full.
+    let max_count = uncapped.len() as u32 / 2;
+    let options = FeatureOptions { max_count, ..FeatureOptions::default() };
     let features = extract(&picture, &[mask], &options).unwrap();
-    assert_eq!((features.len(), features.descriptors.len()), (20, 20));
+    assert_eq!((features.len(), features.descriptors.len()), (max_count as usize, max_count as usize));
     assert!(features.keypoints.iter().all(|keypoint| keypoint.point.x >= 160.0));
     let everything = PixelBox { width: 320.0, ..mask };
     assert!(extract(&picture, &[everything], &options).unwrap().is_empty());

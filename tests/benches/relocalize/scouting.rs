@@ -71,7 +71,13 @@ pub fn answer(
     field: &FieldModel,
     ask: &RelocalizeOptions,
 ) -> Answer {
-    let relocalized = relocalize(&set.features[frame], forest, seen, &set.base(frame), ask);
+    let asked = || relocalize(&set.features[frame], forest, seen, &set.base(frame), ask);
+    let mut relocalized = asked();
+    // The answer is the same each time; the least time is what it costs without other programs.
+    for again in [asked(), asked()] {
+        relocalized.predict_time = relocalized.predict_time.min(again.predict_time);
+        relocalized.pose_time = relocalized.pose_time.min(again.pose_time);
+    }
     let error_px = relocalized.pose.as_ref().map_or(f64::INFINITY, |pose| click_error_px(set, frame, pose.ptz, field));
     Answer { frame, relocalized, error_px }
 }
@@ -103,14 +109,16 @@ pub fn accuracy(data: &Path) {
     let documents = MATCHES.map(|name| document(data, name));
     for (max_width_px, max_count) in [(960, 300), (960, 600), (960, 1000), (640, 600), (1920, 1000)] {
         let options = FeatureOptions { max_width_px, max_count, ..FeatureOptions::default() };
-        let mut all = Vec::new();
+        let (mut all, mut features_time_ms) = (Vec::new(), 0.0);
         for (number, name) in MATCHES.iter().enumerate() {
             let folder = data.join(format!("scouting-{name}"));
             let set = Set::from_document(documents[number].clone(), &folder, &options);
             let field = set.document.field.model(&folder).unwrap();
             let found = answers(&set, &field, &TrainOptions::default(), &RelocalizeOptions::default());
             let label = format!("{max_count} at {max_width_px} px");
-            row(&label, name, &found, features_ms(&set, &folder, &options));
+            let features_ms = features_ms(&set, &folder, &options);
+            features_time_ms += features_ms;
+            row(&label, name, &found, features_ms);
             for answer in &found {
                 let name = set.document.frames[answer.frame].name();
                 match &answer.relocalized.pose {
@@ -127,7 +135,7 @@ pub fn accuracy(data: &Path) {
             }
             all.extend(found);
         }
-        row(&format!("{max_count} at {max_width_px} px"), "**all**", &all, f64::NAN);
+        row(&format!("{max_count} at {max_width_px} px"), "**all**", &all, features_time_ms / MATCHES.len() as f64);
     }
 }
 
