@@ -1,7 +1,7 @@
 //! The background trainer as the window sees it: what it is doing, what it has found out.
 
 use crate::project::Document;
-use crate::proposals::{Coverage, Quality, UsedFeatures};
+use crate::proposals::{Coverage, Quality, Suspect, UsedFeatures};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -43,6 +43,8 @@ pub struct TrainerStatus {
     pub unanswered: usize,
     /// What it is worth.
     pub quality: Option<Arc<Quality>>,
+    /// References whose labels contradict others.
+    pub suspects: Arc<[Suspect]>,
     /// Where references look and where one is missing.
     pub coverage: Option<Arc<Coverage>>,
     /// What went wrong: one line.

@@ -8,6 +8,7 @@
 //! | [`AskingOrder`] | which frames the forest is asked for first |
 //! | [`Curriculum`], [`keep_forest`], [`kept_forest`] | what a forest was taught; the forest on disk |
 //! | [`measure`], [`Quality`], [`Coverage`] | references left out and asked for; where a reference is missing |
+//! | [`find_suspects`] | references whose labels contradict others |
 //! | [`UsedFeatures`] | what the forest made of a picture's features |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!
@@ -25,6 +26,7 @@ mod proposal;
 mod proposing;
 mod quality;
 mod store;
+mod suspects;
 mod teachers;
 mod used_features;
 
@@ -40,5 +42,6 @@ pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings};
 pub use proposing::{is_open, propose};
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, WRONG_PX, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
+pub use suspects::{Suspect, find_suspects};
 pub use teachers::Teachers;
 pub use used_features::{FeatureUse, UsedFeatures};

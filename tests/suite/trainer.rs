@@ -12,6 +12,7 @@ use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::jobs::{Trainer, TrainerOptions, TrainerReport};
 use touchline::project::{Document, document_from_bytes};
 use touchline::proposals::{Proposal, WorkFolder};
+use touchline::relocalize::TrainOptions;
 
 /// Lets a trainer do all that it has to do with a document.
 fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
@@ -49,7 +50,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     let (status, proposals) = session(&file, &document);
     assert_eq!((status.references, status.teachers, status.trouble), (5, 5, None));
     let facts = status.forest.unwrap();
-    assert_eq!((facts.references, facts.trees), (5, 5));
+    assert_eq!((facts.references, facts.trees), (5, TrainOptions::default().trees as usize));
     assert!(facts.took.is_some() && facts.features > 100 && facts.leaves > 100, "{facts:?}");
     assert!(status.quality.is_some_and(|quality| quality.asked.len() == 5));
     assert!(status.coverage.is_some());

@@ -43,6 +43,7 @@ fn status() -> TrainerStatus {
             groups: 3,
             asked: vec![asked(0, Some(1.4)), asked(3, Some(64.0)), asked(5, None)],
         })),
+        suspects: Vec::new().into(),
         coverage: Some(Arc::new(Coverage {
             pan_deg: -60.0..=60.0,
             tilt_deg: -30.0..=0.0,

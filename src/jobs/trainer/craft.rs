@@ -6,8 +6,8 @@ use crate::app::{Doing, Share};
 use crate::media::FrameReader;
 use crate::project::Document;
 use crate::proposals::{
-    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied,
-    UsedFeatures, WorkFolder, keep_forest, kept_forest, learn, measure, propose, study,
+    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied, Suspect,
+    UsedFeatures, WorkFolder, find_suspects, keep_forest, kept_forest, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -45,8 +45,8 @@ pub(super) trait Craft {
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
 
-    /// What a forest of these teachers is worth; none where it cannot be measured or the watch ended it.
-    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Quality>;
+    /// What a forest of these teachers is worth, and which of them contradict others; none where the watch ended it.
+    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Measured>;
 
     /// What a forest makes of a frame's features; none where the frame cannot be read.
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
@@ -65,6 +65,14 @@ pub(super) struct Learnt {
     pub(super) features: usize,
     /// Teachers that teach nothing, and why.
     pub(super) failed: Vec<(usize, String)>,
+}
+
+/// What references and their forest are worth.
+pub(super) struct Measured {
+    /// What the forest finds; none where there is nothing to leave out.
+    pub(super) quality: Option<Quality>,
+    /// References whose labels contradict others.
+    pub(super) suspects: Vec<Suspect>,
 }
 
 /// The real workshop.
@@ -165,11 +173,14 @@ impl Craft for Workshop {
         made
     }
 
-    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Quality> {
+    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         let studied = self.study(document, teachers, watch)?;
-        measure(document, &studied.lessons, &self.options, &self.relocalizing, &|done, of| {
+        let comparing = || watch.tell(Doing::Measuring(Share::default()));
+        let suspects = find_suspects(document, &studied.lessons, &comparing)?;
+        let quality = measure(document, &studied.lessons, &self.options, &self.relocalizing, &|done, of| {
             watch.tell(Doing::Measuring(Share { done, of }))
-        })
+        });
+        watch.is_wanted().then_some(Measured { quality, suspects })
     }
 
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures> {

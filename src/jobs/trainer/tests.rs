@@ -1,7 +1,7 @@
 //! The trainer with a craft that the test holds by the hand: it says what it begins and goes on when told so.
 
 use super::book::Book;
-use super::craft::{Craft, Learnt};
+use super::craft::{Craft, Learnt, Measured};
 use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
@@ -9,7 +9,9 @@ use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
-use crate::proposals::{Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Timings, UsedFeatures};
+use crate::proposals::{
+    Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, UsedFeatures,
+};
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -112,10 +114,14 @@ impl Craft for StandIn {
         }
     }
 
-    fn measure(&mut self, _: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Quality> {
+    fn measure(&mut self, _: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         match self.begin(Begun::Measure) {
-            Let::Well => Some(Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() }),
-            Let::Fail => None,
+            Let::Well => {
+                let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() };
+                let suspects = vec![Suspect { frame: 0, contradicted_by: 1, disagreement_px: 40.0 }];
+                Some(Measured { quality: Some(quality), suspects })
+            }
+            Let::Fail => Some(Measured { quality: None, suspects: Vec::new() }),
             Let::Panic => panic!("the rule bent"),
             Let::Stopped => {
                 until_stopped(&|| watch.tell(Doing::Measuring(Share { done: 0, of: 2 })));
@@ -257,6 +263,7 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     assert_eq!((hand.status.references, hand.status.teachers, hand.status.answered), (2, 2, 28));
     assert_eq!(hand.status.forest.unwrap().generation, 1);
     assert!(hand.status.quality.is_some());
+    assert_eq!(hand.status.suspects[0].frame, 0);
     assert_eq!(hand.proposals.len(), 28);
     assert!(hand.proposals.iter().all(|proposal| proposal.generation == 1));
 }

@@ -2,7 +2,7 @@
 
 use super::TrainerOptions;
 use super::book::Book;
-use super::craft::{Craft, Learnt};
+use super::craft::{Craft, Learnt, Measured};
 use super::desk::{Desk, Orders};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
@@ -335,10 +335,13 @@ impl<C: Craft> Work<C> {
         let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Changed(self.curriculum.clone()));
         let craft = &mut self.craft;
         let measured = catch_unwind(AssertUnwindSafe(|| craft.measure(&document, teachers, &watch)));
-        // Ended by a pause it is begun again; else what can be known is known.
+        // What was ended is begun again.
         match measured {
-            Ok(None) if !watch.is_wanted() => return,
-            Ok(quality) => self.status.quality = quality.map(Arc::new),
+            Ok(None) => return,
+            Ok(Some(Measured { quality, suspects })) => {
+                self.status.quality = quality.map(Arc::new);
+                self.status.suspects = suspects.into();
+            }
             Err(panic) => self.status.trouble = Some(broke_down("measuring quality", panic.as_ref())),
         }
         self.measured = self.generation;

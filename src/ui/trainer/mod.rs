@@ -8,6 +8,7 @@ use super::symbol::{self, Symbol};
 use super::{Panel, theme};
 use crate::app::guidance::without_answer;
 use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus};
+use crate::proposals::Suspect;
 use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
@@ -119,6 +120,9 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
             panel.actions.push(Action::SetTeaches { frame: shown, teaches });
         }
     }
+    for suspect in status.suspects.iter().take(FAILED_SHOWN) {
+        contradicting(panel, ui, *suspect);
+    }
     for (index, reason) in status.failed.iter().take(FAILED_SHOWN) {
         let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::project::Frame::name) else {
             continue;
@@ -130,6 +134,24 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
     if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
         weak(ui, &format!("{more} more teach nothing."));
+    }
+}
+
+/// A reference whose label contradicts others.
+fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: Suspect) {
+    let Some(frame) = panel.app.open().and_then(|open| open.frame(suspect.frame)) else { return };
+    let others = match suspect.contradicted_by {
+        1 => "another reference".to_owned(),
+        count => format!("{count} others"),
+    };
+    let off = match suspect.disagreement_px {
+        px if px.is_finite() => format!("{px:.0} px"),
+        _ => "all of the picture".to_owned(),
+    };
+    let text = format!("{} contradicts {others} by {off}: look at its points.", file_name(&frame.name()));
+    remark(ui, Symbol::Warning, theme::CAUTION, &text);
+    if ui.add(Button::new("Look").small()).clicked() {
+        panel.actions.push(Action::GoTo(suspect.frame));
     }
 }
 
