@@ -6,6 +6,7 @@ use crate::field::{Curve, FieldLine, FieldModel, Landmark, Symmetry};
 use crate::geometry::Vec3;
 use crate::solve::frame::best_fit;
 use crate::solve::habits::PtzStep;
+use crate::solve::line::line_residual;
 use crate::solve::refine::distance_px;
 use crate::solve::{FrameSolution, Loss, Observation, SolveContext, Target, WorldCurve};
 use std::collections::BTreeSet;
@@ -67,17 +68,18 @@ impl Search<'_> {
         Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
     }
 
-    /// The mirrored sides, swaps, and single clicks of another landmark or line. With few clicks all of them; with many the
-    /// majority tells which are odd.
-    pub fn single_mistakes(&self, few_clicks: bool) -> Vec<Hypothesis> {
-        let mut found: Vec<Hypothesis> = Symmetry::ALL.into_iter().filter_map(|side| self.mirrored(side)).collect();
-        if few_clicks {
-            found.extend(self.swaps());
-            found.extend(self.left_out_one_by_one());
-        } else {
-            found.extend(self.by_majority());
-        }
-        found
+    /// The mirrored sides, and other names for the clicks that most others contradict.
+    pub fn sides_and_odd_ones(&self) -> Vec<Hypothesis> {
+        self.sides().chain(self.by_majority()).collect()
+    }
+
+    /// The mirrored sides, every swap, and every single click of another landmark or line.
+    pub fn single_mistakes(&self) -> Vec<Hypothesis> {
+        self.sides().chain(self.swaps()).chain(self.left_out_one_by_one()).collect()
+    }
+
+    fn sides(&self) -> impl Iterator<Item = Hypothesis> {
+        Symmetry::ALL.into_iter().filter_map(|side| self.mirrored(side))
     }
 
     /// All clicks on one part of the field, or on one line, taken for another.
@@ -98,8 +100,8 @@ impl Search<'_> {
         if self.context.expected().is_some() {
             return None;
         }
-        let mirrors = Symmetry::ALL.into_iter().filter_map(|symmetry| self.judged(self.mirrored(symmetry)?));
-        mirrors
+        self.sides()
+            .filter_map(|side| self.judged(side))
             .filter(|judged| judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL)
             .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
             .map(|judged| judged.finding(Evidence::None, solution.rms_px))
@@ -243,6 +245,9 @@ impl Search<'_> {
             .filter(|named| named.target != click.target)
             .filter_map(|named| {
                 let distance = distance_px(camera, &Observation { target: named.target, ..*click })?;
+                if !reaches(camera, &named.target, click) {
+                    return None;
+                }
                 (distance < FITS_SIGMAS * click.sigma_px).then_some((distance, named))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
@@ -328,6 +333,19 @@ struct Named {
     target: Target,
     name: Name,
     label: String,
+}
+
+/// Whether a line's paint reaches to a click: its straight continuation is another line's, or nothing.
+fn reaches(camera: &PtzCamera, target: &Target, click: &Observation) -> bool {
+    /// Beyond its ends, as a share of its length.
+    const BEYOND: f64 = 0.1;
+    let Target::Line(curve) = target else { return true };
+    let Curve::Segment { from, to } = curve.nominal() else { return true };
+    let along = to - from;
+    line_residual(camera, curve, click.image).is_some_and(|here| {
+        let share = (here.nearest_in_world - from).dot(&along) / along.norm_squared();
+        (-BEYOND..=1.0 + BEYOND).contains(&share)
+    })
 }
 
 /// Whether two straight lines run the same way.

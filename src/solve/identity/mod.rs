@@ -23,7 +23,10 @@ const MIN_MISFIT: f64 = 2.0;
 /// Renamed, they must fit about as well as clicks do.
 const MAX_RENAMED_MISFIT: f64 = 2.0;
 
-/// Up to this many clicks every swap and every single wrong name is tried; with more the majority finds the odd ones.
+/// From this many clicks on the majority is asked first which of them are odd.
+const MAJORITY_CLICKS: usize = 5;
+
+/// Up to this many clicks every swap and every single wrong name is tried.
 const FEW_CLICKS: usize = 6;
 
 /// With more clicks than this no mirrored side fits as well by chance.
@@ -145,8 +148,10 @@ pub fn check_identity(
         let judged = hypotheses.into_iter().filter_map(|hypothesis| search.judged(hypothesis)).filter(convinces);
         judged.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
     };
-    // Whole parts and lines are tried only where nothing simpler explains the clicks.
-    let found = best(search.single_mistakes(clicks.len() <= FEW_CLICKS)).or_else(|| best(search.group_mistakes()))?;
+    // What takes longer is tried only where nothing simpler explains the clicks.
+    let by_majority = || if clicks.len() >= MAJORITY_CLICKS { best(search.sides_and_odd_ones()) } else { None };
+    let one_by_one = || if clicks.len() <= FEW_CLICKS { best(search.single_mistakes()) } else { None };
+    let found = by_majority().or_else(one_by_one).or_else(|| best(search.group_mistakes()))?;
     let evidence = if contradicted { Evidence::Clicks } else { Evidence::Habits };
     Some(found.finding(evidence, solution.rms_px))
 }
