@@ -18,7 +18,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         .show(ui, |ui| footer(panel, ui));
     if panel.app.review().rows.is_empty() {
         Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
-            let none = "Nothing is proposed. The forest proposes cameras once it has learnt from a few references.";
+            let none = if panel.app.session.trainer.status.forest.is_some() {
+                "No suggestion waits for you."
+            } else {
+                "Nothing is proposed. The forest proposes cameras once it has learnt from a few references."
+            };
             ui.add(Label::new(RichText::new(none).color(theme::WEAK)).wrap());
         });
         return;

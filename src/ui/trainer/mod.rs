@@ -73,8 +73,9 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         doing => format!("{}.", doing.told()),
     };
     ui.add(Label::new(said).wrap());
-    let share = status.doing.share();
-    ui.add(ProgressBar::new(share.map_or(0.0, crate::app::Share::fraction)).desired_height(6.0).corner_radius(2));
+    if let Some(share) = status.doing.share() {
+        ui.add(ProgressBar::new(share.fraction()).desired_height(6.0).corner_radius(2));
+    }
     ui.add_space(theme::SPACE);
     let paused = panel.app.session.trainer.paused;
     let says = if paused { "Resume" } else { "Pause" };

@@ -28,7 +28,8 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
             FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::GOOD),
         };
     }
-    let at = visible.left_bottom() + vec2(10.0, -16.0);
+    // Notices stand below.
+    let at = visible.left_top() + vec2(10.0, 16.0);
     let behind = Color32::from_black_alpha(170);
     plate(painter, at, Align2::LEFT_CENTER, &legend(used), FontId::proportional(12.0), theme::STRONG, behind);
 }
