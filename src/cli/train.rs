@@ -16,6 +16,7 @@ use std::path::PathBuf;
 
 /// Trains the pan-tilt forest on the frames that people accepted.
 #[derive(clap::Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct TrainArgs {
     #[command(flatten)]
     document: DocumentArg,
@@ -27,12 +28,19 @@ pub struct TrainArgs {
     /// Learn from accepted suggestions of the forest and of tracking, too.
     #[arg(long)]
     all_references: bool,
-    /// Trees.
-    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().trees, value_parser = clap::value_parser!(u32).range(1..=64))]
-    trees: u32,
-    /// The longest way from the root of a tree to a leaf.
-    #[arg(long, value_name = "N", default_value_t = TrainOptions::default().max_depth, value_parser = clap::value_parser!(u32).range(1..=64))]
-    max_depth: u32,
+    /// The settings of the paper: 5 trees of 30 references, depth 20, 6 dimensions with 10 thresholds each, leaves that are
+    /// means. Options given beside it count.
+    #[arg(long)]
+    published: bool,
+    /// Trees; 3 by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    trees: Option<u32>,
+    /// The longest way from the root of a tree to a leaf; 64 by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    max_depth: Option<u32>,
+    /// Descriptor dimensions tried at a split; 2 by default.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=128))]
+    dimensions: Option<u32>,
     /// References drawn for each tree; all by default.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     frames_per_tree: Option<u32>,
@@ -126,6 +134,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
 
 impl TrainArgs {
     fn options(&self) -> LearnOptions {
+        let usual = if self.published { TrainOptions::published() } else { TrainOptions::default() };
         LearnOptions {
             features: FeatureOptions {
                 max_count: self.features,
@@ -138,11 +147,12 @@ impl TrainArgs {
                 },
             },
             train: TrainOptions {
-                trees: self.trees,
-                max_depth: self.max_depth,
-                frames_per_tree: self.frames_per_tree,
+                trees: self.trees.unwrap_or(usual.trees),
+                max_depth: self.max_depth.unwrap_or(usual.max_depth),
+                dimensions: self.dimensions.unwrap_or(usual.dimensions),
+                frames_per_tree: self.frames_per_tree.or(usual.frames_per_tree),
                 seed: self.seed,
-                ..TrainOptions::default()
+                ..usual
             },
         }
     }

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::project::{Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+use touchline::relocalize::ForestModel;
 
 fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
@@ -51,6 +52,13 @@ fn references_teach_and_the_other_frames_are_answered() {
     assert_eq!(touchline(&folder, "train teach.json -o forest.tlf").code, 2, "it exists");
     assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --force").code, 0);
     assert!(fs::read(folder.join("forest.tlf")).unwrap() == bytes, "same input, same bytes");
+    let trees = |name: &str| {
+        let model = ForestModel::from_bytes(&fs::read(folder.join(name)).unwrap()).unwrap();
+        model.cameras[0].forest.trees()
+    };
+    assert_eq!(touchline(&folder, "train teach.json -o paper.tlf --published").code, 0);
+    assert_eq!(touchline(&folder, "train teach.json -o two.tlf --published --trees 2").code, 0);
+    assert_eq!([trees("forest.tlf"), trees("paper.tlf"), trees("two.tlf")], [3, 5, 2]);
 
     let kept = || fs::read_dir(folder.join(".touchline/features")).unwrap().count();
     assert_eq!(kept(), 5, "features are found once");
