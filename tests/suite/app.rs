@@ -1,17 +1,12 @@
 //! The application by actions, without a window: place, name, drag, undo, accept, reject.
 
+use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline::app::session::{Filter, Level, Mode, PictureView, Saving};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::camera::{Ptz, PtzCamera};
 use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, Vec3};
 use touchline::project::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus, RejectReason, SolutionSource, Target};
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
-}
 
 /// The truth of frame `index`: a slow pan.
 fn truth(index: usize) -> PtzCamera {
@@ -33,37 +28,10 @@ fn document(frames: usize, with_base: bool) -> Document {
     document
 }
 
-struct Bench {
-    app: App,
-    effects: Vec<Effect>,
-}
-
 impl Bench {
-    fn new(document: Document) -> Self {
-        let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
-        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
-        bench.effects.clear();
-        bench
-    }
-
-    fn act(&mut self, action: Action) {
-        self.effects.extend(self.app.update(action));
-    }
-
-    fn command(&mut self, command: Command) {
-        self.act(Action::Command(command));
-    }
-
     /// Where a landmark is in the shown frame, by the truth.
     fn image_of(&self, landmark: &str) -> ImagePoint {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        truth(self.app.session.frame).image_from_world(world).unwrap()
-    }
-
-    fn click(&mut self, at: ImagePoint) {
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
+        landmark_in(&truth(self.app.session.frame), landmark)
     }
 
     /// Clicks a landmark and names it by its code where the list asks for it.
@@ -87,10 +55,6 @@ impl Bench {
         (found.pan - truth.pan).abs().degrees()
             + (found.tilt - truth.tilt).abs().degrees()
             + (found.focal_px - truth.focal_px).abs()
-    }
-
-    fn last_notice(&self) -> &str {
-        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
     }
 }
 

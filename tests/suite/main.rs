@@ -15,6 +15,7 @@ mod bad_images;
 mod bad_videos;
 mod base_in_app;
 mod base_truth;
+mod bench;
 mod cli_documents;
 mod contradictions;
 mod data;

@@ -1,12 +1,12 @@
 //! Suggestions in the application: looked through in an order, accepted one by one and together, corrected, rejected.
 
+use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline::app::guidance::next_step;
 use touchline::app::review::ReviewOrder;
 use touchline::app::session::{Dialog, Filter, Mode, Panel, needs_me};
-use touchline::app::{Action, App, Command, Effect, Opened, Settings};
-use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline::app::{Action, Command, Effect};
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::geometry::{ImagePoint, Mat3, Vec3};
 use touchline::project::{
     Camera, Change, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
     SolutionWarning, Target,
@@ -14,12 +14,6 @@ use touchline::project::{
 
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
-
-const SIZE: ImageSize = ImageSize::new(1920, 1080);
-
-fn base() -> CameraBase {
-    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
-}
 
 /// The truth of frame `index`: a slow pan.
 fn truth(index: usize) -> Ptz {
@@ -56,27 +50,7 @@ fn suggested(confidences: &[Option<f64>]) -> Document {
     document
 }
 
-struct Bench {
-    app: App,
-    effects: Vec<Effect>,
-}
-
 impl Bench {
-    fn new(document: Document) -> Self {
-        let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
-        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
-        bench.effects.clear();
-        bench
-    }
-
-    fn act(&mut self, action: Action) {
-        self.effects.extend(self.app.update(action));
-    }
-
-    fn command(&mut self, command: Command) {
-        self.act(Action::Command(command));
-    }
-
     fn frames(&self) -> &[touchline::project::Shared<Frame>] {
         &self.app.open().unwrap().document.frames
     }
@@ -97,17 +71,13 @@ impl Bench {
     }
 
     /// Where the truth has a landmark in the shown frame.
-    fn image_of(&self, landmark: &str) -> ImagePoint {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let world = field.landmark_in_world(field.landmark(landmark).unwrap());
-        PtzCamera::new(base(), truth(self.app.session.frame)).image_from_world(world).unwrap()
+    fn point_of(&self, landmark: &str) -> ImagePoint {
+        landmark_in(&PtzCamera::new(base(), truth(self.app.session.frame)), landmark)
     }
 
     /// Clicks a landmark of the shown frame where the truth has it.
-    fn place(&mut self, landmark: &str) {
-        let at = self.image_of(landmark);
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
+    fn label(&mut self, landmark: &str) {
+        self.click(self.point_of(landmark));
         if let Mode::Naming(naming) = &self.app.session.mode {
             let click = naming.click;
             self.act(Action::Name { click, target: Target::Landmark(landmark.into()) });
@@ -116,10 +86,6 @@ impl Bench {
 
     fn said(&self) -> String {
         next_step(&self.app).text
-    }
-
-    fn last_notice(&self) -> &str {
-        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
     }
 }
 
@@ -199,7 +165,7 @@ fn one_that_jumps_out_of_its_neighbours_is_not_accepted_with_the_others() {
 fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     let mut bench = Bench::new(suggested(&[Some(0.9), Some(0.9)]));
     let before = bench.frames()[0].clone();
-    let at = bench.image_of("centre_mark");
+    let at = bench.point_of("centre_mark");
     bench.act(Action::Press { at: ImagePoint::new(at.x + 9.0, at.y), on: None });
     bench.act(Action::Release);
     assert_eq!(bench.statuses(), "DS");
@@ -214,8 +180,8 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     assert!(!bench.frames()[0].teaches(), "one click moves a proposal, but it stays one");
     bench.command(Command::Undo);
     bench.act(Action::DeleteClick(0));
-    bench.place("centre_mark");
-    bench.place("halfway_far");
+    bench.label("centre_mark");
+    bench.label("halfway_far");
     let corrected = &bench.frames()[0];
     assert_eq!(corrected.solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
     bench.command(Command::AcceptAndStay);
@@ -311,7 +277,7 @@ impl Bench {
 fn proposals_are_for_frames_that_nobody_touched_and_no_step_of_undo() {
     let start = blank(5);
     let mut bench = Bench::new(start.clone());
-    bench.place("centre_mark");
+    bench.label("centre_mark");
     bench.act(Action::GoTo(1));
     bench.command(Command::Reject);
     bench.act(Action::RejectAs(RejectReason::Blur));
@@ -336,7 +302,7 @@ fn undo_and_redo_neither_lose_nor_resurrect_what_is_proposed() {
     bench.act(Action::Proposals(first.to_vec()));
     bench.command(Command::AcceptAndStay);
     bench.act(Action::GoTo(1));
-    bench.place("centre_mark");
+    bench.label("centre_mark");
     let asked_of_untouched = Asked::of(&start, &start.frames[1]);
     let second = [2, 3].map(|frame| proposal(&bench, frame, 2, Some(2.0)));
     // Of frame 1 the answer arrives after it was clicked.

@@ -8,6 +8,7 @@
 
 use super::FrameClicks;
 use super::frame_block::{FrameBlock, NominalClick};
+use super::median::median;
 use super::parameters::{K1, ROTATION, SHARED, Shared, SharedVector};
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -260,7 +261,7 @@ impl Displaced {
     /// Median distance of some frames' clicks, each frame pointed anew, px.
     fn median_px(&self, frames: &[Telling]) -> Option<f64> {
         let base = self.shared.base;
-        let mut errors: Vec<f64> = frames
+        let errors: Vec<f64> = frames
             .par_iter()
             .flat_map_iter(|frame| {
                 let refined = refine(&base, frame.ptz, &frame.observations, Loss::default(), None);
@@ -268,8 +269,7 @@ impl Displaced {
                 frame.observations.iter().filter_map(move |click| distance_px(&camera, click)).collect::<Vec<_>>()
             })
             .collect();
-        errors.sort_by(f64::total_cmp);
-        errors.get(errors.len() / 2).copied()
+        median(errors)
     }
 
     /// How far position and rotation are known.

@@ -2,6 +2,7 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
+use super::median::median;
 use super::model_choice::{CrossValidation, FOLDS, choose, recrowned};
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
@@ -137,7 +138,7 @@ pub fn estimate_base_watched(
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
-        (*base, median(&distances(base, frames, &ptz)), ptz)
+        (*base, median(distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
     });
     let (mut base, mut ptz) = match start_base(frames, image_size, principal_point) {
         Ok(start) => (start.base, start.ptz),
@@ -179,7 +180,7 @@ pub fn estimate_base_watched(
     let ptz = solve_all(&base, &frames, image_size);
     let mut errors = distances(&base, &frames, &ptz);
     errors.sort_by(f64::total_cmp);
-    let median_px = median(&errors);
+    let median_px = errors.get(errors.len() / 2).copied().unwrap_or(f64::INFINITY);
     let limit_px = NO_FIT_PX * image_size.scale_from_1920();
     if !(median_px < limit_px) {
         return Err(BaseError::NoFit { median_px });
@@ -247,11 +248,10 @@ fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameCli
 }
 
 fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
-    let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
-    errors.sort_by(f64::total_cmp);
+    let errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
-    (!errors.is_empty()).then(|| FrameFit { ptz, median_px: median(&errors), rms_px })
+    Some(FrameFit { ptz, median_px: median(errors)?, rms_px })
 }
 
 /// The distances of all clicks of solved frames, px, in order.
@@ -263,10 +263,4 @@ fn distances(base: &CameraBase, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> 
         found.extend(frame.used().filter_map(|click| distance_px(&camera, click)));
     }
     found
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied().unwrap_or(f64::INFINITY)
 }

@@ -10,6 +10,7 @@ mod disputes;
 mod estimate;
 mod field_fit;
 mod frame_block;
+mod median;
 mod model_choice;
 mod parameters;
 mod progress;

@@ -4,6 +4,7 @@
 //! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
 //! wins. Wrong names in some frames so cannot spoil the start.
 
+use super::median::median;
 use super::{BaseError, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
@@ -55,7 +56,7 @@ pub fn start_base(
     let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
     let sample = spread(frames.iter().filter(|frame| frame.equations() >= 6), SAMPLE);
     let mut positions = spread(poses.iter().map(|pose| pose.0), MAX_POSITIONS);
-    positions.push(Vec3::from_fn(|axis, _| median(poses.iter().map(|pose| pose.0[axis]).collect())));
+    positions.push(Vec3::from_fn(|axis, _| median(poses.iter().map(|pose| pose.0[axis]).collect()).unwrap_or(0.0)));
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
@@ -126,9 +127,4 @@ fn spread<T>(items: impl Iterator<Item = T>, count: usize) -> Vec<T> {
     let all: Vec<T> = items.collect();
     let step = all.len().div_ceil(count).max(1);
     all.into_iter().step_by(step).collect()
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -1,0 +1,53 @@
+//! An application with an opened document, driven by actions; what tests of the application share.
+
+use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::camera::{BaseAngles, CameraBase, PtzCamera};
+use touchline::field::builtin;
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::project::Document;
+
+pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+/// The base of the drawn truth.
+pub fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+/// Where a camera sees a landmark of the soccer field.
+pub fn landmark_in(camera: &PtzCamera, landmark: &str) -> ImagePoint {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let world = field.landmark_in_world(field.landmark(landmark).unwrap());
+    camera.image_from_world(world).unwrap()
+}
+
+/// The application and every effect since the document was opened.
+pub struct Bench {
+    pub app: App,
+    pub effects: Vec<Effect>,
+}
+
+impl Bench {
+    pub fn new(document: Document) -> Self {
+        let mut bench = Self { app: App::new(Settings::default()), effects: Vec::new() };
+        bench.act(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
+        bench.effects.clear();
+        bench
+    }
+
+    pub fn act(&mut self, action: Action) {
+        self.effects.extend(self.app.update(action));
+    }
+
+    pub fn command(&mut self, command: Command) {
+        self.act(Action::Command(command));
+    }
+
+    pub fn click(&mut self, at: ImagePoint) {
+        self.act(Action::Press { at, on: None });
+        self.act(Action::Release);
+    }
+
+    pub fn last_notice(&self) -> &str {
+        self.app.session.notices.last().map_or("", |notice| notice.text.as_str())
+    }
+}
