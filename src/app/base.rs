@@ -130,7 +130,7 @@ impl WithProposal {
         let frame = open.frame(index).filter(|frame| frame.camera == found.camera)?;
         let mut document = open.document.clone();
         found.write_camera(&mut document);
-        let field = document.field_of(frame).model(&open.folder).ok()?;
+        let field = document.model_of(document.field_of(frame), &open.folder).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
         let solved = calibrate(&document, frame, &field, index);
         let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));

@@ -4,7 +4,7 @@ use super::Versioned;
 use super::action::Opened;
 use crate::field::{FieldError, FieldModel};
 use crate::project::{
-    BetterCamera, CalibrationError, Document, Edit, FieldSpec, Fields, Frame, FrameStatus, History, Shared, Step,
+    BetterCamera, CalibrationError, Document, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step,
     better_camera, calibrate,
 };
 use crate::solve::FrameSolution;
@@ -30,8 +30,8 @@ pub struct OpenProject {
     pub(super) forest_generation: u64,
     /// The document as the journal has it.
     pub(super) journalled: Document,
-    fields: Option<(Vec<FieldSpec>, Arc<Fields>)>,
-    model: Option<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,
+    fields: Option<(Vec<FieldSpec>, Option<Hand>, Arc<Fields>)>,
+    model: Option<(FieldSpec, Option<Hand>, Result<Arc<FieldModel>, FieldError>)>,
 }
 
 impl OpenProject {
@@ -74,18 +74,20 @@ impl OpenProject {
     /// # Errors
     /// There is no such template, or it does not take a parameter or its value.
     pub fn field_of(&mut self, index: usize) -> Result<Arc<FieldModel>, FieldError> {
+        let hand = self.document.hand_in_use();
         let spec = match self.document.frames.get(index) {
             Some(frame) => self.document.field_of(frame),
             None => &self.document.field,
         };
-        if let Some((known, model)) = &self.model
+        if let Some((known, known_hand, model)) = &self.model
             && known == spec
+            && *known_hand == hand
         {
             return model.clone();
         }
         let spec = spec.clone();
-        let model = spec.model(&self.folder).map(Arc::new);
-        self.model = Some((spec, model.clone()));
+        let model = self.document.model_of(&spec, &self.folder).map(Arc::new);
+        self.model = Some((spec, hand, model.clone()));
         model
     }
 
@@ -96,13 +98,15 @@ impl OpenProject {
     pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
         let own = self.document.cameras.iter().filter_map(|camera| camera.field.as_ref());
         let specs: Vec<FieldSpec> = own.chain([&self.document.field]).cloned().collect();
-        if let Some((known, fields)) = &self.fields
+        let hand = self.document.hand_in_use();
+        if let Some((known, known_hand, fields)) = &self.fields
             && *known == specs
+            && *known_hand == hand
         {
             return Ok(Arc::clone(fields));
         }
         let fields = Arc::new(Fields::of(&self.document, &self.folder)?);
-        self.fields = Some((specs, Arc::clone(&fields)));
+        self.fields = Some((specs, hand, Arc::clone(&fields)));
         Ok(fields)
     }
 

@@ -5,8 +5,8 @@ use super::document::{DocumentArg, Loaded};
 use super::experiment::write_report;
 use super::messages::Messages;
 use super::output::{print, refuse_existing, write_file};
-use crate::experiments::{Table, evaluation_report, evaluation_tables, frame_scores};
-use crate::project::{Evaluation, Group, evaluate as evaluated};
+use crate::experiments::{Table, agreement_json, agreement_tables, evaluation_report, evaluation_tables, frame_scores};
+use crate::project::{Agreement, Evaluation, Group, agreement, evaluate as evaluated};
 use crate::score::Summary;
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
@@ -16,8 +16,9 @@ use std::path::{Path, PathBuf};
 /// markings found.
 ///
 /// Frames are matched by where their pictures lie, by SHA-256, or by name; frames without a partner or a camera are named, and
-/// the exit code is 1. Clicks of the truth that the estimate was not made from count as held out. Standard output gets a
-/// table on a terminal, JSON otherwise.
+/// the exit code is 1. Clicks of the truth that the estimate was not made from count as held out. Where both hold clicks of
+/// their own on the same frames, they are compared as two annotators' as well: distances by landmark, names that differ, and what
+/// one hand scatters by. Standard output gets a table on a terminal, JSON otherwise.
 #[derive(clap::Args, Debug)]
 pub struct EvaluateArgs {
     /// The document that is right: cameras, clicks, or both.
@@ -71,6 +72,8 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     let Loaded { location, document: estimate } = read(&args.estimate)?;
     let evaluation = evaluated((&truth, true_location.folder()), (&estimate, location.folder()))?;
     let groups = evaluation.groups(args.seed);
+    let agreed = agreement((&truth, true_location.folder()), (&estimate, location.folder()))?;
+    let agreed = agreed.says_something().then_some(agreed);
     for frame in &evaluation.frames {
         if let Err(reason) = &frame.scores {
             messages.frame_failed(&frame.name, &reason.to_string());
@@ -82,21 +85,29 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     if let Some(folder) = &args.report {
         write_report(&evaluation_report(&evaluation, &groups), folder, args.force)?;
     }
-    let as_json = || format!("{:#}\n", report(&evaluation, &groups));
+    let as_json = || format!("{:#}\n", report(&evaluation, &groups, agreed.as_ref()));
+    let as_tables = |write: fn(&Table) -> String| {
+        let mut text = evaluation_tables(&groups, write);
+        if let Some(agreed) = &agreed {
+            text.push('\n');
+            text.push_str(&agreement_tables(agreed, write));
+        }
+        text
+    };
     match &args.output {
         Some(path) => {
             let text = match ending(path).as_str() {
                 "csv" => frame_scores(&evaluation).to_csv(),
-                "md" => evaluation_tables(&groups, Table::to_markdown),
+                "md" => as_tables(Table::to_markdown),
                 _ => as_json(),
             };
             write_file(path, text.as_bytes(), args.force)?;
             if args.table {
-                print(&evaluation_tables(&groups, Table::to_text))?;
+                print(&as_tables(Table::to_text))?;
             }
         }
         None if args.table || (messages == Messages::Text && std::io::stdout().is_terminal()) => {
-            print(&evaluation_tables(&groups, Table::to_text))?;
+            print(&as_tables(Table::to_text))?;
         }
         None => print(&as_json())?,
     }
@@ -111,13 +122,17 @@ fn without_truth(names: &[String]) -> Option<String> {
 }
 
 /// Everything, for scripts.
-fn report(evaluation: &Evaluation, groups: &[Group]) -> Value {
-    json!({
+fn report(evaluation: &Evaluation, groups: &[Group], agreed: Option<&Agreement>) -> Value {
+    let mut report = json!({
         "summary": groups.first().map(described_group),
         "groups": groups.iter().skip(1).map(described_group).collect::<Vec<_>>(),
         "frames": frame_scores(evaluation).to_json(),
         "without_truth": evaluation.without_truth,
-    })
+    });
+    if let Some(agreed) = agreed {
+        report["agreement"] = agreement_json(agreed);
+    }
+    report
 }
 
 fn described_group(group: &Group) -> Value {

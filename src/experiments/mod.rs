@@ -6,11 +6,13 @@
 //! | one diagram as SVG and PNG | [`figure`] |
 //! | words, tables and figures of one experiment, and its files | [`Report`] |
 //! | the experiments | [`Experiment`], [`Workshop`] |
+//! | two annotators' agreement | [`agreement_tables`], [`agreement_json`] |
 //! | an evaluation for people | [`evaluation_report`], [`evaluation_tables`] |
 //!
 //! The paper: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018. Everything here draws
 //! its chance from one seed: the same seed gives the same bytes, times apart.
 
+mod agreement;
 mod answers;
 mod baselines;
 mod contact_sheet;
@@ -28,6 +30,7 @@ mod synthetic;
 mod table;
 mod workshop;
 
+pub use agreement::{agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables};
 pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
 pub use options::{Experiment, ExperimentError, ExperimentOptions, UnknownExperiment};
 pub use report::{Block, Report, ReportFile};

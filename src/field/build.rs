@@ -5,6 +5,9 @@ use super::{Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Temp
 use crate::geometry::{Angle, Vec3};
 use std::collections::BTreeMap;
 
+/// 1-σ of a click on a line, px at 1920 px width.
+const LINE_CLICK_SIGMA_PX: f64 = 2.0;
+
 /// No field is larger; a coordinate beyond is a slip of the pen.
 const MAX_COORDINATE_M: f64 = 1000.0;
 /// Lines shorter than this are none.
@@ -64,6 +67,7 @@ pub fn model(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
         crown_m,
         landmarks,
         lines,
+        line_click_sigma_px: LINE_CLICK_SIGMA_PX,
     })
 }
 

@@ -199,6 +199,8 @@ pub struct FieldModel {
     pub landmarks: Vec<Landmark>,
     /// Every line, in the template's order.
     pub lines: Vec<FieldLine>,
+    /// How well people hit a line: 1-σ of a click across it in px at 1920 px width.
+    pub line_click_sigma_px: f64,
 }
 
 impl FieldModel {

@@ -135,7 +135,7 @@ impl BaseProblem {
         let known = document
             .camera(camera)
             .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
-        let field = known.field.as_ref().unwrap_or(&document.field).model(folder)?;
+        let field = document.model_of(known.field.as_ref().unwrap_or(&document.field), folder)?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
         let of_camera = |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
         for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {
@@ -287,7 +287,7 @@ impl EstimatedBase {
         let before = document.camera(&self.camera).and_then(Camera::base);
         self.write_camera(document);
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
-        let field = camera.field.as_ref().unwrap_or(&document.field).model(folder)?;
+        let field = document.model_of(camera.field.as_ref().unwrap_or(&document.field), folder)?;
         let turned_deg = before
             .map_or(0.0, |before| (before.angles().heading - self.estimate.base.angles().heading).wrapped().degrees());
         for index in 0..document.frames.len() {

@@ -13,16 +13,31 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Every field of a document; `folder` is the document's.
+    /// Every field of a document, with the click noise that it uses; `folder` is the document's.
     ///
     /// # Errors
     /// One of them is not valid.
     pub fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
+        Self::with(document, |spec| document.model_of(spec, folder))
+    }
+
+    /// The same with the click noise that their templates state.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub fn as_stated(document: &Document, folder: &Path) -> Result<Self, FieldError> {
+        Self::with(document, |spec| spec.model(folder))
+    }
+
+    fn with(
+        document: &Document,
+        model: impl Fn(&FieldSpec) -> Result<FieldModel, FieldError>,
+    ) -> Result<Self, FieldError> {
         let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
         let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
         for spec in own.filter(|spec| **spec != document.field).chain([&document.field]) {
             if !models.iter().any(|(known, _)| known == spec) {
-                models.push((spec.clone(), Arc::new(spec.model(folder)?)));
+                models.push((spec.clone(), Arc::new(model(spec)?)));
             }
         }
         Ok(Self { models })

@@ -1,6 +1,6 @@
 //! A frame of the document: where its picture is, its clicks, its solution.
 
-use super::{CameraId, Click, Extra, FramePtz, Solution, doors};
+use super::{CameraId, Click, Extra, FramePtz, Repeat, Solution, doors};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::FrameRef;
 use serde::{Deserialize, Serialize};
@@ -38,6 +38,9 @@ pub struct Frame {
     /// What people clicked, in their order.
     #[serde(default)]
     pub clicks: Vec<Click>,
+    /// Landmarks that were clicked again, blind, to learn the annotator's click noise; no label.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeats: Vec<Repeat>,
     /// Boxes whose pixels give no features in this frame: players.
     #[serde(rename = "masks_px", default, with = "doors::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
@@ -156,6 +159,7 @@ impl Frame {
             clip: None,
             comment: None,
             clicks: Vec::new(),
+            repeats: Vec::new(),
             masks: Vec::new(),
             ptz: None,
             solution: None,

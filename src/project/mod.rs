@@ -5,6 +5,7 @@
 //! are [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
+mod agreement;
 mod atomic;
 mod base_change;
 mod base_estimation;
@@ -27,9 +28,12 @@ mod history;
 mod journal;
 mod location;
 mod lock;
+mod matching;
+mod own_noise;
 mod proposed;
 mod read;
 mod refit;
+mod repeats;
 mod shared;
 mod shots;
 mod size_fit;
@@ -41,6 +45,9 @@ mod unanswered;
 mod which_camera;
 mod write;
 
+pub use agreement::{
+    Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame, NameDispute, agreement,
+};
 pub use atomic::write_atomically;
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
@@ -65,8 +72,10 @@ pub use habits::habits;
 pub use history::{History, Step};
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};
 pub use lock::ReadOnly;
+pub use own_noise::{ENOUGH_REPEATS, Hand, LandmarkNoise, OwnNoise};
 pub use proposed::Proposed;
 pub use read::{ReadError, document_from_bytes};
+pub use repeats::{Repeat, choose_gold};
 pub use shared::Shared;
 pub use shots::shots;
 pub use size_fit::size_words;

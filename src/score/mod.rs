@@ -8,8 +8,10 @@
 //! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
 //! | whether stated sigmas keep their word | [`Coverage`] |
 //! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
+//! | how far a hand misses, from clicks on the same spots | [`ClickNoise`] |
 
 mod camera_error;
+mod click_noise;
 mod coverage;
 mod ground;
 mod landmarks;
@@ -20,6 +22,7 @@ mod statistics;
 mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
+pub use click_noise::ClickNoise;
 pub use coverage::{Coverage, squared_sigmas};
 pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};

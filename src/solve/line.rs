@@ -174,6 +174,7 @@ mod tests {
             crown_m,
             landmarks: Vec::new(),
             lines: Vec::new(),
+            line_click_sigma_px: 2.0,
         }
     }
 

@@ -4,9 +4,6 @@ use super::ObservationError;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 
-/// 1-σ of a click on a line, px at 1920 px width.
-const LINE_CLICK_SIGMA_PX: f64 = 2.0;
-
 /// One click, ready for solving: the pixel, what it shows in `world`, and how well it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
@@ -83,7 +80,7 @@ impl Observation {
             .ok_or_else(|| ObservationError::UnknownLine { name: name.to_owned(), template: field.template.clone() })?;
         Ok(Self {
             image,
-            sigma_px: LINE_CLICK_SIGMA_PX * image_size.scale_from_1920(),
+            sigma_px: field.line_click_sigma_px * image_size.scale_from_1920(),
             target: Target::Line(WorldCurve::on_field(field, line.curve)),
             click,
             check: false,

@@ -7,6 +7,7 @@
     reason = "a test says what failed by failing"
 )]
 
+mod annotators;
 mod app;
 mod architecture;
 mod bad_documents;

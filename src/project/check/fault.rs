@@ -154,6 +154,32 @@ pub enum Fault {
         /// The picture's size.
         picture: ImageSize,
     },
+    /// What the document says of its click noise is nothing that a hand can have.
+    #[error("click_noise: {message}; click the gold frames again or remove it")]
+    ClickNoise {
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A blind click on a landmark that the field does not have.
+    #[error("repeat {} names the landmark {name:?}, which the field does not have; `touchline fields` lists them", .repeat + 1)]
+    UnknownLandmarkAgain {
+        /// The repeat.
+        repeat: usize,
+        /// The name.
+        name: String,
+    },
+    /// A blind click outside the picture.
+    #[error("repeat {} at ({x:.2}, {y:.2}) lies outside the picture of {}", .repeat + 1, size(*picture))]
+    RepeatOutside {
+        /// The repeat.
+        repeat: usize,
+        /// Its x, px.
+        x: f64,
+        /// Its y, px.
+        y: f64,
+        /// The picture's size.
+        picture: ImageSize,
+    },
     /// The status promises a camera that is not there.
     #[error("is {} but has no ptz; solve it", status.as_str())]
     Unsolved {
@@ -241,6 +267,9 @@ impl Fault {
             Self::UnnamedClick { .. } => "unnamed_click",
             Self::DuplicateLandmark { .. } => "duplicate_landmark",
             Self::ClickOutside { .. } => "click_outside",
+            Self::ClickNoise { .. } => "click_noise",
+            Self::UnknownLandmarkAgain { .. } => "unknown_landmark_again",
+            Self::RepeatOutside { .. } => "repeat_outside",
             Self::Unsolved { .. } => "unsolved",
             Self::NoReason => "no_reason",
             Self::LensFolds { .. } => "lens_folds",

@@ -20,6 +20,9 @@ pub fn check_values(document: &Document, folder: &Path) -> Vec<Problem> {
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
+    if let Some(message) = hand_fault(document) {
+        problem("click_noise".to_owned(), Fault::ClickNoise { message });
+    }
     for (index, camera) in document.cameras.iter().enumerate() {
         let place = || format!("camera {}", camera.id);
         if document.cameras[..index].iter().any(|other| other.id == camera.id) {
@@ -126,6 +129,7 @@ fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, p
         _ => {}
     }
     check_clicks(frame, field, problem);
+    check_repeats(frame, field, problem);
     check_masks(&frame.masks, frame.image_size, problem);
     check_solution(frame, problem);
 }
@@ -170,6 +174,28 @@ fn check_clicks(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnM
             let picture = frame.image_size;
             problem(Fault::ClickOutside { click, x: here.image.x, y: here.image.y, picture });
         }
+    }
+}
+
+fn check_repeats(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
+    for (repeat, here) in frame.repeats.iter().enumerate() {
+        if field.is_some_and(|field| field.landmark(here.landmark.as_str()).is_none()) {
+            problem(Fault::UnknownLandmarkAgain { repeat, name: here.landmark.as_str().to_owned() });
+        }
+        if !frame.image_size.contains(here.image) {
+            problem(Fault::RepeatOutside { repeat, x: here.image.x, y: here.image.y, picture: frame.image_size });
+        }
+    }
+}
+
+/// What is wrong with the document's click noise.
+fn hand_fault(document: &Document) -> Option<String> {
+    match document.hand() {
+        Err(message) => Some(message),
+        Ok(Some(hand)) if !hand.is_plausible() => {
+            Some("no hand is that much steadier or shakier than others".to_owned())
+        }
+        Ok(_) => None,
     }
 }
 

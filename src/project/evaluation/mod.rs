@@ -5,7 +5,6 @@
 //! are.
 
 mod groups;
-mod matching;
 mod measure;
 mod scores;
 
@@ -14,12 +13,12 @@ pub use measure::Measure;
 pub use scores::FrameScores;
 
 use super::Fields;
+use super::matching::matched;
 use super::{CameraId, Clip, Document, Frame, FrameStatus};
 use crate::field::FieldError;
 use crate::geometry::{Angle, ImageSize};
 use crate::score::{FieldView, horizontal_view};
 use crate::solve::ObservationError;
-use matching::matched;
 use rayon::prelude::*;
 use scores::{TrueFrame, scores};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Which frame of one document is which of another.
 
-use super::super::location::resolved;
-use super::super::{Document, Frame};
+use super::location::resolved;
+use super::{Document, Frame};
 use std::collections::BTreeMap;
 use std::path::Path;
 

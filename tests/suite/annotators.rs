@@ -1,0 +1,251 @@
+//! Two annotators on the same frames, and one annotator twice: what is said of their hands is what was put in.
+
+use crate::program::touchline;
+use crate::seeded::{normal, rng};
+use rand_pcg::Pcg64Mcg;
+use serde_json::Value;
+use std::path::Path;
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::field::{FieldModel, builtin};
+use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
+use touchline::markings::project_landmarks;
+use touchline::project::{
+    Agreement, Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Location,
+    OwnNoise, Repeat, agreement, calibrate, check_values, document_from_bytes, document_to_string, write_document,
+};
+
+/// Half of 1920 px: what is said in px at 1920 px width is twice as much.
+const SIZE: ImageSize = ImageSize::new(960, 540);
+
+fn field() -> FieldModel {
+    builtin("soccer").unwrap().default_model().unwrap()
+}
+
+fn base() -> CameraBase {
+    let angles = BaseAngles { pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
+    CameraBase::new(Vec3::new(1.0, -60.0, 18.0), angles.base_from_world(), SIZE.centre())
+}
+
+/// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, moved by a hand of this sigma.
+fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
+    let field = field();
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base());
+    document.cameras.push(camera.into());
+    for index in 0..frames {
+        let ptz = Ptz::from_degrees(-35.0 + 70.0 * index as f64 / frames as f64, -12.0, 1000.0);
+        let mut frame = Frame::from_image(&format!("images/{index:03}.jpg"), "main".into(), SIZE);
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(FramePtz::new(ptz, None));
+        for shown in project_landmarks(&field, &PtzCamera::new(base(), ptz), SIZE, 0.0) {
+            let landmark = &field.landmarks[shown.landmark];
+            if landmark.nominal_m.z == 0.0 && frame.clicks.len() < 5 {
+                let at = moved(shown.image, sigma_px, rng);
+                frame.clicks.push(Click::landmark(landmark.id.clone(), at));
+            }
+        }
+        document.frames.push(frame.into());
+    }
+    document
+}
+
+fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
+    ImagePoint::new(at.x + sigma_px * normal(rng), at.y + sigma_px * normal(rng))
+}
+
+/// The same document labelled by somebody else, whose hand has this sigma about the same spots.
+fn by_another(document: &Document, truth: &Document, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
+    let mut other = document.clone();
+    for (frame, exact) in other.frames.iter_mut().zip(&truth.frames) {
+        for (click, exact) in frame.clicks.iter_mut().zip(&exact.clicks) {
+            click.image = moved(exact.image, sigma_px, rng);
+        }
+    }
+    other
+}
+
+fn agreed(first: &Document, second: &Document) -> Agreement {
+    agreement((first, Path::new("/no/a")), (second, Path::new("/no/b"))).unwrap()
+}
+
+#[test]
+fn the_noise_of_one_hand_comes_out_of_the_differences_of_two() {
+    let mut rng = rng("the_noise_of_one_hand_comes_out_of_the_differences_of_two");
+    let truth = clicked(40, 0.0, &mut rng);
+    for sigma_px in [0.4, 1.5] {
+        let one = by_another(&truth, &truth, sigma_px, &mut rng);
+        let found = agreed(&one, &by_another(&truth, &truth, sigma_px, &mut rng));
+        let noise = found.noise.unwrap();
+        let [low, high] = noise.interval_95;
+        assert!(low < 2.0 * sigma_px && 2.0 * sigma_px < high && high < 1.3 * low, "{noise:?} {sigma_px}");
+        assert!((found.distances.unwrap().median / (2.0 * sigma_px) - 1.665).abs() < 0.25, "of a Rayleigh variable");
+        assert!(found.noise_by_axis.iter().all(|noise| (noise.unwrap().sigma / sigma_px - 2.0).abs() < 0.4));
+        assert!(
+            found.frames.iter().all(|frame| frame.names.is_empty() && frame.cameras.unwrap().worst_corner_px < 1e-6)
+        );
+        assert!(found.landmarks.iter().any(|landmark| landmark.noise.is_some()));
+    }
+}
+
+#[test]
+fn other_names_lone_frames_and_copies_are_told() {
+    let mut rng = rng("other_names_lone_frames_and_copies_are_told");
+    let truth = clicked(12, 0.0, &mut rng);
+    let copies: usize = truth.frames.iter().map(|frame| frame.clicks.len()).sum();
+    let found = agreed(&truth, &truth);
+    assert_eq!((found.copies, found.noise, found.says_something()), (copies, None, false));
+
+    let mut other = by_another(&truth, &truth, 0.5, &mut rng);
+    // Near and far exchanged in one frame.
+    for click in &mut other.frames[3].clicks {
+        let name = click.target.as_ref().unwrap().as_str();
+        let twin = if name.contains("near") { name.replace("near", "far") } else { name.replace("far", "near") };
+        *click = Click::landmark(twin.as_str().into(), click.image);
+    }
+    other.frames[5].clicks.clear();
+    other.frames[6].status = FrameStatus::Rejected;
+    other.frames[5].status = FrameStatus::New;
+    other.frames.remove(7);
+    other.frames[4].ptz.as_mut().unwrap().pan_deg += 0.5;
+    let found = agreed(&truth, &other);
+    let named: Vec<(&str, usize)> = found
+        .frames
+        .iter()
+        .filter(|frame| !frame.names.is_empty())
+        .map(|frame| (&*frame.name, frame.names.len()))
+        .collect();
+    let twins = truth.frames[3].clicks.iter().filter(|click| {
+        let name = click.target.as_ref().unwrap().as_str();
+        name.contains("near") || name.contains("far")
+    });
+    assert_eq!(named, [("images/003.jpg", twins.count())]);
+    let lone: Vec<(&str, bool, bool)> =
+        found.lone.iter().map(|lone| (&*lone.name, lone.by_first, lone.rejected)).collect();
+    let expected = [("images/005.jpg", true, false), ("images/006.jpg", true, true), ("images/007.jpg", true, false)];
+    assert_eq!(lone, expected);
+    let cameras = found.frames.iter().find(|frame| frame.name == "images/004.jpg").unwrap().cameras.unwrap();
+    assert!((cameras.pan.degrees() - 0.5).abs() < 1e-9 && cameras.tilt.degrees().abs() < 1e-9);
+    // Half a degree at 1000 px is 8.7 px, twice that at 1920 px width.
+    assert!((17.0..25.0).contains(&cameras.worst_corner_px), "{cameras:?}");
+}
+
+#[test]
+fn evaluate_says_how_two_annotators_agree() {
+    let mut rng = rng("evaluate_says_how_two_annotators_agree");
+    let truth = clicked(12, 0.0, &mut rng);
+    let folder = tempfile::tempdir().unwrap();
+    for (name, document) in [
+        ("a.json", &by_another(&truth, &truth, 1.0, &mut rng)),
+        ("b.json", &by_another(&truth, &truth, 1.0, &mut rng)),
+        ("exact.json", &truth),
+    ] {
+        write_document(&Location::for_new_document(&folder.path().join(name)).unwrap(), document, false).unwrap();
+    }
+    let ran = touchline(folder.path(), "evaluate a.json b.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let report: Value = serde_json::from_str(&ran.stdout).unwrap();
+    let hand = &report["agreement"]["one_hand"];
+    let ends: Vec<f64> = hand["interval_95_px"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect();
+    assert!(ends[0] < 2.0 && 2.0 < ends[1], "{hand}");
+    let ran = touchline(folder.path(), "evaluate a.json b.json --table");
+    assert!(ran.stdout.contains("Two annotators:") && ran.stdout.contains("One hand scatters by"), "{}", ran.stdout);
+    let ran = touchline(folder.path(), "evaluate exact.json exact.json");
+    assert!(!ran.stdout.contains("agreement"), "copies are no second annotator");
+}
+
+/// Every landmark of the first frames clicked again, blind, by a hand of this sigma about the true spots.
+fn repeat(document: &mut Document, truth: &Document, frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) {
+    let round = document.next_round();
+    for (frame, exact) in document.frames.iter_mut().zip(&truth.frames).take(frames) {
+        let ids: Vec<_> = frame.asked_again().cloned().collect();
+        for (id, exact) in ids.into_iter().zip(&exact.clicks) {
+            frame.repeats.push(Repeat::new(id, moved(exact.image, sigma_px, rng), round));
+        }
+    }
+}
+
+fn own(document: &Document) -> OwnNoise {
+    OwnNoise::of(document, Path::new(".")).unwrap()
+}
+
+#[test]
+fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
+    let mut rng = rng("repeats_tell_the_hand_and_a_usual_hand_changes_nothing");
+    let truth = clicked(40, 0.0, &mut rng);
+    assert_eq!(own(&truth), OwnNoise::default());
+    let sigma_px = 0.6;
+    let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
+    repeat(&mut document, &truth, 2, sigma_px, &mut rng);
+    let few = own(&document);
+    assert!(few.repeats < ENOUGH_REPEATS && few.hand.is_none() && few.missing() > 0, "{few:?}");
+    repeat(&mut document, &truth, 40, sigma_px, &mut rng);
+    repeat(&mut document, &truth, 40, sigma_px, &mut rng);
+    let found = own(&document);
+    let noise = found.noise.unwrap();
+    let [low, high] = noise.interval_95;
+    assert!(low < 1.2 && 1.2 < high && high < 1.25 * low, "{noise:?}");
+
+    // The usual hand: half of the template's variance.
+    let stated: std::collections::BTreeMap<String, f64> =
+        field().landmarks.iter().map(|landmark| (landmark.id.to_string(), landmark.click_sigma_px)).collect();
+    let mut usual = truth.clone();
+    for round in 1..=4 {
+        for (frame, exact) in usual.frames.iter_mut().zip(&truth.frames) {
+            for click in &exact.clicks {
+                let id = click.target.as_ref().unwrap().as_str();
+                let at = moved(click.image, 0.5 * stated[id] * 0.5_f64.sqrt(), &mut rng);
+                frame.repeats.push(Repeat::new(id.into(), at, round));
+            }
+        }
+    }
+    for frame in &mut usual.frames {
+        frame.clicks.clear();
+    }
+    let hand = own(&usual).hand.unwrap();
+    assert!((hand.hand_factor - 1.0).abs() < 0.08, "{hand:?}");
+    assert!(hand.hand_factor_by_landmark.values().all(|factor| (factor - 1.0).abs() < 0.35), "{hand:?}");
+    usual.set_hand(&hand).unwrap();
+    let weighed = Fields::of(&usual, Path::new(".")).unwrap();
+    let weighed = weighed.of_frame(&usual, &usual.frames[0]);
+    let changed = weighed.landmarks.iter().zip(field().landmarks).map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
+    assert!(changed.into_iter().all(|factor| (factor - 1.0).abs() < 0.2));
+}
+
+#[test]
+fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
+    let mut rng = rng("a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it");
+    let truth = clicked(10, 0.0, &mut rng);
+    let mut document = by_another(&truth, &truth, 0.2, &mut rng);
+    repeat(&mut document, &truth, 10, 0.2, &mut rng);
+    let sigma = |document: &Document| {
+        let fields = Fields::of(document, Path::new(".")).unwrap();
+        let frame = &document.frames[4];
+        calibrate(document, frame, fields.of_frame(document, frame), 4).unwrap().worst_corner_sigma_px
+    };
+    let before = sigma(&document);
+    let mut hand = own(&document).hand.unwrap();
+    document.set_hand(&hand).unwrap();
+    let steady = sigma(&document);
+    // What the place is worth stays: half of the variance.
+    assert!((0.70..0.85).contains(&(steady / before)), "{steady} of {before}");
+    let text = document_to_string(&document.to_dataset()).unwrap();
+    let read = document_from_bytes(text.as_bytes()).unwrap();
+    assert_eq!((read.hand().unwrap(), &read.frames[0].repeats), (Some(hand.clone()), &document.frames[0].repeats));
+    hand.in_use = false;
+    document.set_hand(&hand).unwrap();
+    assert_eq!(sigma(&document), before);
+}
+
+#[test]
+fn check_names_what_is_wrong_with_repeats_and_hand() {
+    let mut rng = rng("check_names_what_is_wrong_with_repeats_and_hand");
+    let mut document = clicked(2, 0.0, &mut rng);
+    assert_eq!(check_values(&document, Path::new(".")), []);
+    document.frames[0].repeats.push(Repeat::new("centre_spot".into(), ImagePoint::new(5.0, 5.0), 1));
+    document.frames[1].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(5.0, 600.0), 1));
+    document.extra.insert("click_noise".to_owned(), serde_json::json!({ "use": true, "hand_factor": -1.0 }));
+    let codes: Vec<&str> = check_values(&document, Path::new(".")).iter().map(|problem| problem.fault.code()).collect();
+    assert_eq!(codes, ["click_noise", "unknown_landmark_again", "repeat_outside"]);
+    assert_eq!(document.hand_in_use(), None, "what is no hand weighs nothing");
+}
