@@ -11,6 +11,9 @@ use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// What a field with its click noise follows from.
+type FieldKey = (FieldSpec, Option<Hand>);
+
 /// The document that is open.
 #[derive(Debug)]
 pub struct OpenProject {
@@ -31,7 +34,7 @@ pub struct OpenProject {
     /// The document as the journal has it.
     pub(super) journalled: Document,
     fields: Option<(Vec<FieldSpec>, Option<Hand>, Arc<Fields>)>,
-    model: Option<(FieldSpec, Option<Hand>, Result<Arc<FieldModel>, FieldError>)>,
+    model: Option<(FieldKey, Result<Arc<FieldModel>, FieldError>)>,
 }
 
 impl OpenProject {
@@ -79,7 +82,7 @@ impl OpenProject {
             Some(frame) => self.document.field_of(frame),
             None => &self.document.field,
         };
-        if let Some((known, known_hand, model)) = &self.model
+        if let Some(((known, known_hand), model)) = &self.model
             && known == spec
             && *known_hand == hand
         {
@@ -87,7 +90,7 @@ impl OpenProject {
         }
         let spec = spec.clone();
         let model = self.document.model_of(&spec, &self.folder).map(Arc::new);
-        self.model = Some((spec, hand, model.clone()));
+        self.model = Some(((spec, hand), model.clone()));
         model
     }
 
