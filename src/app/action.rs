@@ -1,5 +1,6 @@
 //! What changes state, and what the outside then has to do.
 
+use super::quality::TimeAxis;
 use super::review::ReviewOrder;
 use super::selection::{Scope, Selecting};
 use super::session::{Filter, Level, PictureView};
@@ -150,6 +151,20 @@ pub enum Action {
         frame: usize,
         /// It learns.
         teaches: bool,
+    },
+
+    /// The quality page speaks of this camera.
+    SetQualityCamera(CameraId),
+    /// What the quality page counts time in.
+    SetTimeAxis(TimeAxis),
+    /// The part of the time that the quality page shows; none: all of it.
+    ShowSpan(Option<[f64; 2]>),
+    /// The quality page makes way for a frame and one of its clicks.
+    LookAt {
+        /// Which frame.
+        frame: usize,
+        /// Which of its clicks, if one.
+        click: Option<usize>,
     },
 
     /// What the background trainer is doing and has found out.

@@ -58,6 +58,7 @@ pub enum Command {
     PauseTrainer,
     ShowFeatures,
     ReviewPanel,
+    QualityPage,
     EstimateBase,
     UseEstimatedBase,
     DropEstimatedBase,
@@ -172,6 +173,7 @@ rows! {
     PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "No training and no proposals in the background until it is resumed.", [];
     ShowFeatures, "show_features", View, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
+    QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where references look.", ["F5"];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];

@@ -39,6 +39,10 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
+    if app.session.quality.open {
+        let key = app.settings.keys.shown(Command::QualityPage);
+        return Guidance::say(format!("Click a point to look at its frame; {key} or Esc goes back to the picture."));
+    }
     begun(app)
         .or_else(|| estimated(app))
         .or_else(|| app.session.next_on_line.then(|| Guidance::say("Click a spot on a line, then name the line.")))

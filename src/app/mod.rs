@@ -17,6 +17,7 @@ pub mod naming;
 pub mod next_click;
 mod open_project;
 pub mod overlay;
+pub mod quality;
 pub mod review;
 pub mod selection;
 pub mod session;

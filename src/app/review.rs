@@ -75,12 +75,18 @@ pub struct ReviewRow {
     pub disagreement: Option<Disagreement>,
 }
 
+/// Whether a frame is to be looked at by itself: it lies off its neighbours' way by more than they are apart, since between
+/// frames that are seconds apart a camera goes anywhere.
+#[must_use]
+pub fn disagrees(found: &Disagreement) -> bool {
+    found.apart_px > DISAGREES_PX.max(found.neighbours_px)
+}
+
 impl ReviewRow {
-    /// Whether it is to be looked at by itself: it lies off its neighbours' way by more than they are apart, since between
-    /// frames that are seconds apart a camera goes anywhere.
+    /// Whether it is to be looked at by itself.
     #[must_use]
     pub fn disagrees(&self) -> bool {
-        self.disagreement.is_some_and(|found| found.apart_px > DISAGREES_PX.max(found.neighbours_px))
+        self.disagreement.as_ref().is_some_and(disagrees)
     }
 
     /// How far it is from its neighbours' way, px.

@@ -2,6 +2,7 @@
 
 use super::base::BaseWork;
 use super::naming::NameCandidate;
+use super::quality::QualityChoice;
 use super::review::ReviewChoice;
 use super::selection::Scope;
 use super::uncertainty::UncertaintyView;
@@ -46,6 +47,8 @@ pub struct Session {
     pub masks: bool,
     /// What was chosen in the review panel.
     pub review: ReviewChoice,
+    /// What was chosen on the quality page, and whether it takes the window.
+    pub quality: QualityChoice,
     /// Messages, the latest last.
     pub notices: Vec<Notice>,
     /// How far what was done is on disk.

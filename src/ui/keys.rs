@@ -120,9 +120,9 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     match command {
         Some(command) if command.is_held() => (!stroke.repeat).then_some(Action::Hold(command, true)),
         Some(command) if stroke.repeat && !REPEATED.contains(&command) => None,
-        // Without points Tab goes from control to control.
+        // Without points in sight Tab goes from control to control.
         Some(Command::NextClick | Command::PreviousClick)
-            if app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
+            if app.session.quality.open || app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
         {
             None
         }
@@ -140,7 +140,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
         Key::ArrowDown => (0.0, 1.0),
         _ => return None,
     };
-    app.session.selected?;
+    app.session.selected.filter(|_| !app.session.quality.open)?;
     let step = match (stroke.modifiers.shift, stroke.modifiers.alt, stroke.modifiers.command) {
         (false, false, false) => NUDGE_PX[0],
         (true, false, false) => NUDGE_PX[1],

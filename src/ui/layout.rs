@@ -1,8 +1,8 @@
 //! Where every panel lies.
 
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, rejecting, review, status,
-    theme, trainer, viewport,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, rejecting, review,
+    status, theme, trainer, viewport,
 };
 use crate::app::session::Panel as RightPanel;
 use egui::{Frame, Margin, Ui};
@@ -14,6 +14,11 @@ const WIDE: f32 = 1800.0;
 
 /// Reads keys and pointer; what they ask for is carried out before anything is drawn.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    if panel.app.session.quality.open {
+        // The picture is hidden, and so is what is typed for it.
+        keys::read(panel, ctx);
+        return;
+    }
     naming::read(panel, ctx);
     rejecting::read(panel, ctx);
     keys::read(panel, ctx);
@@ -28,7 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
     egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
     let is_open = panel.app.open().is_some();
-    if is_open {
+    let page = panel.app.session.quality.open;
+    if is_open && !page {
         egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
             match panel.app.session.panel {
                 RightPanel::Frame => inspector::show(panel, ui),
@@ -45,7 +51,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     let canvas = egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.max_rect();
-        if is_open {
+        if page {
+            quality::show(panel, ui);
+        } else if is_open {
             viewport::show(panel, ui);
         } else {
             empty::show(panel, ui);

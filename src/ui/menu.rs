@@ -96,6 +96,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::PauseTrainer => app.session.trainer.paused,
         Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == RightPanel::Review,
+        Command::QualityPage => app.session.quality.open,
         Command::Teaches => app.frame().is_some_and(crate::project::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,
         Command::Uncertainty => app.session.uncertainty != crate::app::uncertainty::UncertaintyView::Off,

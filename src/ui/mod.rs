@@ -21,6 +21,8 @@ mod naming;
 mod notices;
 mod number;
 mod pictures;
+mod plot;
+mod quality;
 mod rejecting;
 mod review;
 mod shell;

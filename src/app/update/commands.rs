@@ -1,6 +1,7 @@
 //! What each command does.
 
 use super::App;
+use super::quality::needs_the_picture;
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
 use crate::app::{Chord, Command};
@@ -30,9 +31,11 @@ impl App {
             | C::Cancel
             | C::Palette
             | C::Keys
-            | C::About
-            | C::OverlayStyle => None,
-            C::PauseTrainer | C::ShowFeatures => self.no_trainer(),
+            | C::About => None,
+            C::PauseTrainer => self.no_trainer(),
+            _ if self.session.quality.open && needs_the_picture(command) => Some("Close the quality page first."),
+            C::OverlayStyle => None,
+            C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
@@ -45,7 +48,8 @@ impl App {
             | C::ShowFieldMap
             | C::CameraPanel
             | C::TrainerPanel
-            | C::ReviewPanel => None,
+            | C::ReviewPanel
+            | C::QualityPage => None,
             _ if no_frame => Some("The document has no frames."),
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
@@ -160,6 +164,7 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
+            C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
             C::ZoomToFit => self.session.view = PictureView::Fit,
@@ -177,6 +182,7 @@ impl App {
             C::PauseTrainer => self.pause_trainer(),
             C::ShowFeatures => self.show_features(),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
+            C::QualityPage => self.toggle_quality(),
             C::GiveToCamera => self.ask_camera(),
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
@@ -211,6 +217,10 @@ impl App {
         }
         if self.session.opening.take().is_some() {
             self.effects.push(Effect::CancelOpening);
+            return;
+        }
+        if self.session.quality.open {
+            self.session.quality.open = false;
             return;
         }
         if self.session.mode == Mode::Idle && self.session.base.is_open() {

@@ -35,6 +35,7 @@ impl App {
         self.open = Some(open);
         self.current = Current::default();
         self.review = super::Review::default();
+        self.quality = super::Quality::default();
         self.watched = None;
     }
 

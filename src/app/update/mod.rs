@@ -9,6 +9,7 @@ mod frames;
 mod naming;
 mod numbers;
 mod proposals;
+mod quality;
 mod review;
 mod trainer;
 
@@ -16,6 +17,7 @@ pub use commands::MAX_SCALE;
 
 use super::action::{Action, Effect};
 use super::current::{Current, FreshSolve};
+use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
@@ -33,6 +35,7 @@ pub struct App {
     current: Current,
     fresh: Option<FreshSolve>,
     review: Review,
+    quality: Quality,
     watched: Option<cameras::Watched>,
     effects: Vec<Effect>,
 }
@@ -68,6 +71,12 @@ impl App {
         &self.review
     }
 
+    /// What the quality page shows; nothing while it is closed.
+    #[must_use]
+    pub const fn quality(&self) -> &Quality {
+        &self.quality
+    }
+
     /// Changes state; what the outside then has to do is returned in order.
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
         let before = self.current.readiness;
@@ -75,6 +84,7 @@ impl App {
         self.apply(action);
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
+        self.quality.refresh(self.open.as_mut(), &self.session);
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
@@ -129,6 +139,10 @@ impl App {
             Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
             Action::AcceptAll => self.accept_all(),
             Action::SetTeaches { frame, teaches } => self.set_teaches(frame, teaches),
+            Action::SetQualityCamera(camera) => self.set_quality_camera(camera),
+            Action::SetTimeAxis(axis) => self.set_time_axis(axis),
+            Action::ShowSpan(span) => self.show_span(span),
+            Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),

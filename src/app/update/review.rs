@@ -8,7 +8,9 @@ use crate::project::{Frame, FrameStatus, Step};
 impl App {
     /// Opens a panel on the right-hand side, or goes back to the frame.
     pub(super) fn toggle_panel(&mut self, panel: Panel) {
-        self.session.panel = if self.session.panel == panel { Panel::Frame } else { panel };
+        let behind_page = std::mem::take(&mut self.session.quality.open);
+        let is_shown = self.session.panel == panel && !behind_page;
+        self.session.panel = if is_shown { Panel::Frame } else { panel };
     }
 
     /// Goes to the next frame that somebody has to look at: along the review panel's list while it is open.

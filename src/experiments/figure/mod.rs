@@ -13,6 +13,7 @@ mod typeface;
 
 pub(super) use raster::{SCALE, painted};
 pub(super) use shape::{Anchor, Drawing, Rgb, Shape};
+pub use ticks::Ruler;
 
 use thiserror::Error;
 

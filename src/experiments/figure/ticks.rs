@@ -18,19 +18,38 @@ const WANTED: f64 = 5.0;
 impl Ruler {
     /// The ruler of an axis for some values. Without a range of its own the axis is as long as the values need, and ends at
     /// numbers.
+    #[must_use]
     pub fn new(axis: &Axis, values: impl Iterator<Item = f64>) -> Self {
         let usable = values.filter(|value| value.is_finite() && (axis.scale == Scale::Linear || *value > 0.0));
         let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let [from, to] = axis.range.unwrap_or(if low <= high { [low, high] } else { [1.0, 10.0] });
         match axis.scale {
-            Scale::Linear => Self::linear(from, to, axis.range.is_some()),
+            Scale::Linear => Self::linear([from, to], axis.range.is_some(), WANTED),
             Scale::Log => Self::log(from, to, axis.range.is_some()),
         }
     }
 
-    fn linear(from: f64, to: f64, fixed: bool) -> Self {
+    /// A linear ruler from here to there with about so many numbers on it.
+    #[must_use]
+    pub fn within(range: [f64; 2], wanted: f64) -> Self {
+        Self::linear(range, true, wanted)
+    }
+
+    /// A linear ruler over these values with about so many numbers on it, one at either end.
+    #[must_use]
+    pub fn around(range: [f64; 2], wanted: f64) -> Self {
+        Self::linear(range, false, wanted)
+    }
+
+    /// Where it begins and ends.
+    #[must_use]
+    pub const fn range(&self) -> [f64; 2] {
+        [self.from, self.to]
+    }
+
+    fn linear([from, to]: [f64; 2], fixed: bool, wanted: f64) -> Self {
         let (from, to) = if from < to { (from, to) } else { (from - 0.5, from + 0.5) };
-        let step = nice_step((to - from) / WANTED);
+        let step = nice_step((to - from) / wanted);
         let (from, to) = if fixed { (from, to) } else { ((from / step).floor() * step, (to / step).ceil() * step) };
         let decimals = (-step.log10().floor()).clamp(0.0, 12.0) as usize;
         let first = (from / step - 1e-9).ceil() as i64;
@@ -58,6 +77,7 @@ impl Ruler {
     }
 
     /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
+    #[must_use]
     pub fn share(&self, value: f64) -> Option<f64> {
         let share = match self.scale {
             Scale::Linear => (value - self.from) / (self.to - self.from),
@@ -110,6 +130,14 @@ mod tests {
         assert_eq!(words(&axis.clone().within(0.0, 1.0), &[7.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         assert_eq!(words(&axis, &[-2.0, 3.0]), ["-2", "-1", "0", "1", "2", "3"]);
         assert!(!words(&axis, &[]).is_empty() && !words(&axis, &[2.0, 2.0]).is_empty());
+    }
+
+    #[test]
+    fn a_small_plot_has_few_numbers() {
+        let words = |ruler: Ruler| ruler.ticks.into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        assert_eq!(words(Ruler::around([-37.0, 41.0], 2.0)), ["-50", "0", "50"]);
+        assert_eq!(words(Ruler::within([3.0, 97.0], 2.0)), ["50"]);
+        assert_eq!(Ruler::around([-37.0, 41.0], 2.0).range(), [-50.0, 50.0]);
     }
 
     #[test]

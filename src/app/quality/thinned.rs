@@ -1,0 +1,93 @@
+//! What is drawn of a course that has more points than the screen has pixels.
+
+use super::{CoursePoint, Kind, Quantity};
+
+/// What is drawn of the points of a span.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Drawn<'a> {
+    /// Every point by itself.
+    Points(&'a [CoursePoint]),
+    /// Many points as columns, ascending in time.
+    Columns(Vec<Column>),
+}
+
+/// The points of one kind that fall on one column of pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Column {
+    /// Which column, from 0.
+    pub column: usize,
+    /// Of which kind.
+    pub kind: Kind,
+    /// The smallest value.
+    pub low: f64,
+    /// The largest value.
+    pub high: f64,
+}
+
+/// What is drawn of the points of a span on so many columns: each by itself while they are few, else from the smallest to
+/// the largest of each kind and column, so that no spike gets lost.
+#[must_use]
+pub fn drawn(points: &[CoursePoint], quantity: Quantity, span: [f64; 2], columns: usize) -> Drawn<'_> {
+    if points.len() <= columns || !(span[1] > span[0]) {
+        return Drawn::Points(points);
+    }
+    let per_unit = columns as f64 / (span[1] - span[0]);
+    let mut found: Vec<Column> = Vec::new();
+    let mut open: [Option<Column>; Kind::ALL.len()] = [None; Kind::ALL.len()];
+    for point in points {
+        let column = (((point.at - span[0]) * per_unit) as usize).min(columns - 1);
+        let value = point.value(quantity);
+        let open = &mut open[point.kind as usize];
+        match open {
+            Some(known) if known.column == column => {
+                known.low = known.low.min(value);
+                known.high = known.high.max(value);
+            }
+            _ => found.extend(open.replace(Column { column, kind: point.kind, low: value, high: value })),
+        }
+    }
+    found.extend(open.into_iter().flatten());
+    found.sort_by_key(|column| (column.kind, column.column));
+    Drawn::Columns(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn points(count: usize) -> Vec<CoursePoint> {
+        let point = |frame: usize| CoursePoint {
+            frame,
+            at: frame as f64,
+            values: [(frame % 7) as f64, 0.0, 1000.0],
+            kind: if frame.is_multiple_of(10) { Kind::Reference } else { Kind::Suggested },
+            shot: 0,
+            apart_px: None,
+            stands_out: false,
+        };
+        (0..count).map(point).collect()
+    }
+
+    #[test]
+    fn few_points_are_drawn_as_they_are() {
+        let points = points(50);
+        assert_eq!(drawn(&points, Quantity::Pan, [0.0, 49.0], 50), Drawn::Points(&points));
+        assert_eq!(drawn(&points, Quantity::Pan, [3.0, 3.0], 5), Drawn::Points(&points), "no time at all");
+    }
+
+    #[test]
+    fn many_points_become_columns_and_a_single_spike_stays() {
+        let mut points = points(10_000);
+        points[4321].values[0] = 170.0;
+        let Drawn::Columns(columns) = drawn(&points, Quantity::Pan, [0.0, 9_999.0], 500) else {
+            panic!("10,000 points on 500 columns")
+        };
+        assert!(columns.len() <= 1000, "{}", columns.len());
+        let spike: Vec<&Column> = columns.iter().filter(|column| column.high == 170.0).collect();
+        assert_eq!((spike.len(), spike[0].kind, spike[0].column), (1, Kind::Suggested, 216));
+        let references = columns.iter().filter(|column| column.kind == Kind::Reference).count();
+        assert_eq!(references, 500, "each column has two");
+        assert!(columns.is_sorted_by_key(|column| (column.kind, column.column)), "references are drawn last");
+        assert!(columns.iter().all(|column| column.low >= 0.0 && column.high >= column.low));
+    }
+}

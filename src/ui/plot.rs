@@ -1,0 +1,92 @@
+//! A small plot: a box with two scales, lines and numbers at its sides.
+
+use super::theme;
+use crate::experiments::figure::Ruler;
+use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
+
+/// The size of the numbers, points.
+const NUMBER: f32 = 10.0;
+
+/// A box with two scales. What lies outside of a scale is drawn at its end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plot {
+    /// Where the values lie.
+    pub area: Rect,
+    /// What its left and its right border stand for.
+    pub x: [f64; 2],
+    /// What its lower and its upper border stand for.
+    pub y: [f64; 2],
+}
+
+impl Plot {
+    /// Where a value lies from left to right.
+    pub fn x_of(&self, x: f64) -> f32 {
+        self.area.left() + self.area.width() * share(self.x, x)
+    }
+
+    /// Where a value lies from bottom to top.
+    pub fn y_of(&self, y: f64) -> f32 {
+        self.area.bottom() - self.area.height() * share(self.y, y)
+    }
+
+    /// Where a pair of values lies.
+    pub fn at(&self, x: f64, y: f64) -> Pos2 {
+        pos2(self.x_of(x), self.y_of(y))
+    }
+
+    /// The value that a place from left to right stands for.
+    pub fn x_at(&self, at: f32) -> f64 {
+        let along = f64::from((at - self.area.left()) / self.area.width().max(1.0));
+        self.x[0] + along * (self.x[1] - self.x[0])
+    }
+
+    /// Lines across at a ruler's numbers, and the numbers to the left of them.
+    pub fn levels(&self, painter: &Painter, ruler: &Ruler) {
+        for (value, words) in &ruler.ticks {
+            let y = self.y_of(*value);
+            painter.hline(self.area.x_range(), y, Stroke::new(1.0, theme::LINE));
+            let place = pos2(self.area.left() - 4.0, y);
+            painter.text(place, Align2::RIGHT_CENTER, words, small(), theme::WEAK);
+        }
+    }
+
+    /// Numbers below the box, with a stroke at each.
+    pub fn steps<'a>(&self, painter: &Painter, ticks: impl IntoIterator<Item = (f64, &'a str)>) {
+        for (value, words) in ticks {
+            let at = pos2(self.x_of(value), self.area.bottom());
+            painter.vline(at.x, at.y..=at.y + 3.0, Stroke::new(1.0, theme::WEAK));
+            painter.text(at + egui::vec2(0.0, 4.0), Align2::CENTER_TOP, words, small(), theme::WEAK);
+        }
+    }
+
+    /// What the plot shows, in its upper left corner.
+    pub fn caption(&self, painter: &Painter, words: &str) {
+        let place = self.area.left_top() + egui::vec2(4.0, 1.0);
+        painter.text(place, Align2::LEFT_TOP, words, small(), theme::TEXT);
+    }
+}
+
+/// How a plot's numbers are written.
+pub fn small() -> FontId {
+    FontId::proportional(NUMBER)
+}
+
+fn share([from, upto]: [f64; 2], value: f64) -> f32 {
+    let share = (value - from) / (upto - from);
+    if share.is_finite() { share.clamp(0.0, 1.0) as f32 } else { 0.5 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_lie_between_the_borders_and_come_back() {
+        let plot =
+            Plot { area: Rect::from_min_max(pos2(10.0, 20.0), pos2(110.0, 70.0)), x: [0.0, 50.0], y: [-1.0, 1.0] };
+        assert_eq!(plot.at(25.0, 0.0), pos2(60.0, 45.0));
+        assert_eq!(plot.at(-5.0, 7.0), pos2(10.0, 20.0), "at the end of the scale");
+        assert!((plot.x_at(60.0) - 25.0).abs() < 1e-6);
+        assert_eq!(Plot { y: [3.0, 3.0], ..plot }.y_of(3.0), 45.0);
+    }
+}

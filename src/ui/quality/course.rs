@@ -1,0 +1,383 @@
+//! Pan, tilt and focal length over time; frames that disagree with their neighbours are ringed. A click goes there.
+
+use super::{card, legend, nothing_yet};
+use crate::app::quality::{Course, CoursePoint, Drawn, Kind, Quantity, TimeAxis, drawn, within_whole, zoomed};
+use crate::app::review::DISAGREES_PX;
+use crate::app::{Action, Command};
+use crate::experiments::figure::Ruler;
+use crate::ui::menu::file_name;
+use crate::ui::plot::Plot;
+use crate::ui::{Panel, theme};
+use egui::{
+    Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+/// The heights of one plot: at least, and as a share of the page's width, points.
+const HEIGHT: f32 = 76.0;
+const HEIGHT_SHARE: f32 = 0.058;
+/// Room for numbers at the left of the plots and below the last one, points.
+const NUMBERS: f32 = 44.0;
+const BELOW: f32 = 16.0;
+/// Between two plots, points.
+const BETWEEN: f32 = 6.0;
+/// A column of a plot with many points, points.
+const COLUMN: f32 = 2.0;
+/// The pointer takes hold of what is this near, points.
+const REACH: f32 = 14.0;
+/// So many frames are ringed at most, and so many named below.
+const RINGED: usize = 300;
+const NAMED: usize = 6;
+/// Shots that are narrower than this are not parted by lines, points.
+const NARROW: f32 = 5.0;
+/// Frames that stand out stretch a scale to this many times what the others need, not farther.
+const STRETCH: f64 = 2.5;
+
+/// What stands there without a frame that has a camera.
+const NOTHING: &str =
+    "Frames with a camera appear here over time: accept a few, and let the forest propose cameras for the others.";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    let course = &app.quality().course;
+    const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
+    let Some(whole) = course.whole.filter(|_| !course.points.is_empty()) else {
+        card(panel, ui, TITLE, |_, _| {}, |_, ui| nothing_yet(ui, NOTHING));
+        return;
+    };
+    let span = app.session.quality.span.and_then(|span| within_whole(span, whole)).unwrap_or(whole);
+    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, course, span != whole);
+    card(panel, ui, TITLE, beside, |panel, ui| {
+        let stack = Stack::new(ui, course, span);
+        let under = stack.show(panel, ui, course, whole);
+        read_out(panel, ui, course, under);
+        standing_out(panel, ui, course);
+    });
+}
+
+/// What the marks mean, what time is counted in, and how much of it is shown; from the right.
+fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
+    let actions = &mut *panel.actions;
+    let mut button = |ui: &mut Ui, says: &str, command: Command, enabled: bool, tip: &str| {
+        let button = ui.add_enabled(enabled, Button::new(says).small());
+        if button.on_hover_text(tip).clicked() {
+            actions.push(Action::Command(command));
+        }
+    };
+    button(ui, "All", Command::ZoomToFit, is_part, "Show all of the time.");
+    button(ui, "−", Command::ZoomOut, is_part, "Show more of the time.");
+    button(ui, "+", Command::ZoomIn, true, "Show less of the time, larger.");
+    if course.has_video_time {
+        for (axis, says, tip) in [
+            (TimeAxis::Video, "Video time", "Count time as the video does."),
+            (TimeAxis::Frame, "Frames", "Count frames."),
+        ] {
+            if ui.add(Button::selectable(course.axis == axis, says).small()).on_hover_text(tip).clicked() {
+                actions.push(Action::SetTimeAxis(axis));
+            }
+        }
+    }
+    ui.add_space(2.0 * theme::SPACE);
+    ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.add_space(2.0 * theme::SPACE);
+        for kind in [Kind::Reference, Kind::Suggested, Kind::Draft] {
+            let count = course.count(kind);
+            if count > 0 {
+                legend::entry(ui, &legend::counted(kind, count), |painter, at| legend::mark(painter, at, kind));
+            }
+        }
+        if !course.standing_out.is_empty() {
+            legend::entry(ui, &format!("{} off their neighbours' way", course.standing_out.len()), legend::ring);
+        }
+    });
+}
+
+/// The three plots, one above the other, over the same span of time.
+struct Stack {
+    plots: [Plot; 3],
+    rulers: [Ruler; 3],
+    rect: Rect,
+    response: Response,
+    span: [f64; 2],
+}
+
+impl Stack {
+    fn new(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
+        let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
+        let size = vec2(ui.available_width(), 3.0 * height + 2.0 * BETWEEN + BELOW);
+        let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let words = |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
+        let rulers = Quantity::ALL.map(words);
+        let plots = [0, 1, 2].map(|place| {
+            let top = rect.top() + place as f32 * (height + BETWEEN);
+            let area = Rect::from_min_max(pos2(rect.left() + NUMBERS, top), pos2(rect.right() - 6.0, top + height));
+            Plot { area, x: span, y: rulers[place].range() }
+        });
+        Self { plots, rulers, rect, response, span }
+    }
+
+    /// Draws the plots and reads the pointer; the point under it is returned.
+    fn show<'a>(&self, panel: &mut Panel<'_>, ui: &Ui, course: &'a Course, whole: [f64; 2]) -> Option<&'a CoursePoint> {
+        let told = told(course);
+        self.response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &told));
+        let under = self.response.hover_pos().and_then(|pointer| self.nearest(course, pointer));
+        if ui.is_rect_visible(self.rect) {
+            self.paint(panel, ui, course, under);
+        }
+        self.read_pointer(panel, ui, under, whole);
+        under
+    }
+
+    fn paint(&self, panel: &Panel<'_>, ui: &Ui, course: &Course, under: Option<&CoursePoint>) {
+        let painter = ui.painter_at(self.rect);
+        let shown = course.at_of(panel.app.session.frame).filter(|at| (self.span[0]..=self.span[1]).contains(at));
+        for ((plot, ruler), quantity) in self.plots.iter().zip(&self.rulers).zip(Quantity::ALL) {
+            painter.rect_filled(plot.area, CornerRadius::same(3), theme::BACKDROP);
+            plot.levels(&painter, ruler);
+            cuts(&painter, plot, course);
+            if let Some(at) = shown {
+                painter.vline(plot.x_of(at), plot.area.y_range(), Stroke::new(1.0, theme::ACCENT));
+            }
+            if let Some(point) = under {
+                painter.vline(plot.x_of(point.at), plot.area.y_range(), Stroke::new(1.0, theme::WEAK));
+            }
+            curve(&painter, plot, course.within(self.span), quantity);
+            let in_span = |point: &&CoursePoint| (self.span[0]..=self.span[1]).contains(&point.at);
+            let out = course.standing_out.iter().map(|&place| &course.points[place]).filter(in_span);
+            for point in out.take(RINGED) {
+                let at = plot.at(point.at, point.value(quantity));
+                legend::mark(&painter, at, point.kind);
+                legend::ring(&painter, at);
+            }
+            if let Some(point) = under {
+                let at = plot.at(point.at, point.value(quantity));
+                painter.circle_stroke(at, 5.0, Stroke::new(1.5, theme::STRONG));
+            }
+            plot.caption(&painter, quantity.label());
+        }
+        let ticks = time_ticks(course.axis, self.span, f64::from(self.rect.width() / 110.0));
+        self.plots[2].steps(&painter, ticks.iter().map(|(at, words)| (*at, words.as_str())));
+    }
+
+    /// The point that is nearest to the pointer, in the plot where the pointer is.
+    fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
+        let place = self.plots.iter().position(|plot| pointer.y <= plot.area.bottom() + BETWEEN)?;
+        let (plot, quantity) = (&self.plots[place], Quantity::ALL[place]);
+        let near = course.within([plot.x_at(pointer.x - REACH), plot.x_at(pointer.x + REACH)]);
+        let distance = |point: &CoursePoint| plot.at(point.at, point.value(quantity)).distance_sq(pointer);
+        near.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// A click goes to the frame; Ctrl and the wheel or two fingers enlarge the time, dragging and Shift with the wheel move it.
+    fn read_pointer(&self, panel: &mut Panel<'_>, ui: &Ui, under: Option<&CoursePoint>, whole: [f64; 2]) {
+        let is_part = self.span != whole;
+        if let Some(point) = under.filter(|_| self.response.clicked()) {
+            panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+        }
+        let per_point = (self.span[1] - self.span[0]) / f64::from(self.plots[0].area.width().max(1.0));
+        let (mut moved, mut factor) = (f64::from(self.response.drag_delta().x), 1.0);
+        if let Some(pointer) = self.response.hover_pos() {
+            let (zoom, scrolled) = ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
+            (factor, moved) = (f64::from(zoom), moved + f64::from(scrolled));
+            if factor != 1.0 {
+                let around = self.plots[0].x_at(pointer.x);
+                panel.actions.push(Action::ShowSpan(zoomed(self.span, whole, around, factor)));
+            }
+            let icon = match under {
+                _ if self.response.dragged() && is_part => CursorIcon::Grabbing,
+                Some(_) => CursorIcon::PointingHand,
+                None => CursorIcon::Default,
+            };
+            ui.ctx().set_cursor_icon(icon);
+        }
+        if moved != 0.0 && factor == 1.0 && is_part {
+            let by = moved * per_point;
+            let span = within_whole([self.span[0] - by, self.span[1] - by], whole);
+            panel.actions.push(Action::ShowSpan(span));
+        }
+    }
+}
+
+/// What a screen reader says.
+fn told(course: &Course) -> String {
+    let counts = Kind::ALL.map(|kind| (kind, course.count(kind))).into_iter().rev().filter(|(_, count)| *count > 0);
+    let counts: Vec<String> = counts.map(|(kind, count)| legend::counted(kind, count)).collect();
+    format!("Pan, tilt and focal length over time: {}", counts.join(", "))
+}
+
+/// From the smallest to the largest value within a span. Frames that stand out count as long as the others can still be
+/// told apart.
+fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
+    let over = |range: [f64; 2], value: f64| [range[0].min(value), range[1].max(value)];
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let points = course.within(span);
+    let all = points.iter().map(|point| point.value(quantity)).fold(none, over);
+    let usual = points.iter().filter(|point| !point.stands_out).map(|point| point.value(quantity)).fold(none, over);
+    let (needed, length) = (usual[1] - usual[0], all[1] - all[0]);
+    match () {
+        () if !length.is_finite() => [0.0, 1.0],
+        () if needed > 0.0 && length > STRETCH * needed => {
+            let room = 0.5 * (STRETCH - 1.0) * needed;
+            [all[0].max(usual[0] - room), all[1].min(usual[1] + room)]
+        }
+        () => all,
+    }
+}
+
+/// A line where a shot ends, unless the shots are too narrow to be told apart.
+fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
+    let from = course.cuts.partition_point(|at| *at < plot.x[0]);
+    let upto = course.cuts.partition_point(|at| *at <= plot.x[1]);
+    let inside = &course.cuts[from..upto.max(from)];
+    if inside.len() as f32 * NARROW > plot.area.width() {
+        return;
+    }
+    for at in inside {
+        let [top, bottom] = [plot.area.top(), plot.area.bottom()].map(|y| pos2(plot.x_of(*at), y));
+        painter.extend(Shape::dashed_line(&[top, bottom], Stroke::new(1.0, theme::WEAK), 2.0, 3.0));
+    }
+}
+
+/// The points of a span: each by itself with lines between those of a shot, or as columns where there are many.
+fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
+    let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
+    match drawn(points, quantity, plot.x, (plot.area.width() / COLUMN) as usize) {
+        Drawn::Points(points) => {
+            for shot in points.chunk_by(|a, b| a.shot == b.shot) {
+                painter.line(shot.iter().map(at).collect(), Stroke::new(1.0, theme::WEAK.gamma_multiply(0.6)));
+            }
+            for kind in Kind::ALL {
+                for point in points.iter().filter(|point| point.kind == kind) {
+                    legend::mark(painter, at(point), kind);
+                }
+            }
+        }
+        Drawn::Columns(columns) => {
+            for column in columns {
+                let left = plot.area.left() + column.column as f32 * COLUMN;
+                let (top, bottom) = (plot.y_of(column.high) - 1.0, plot.y_of(column.low) + 1.0);
+                let bar = Rect::from_min_max(pos2(left, top), pos2(left + COLUMN, bottom));
+                painter.rect_filled(bar, 0.0, legend::colour(column.kind));
+            }
+        }
+    }
+}
+
+/// Numbers along the time, about so many.
+fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)> {
+    /// Steps that a clock has, s.
+    const CLOCK_S: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0];
+    let ruler = || Ruler::within(span, wanted).ticks;
+    match axis {
+        TimeAxis::Frame => ruler().into_iter().filter(|(at, _)| at.fract() == 0.0).collect(),
+        TimeAxis::Video if (span[1] - span[0]) / wanted < 1.0 => {
+            ruler().into_iter().map(|(at, words)| (at, format!("{words} s"))).collect()
+        }
+        TimeAxis::Video => {
+            let rough = (span[1] - span[0]) / wanted;
+            let step = CLOCK_S.into_iter().find(|step| *step >= rough).unwrap_or(3600.0 * (rough / 3600.0).ceil());
+            let from = (span[0] / step).ceil() as i64;
+            let upto = (span[1] / step).floor() as i64;
+            (from..=upto).map(|count| count as f64 * step).map(|at| (at, clock(at))).collect()
+        }
+    }
+}
+
+/// Seconds as minutes and seconds.
+fn clock(at_s: f64) -> String {
+    let whole = at_s.round() as i64;
+    format!("{}:{:02}", whole / 60, whole % 60)
+}
+
+/// The frame under the pointer in words; without one, what can be done.
+fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&CoursePoint>) {
+    let Some((point, frame)) = under.and_then(|point| Some((point, panel.app.open()?.frame(point.frame)?))) else {
+        let time = if course.axis == TimeAxis::Frame { "Frame number" } else { "Time of the video" };
+        let text =
+            format!("{time} to the right. A click goes to the frame; Ctrl and wheel, + and − enlarge, dragging moves.");
+        ui.label(RichText::new(text).small().color(theme::WEAK));
+        return;
+    };
+    let [pan, tilt, focal] = point.values;
+    let mut text = format!("{}, frame {}", file_name(&frame.name()), point.frame + 1);
+    if let Some(clip) = &frame.clip {
+        text += &format!(", shot {clip}");
+    }
+    if course.axis == TimeAxis::Video {
+        text += &format!(", {:.2} s", point.at);
+    }
+    text += &format!(": pan {pan:.2}°, tilt {tilt:.2}°, focal length {focal:.0} px");
+    if let Some(confidence) = frame.solution.as_ref().and_then(|solution| solution.confidence) {
+        text += &format!(", right with {}", crate::app::review::percent(confidence));
+    }
+    if let Some(px) = point.apart_px.filter(|px| *px >= 1.0) {
+        text += &format!(", {px:.0} px off its neighbours' way");
+    }
+    let colour = if point.stands_out { theme::BAD } else { theme::STRONG };
+    ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
+}
+
+/// The frames that disagree with their neighbours, by name, the farthest off first.
+fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
+    if course.standing_out.is_empty() {
+        return;
+    }
+    let app = panel.app;
+    let tip = format!(
+        "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the way between the frames before and after, and farther \
+         than these are apart."
+    );
+    ui.horizontal(|ui| {
+        ui.label(RichText::new("Off their neighbours' way:").small().color(theme::BAD)).on_hover_text(tip);
+        for point in course.standing_out.iter().take(NAMED).map(|&place| &course.points[place]) {
+            let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else { continue };
+            let says = format!("{} {:.0} px", file_name(&frame.name()), point.apart_px.unwrap_or(0.0));
+            if ui.add(Button::new(says).small()).on_hover_text(format!("Look at frame {}.", point.frame + 1)).clicked()
+            {
+                panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+            }
+        }
+        if let Some(more) = course.standing_out.len().checked_sub(NAMED).filter(|more| *more > 0) {
+            ui.label(RichText::new(format!("and {more} more")).small().color(theme::WEAK));
+        }
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn words(axis: TimeAxis, span: [f64; 2]) -> Vec<String> {
+        time_ticks(axis, span, 4.0).into_iter().map(|(_, words)| words).collect()
+    }
+
+    #[test]
+    fn time_has_numbers_that_a_person_counts_in() {
+        assert_eq!(words(TimeAxis::Frame, [1.0, 812.0]), ["200", "400", "600", "800"]);
+        assert_eq!(words(TimeAxis::Frame, [3.0, 4.0]), ["3", "4"]);
+        assert_eq!(words(TimeAxis::Video, [0.0, 100.0]), ["0:00", "0:30", "1:00", "1:30"]);
+        assert_eq!(words(TimeAxis::Video, [3599.0, 9000.0]), ["60:00", "90:00", "120:00", "150:00"]);
+        assert_eq!(words(TimeAxis::Video, [1.0, 2.0]), ["1.0 s", "1.2 s", "1.4 s", "1.6 s", "1.8 s", "2.0 s"]);
+    }
+
+    #[test]
+    fn a_frame_far_off_stretches_a_scale_only_so_far() {
+        let point = |at: f64, pan: f64, stands_out| CoursePoint {
+            frame: at as usize,
+            at,
+            values: [pan, 0.0, 1000.0],
+            kind: Kind::Suggested,
+            shot: 0,
+            apart_px: None,
+            stands_out,
+        };
+        let points = vec![point(1.0, 0.0, false), point(2.0, 170.0, true), point(3.0, 4.0, false)];
+        let mut course = Course { points, ..Course::default() };
+        assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 7.0]);
+        course.points[1].values[0] = 6.0;
+        assert_eq!(scale(&course, Quantity::Pan, [1.0, 3.0]), [0.0, 6.0]);
+        assert_eq!(scale(&course, Quantity::Focal, [1.0, 3.0]), [1000.0, 1000.0]);
+        assert_eq!(scale(&course, Quantity::Pan, [5.0, 6.0]), [0.0, 1.0], "nothing is there");
+    }
+}

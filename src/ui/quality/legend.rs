@@ -1,0 +1,50 @@
+//! How the frames of each kind are marked on the page.
+
+use crate::app::quality::Kind;
+use crate::ui::theme;
+use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+
+/// The colour of a kind.
+pub fn colour(kind: Kind) -> Color32 {
+    theme::status_look(kind.status()).colour
+}
+
+/// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for what is begun.
+pub fn mark(painter: &Painter, at: Pos2, kind: Kind) {
+    let stroke = Stroke::new(1.2, colour(kind));
+    match kind {
+        Kind::Reference => {
+            painter.circle_filled(at, 2.8, stroke.color);
+        }
+        Kind::Suggested => {
+            let by = |x: f32, y: f32| pos2(at.x + 3.2 * x, at.y + 3.2 * y);
+            painter.add(Shape::closed_line(vec![by(0.0, -1.0), by(1.0, 0.0), by(0.0, 1.0), by(-1.0, 0.0)], stroke));
+        }
+        Kind::Draft => {
+            let square = Rect::from_center_size(at, vec2(4.6, 4.6));
+            painter.rect_stroke(square, CornerRadius::ZERO, stroke, StrokeKind::Middle);
+        }
+    }
+}
+
+/// Rings a frame that disagrees with its neighbours.
+pub fn ring(painter: &Painter, at: Pos2) {
+    painter.circle_stroke(at, 5.5, Stroke::new(1.5, theme::BAD));
+}
+
+/// A mark with its words.
+pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) {
+    let (place, _) = ui.allocate_exact_size(vec2(12.0, 14.0), Sense::hover());
+    paint(ui.painter(), place.center());
+    ui.label(egui::RichText::new(words).small().color(theme::TEXT));
+}
+
+/// What a kind is called, with how many there are.
+pub fn counted(kind: Kind, count: usize) -> String {
+    let (one, more) = match kind {
+        Kind::Reference => ("reference", "references"),
+        Kind::Suggested => ("suggestion", "suggestions"),
+        Kind::Draft => ("draft", "drafts"),
+    };
+    format!("{count} {}", if count == 1 { one } else { more })
+}

@@ -1,0 +1,87 @@
+//! The quality page: how good labels and proposals are. It takes the window; each section is a file and a card.
+//!
+//! A section shows what [`crate::app::quality`] derived. A click goes to the frame, and the page makes way for the picture.
+
+mod course;
+mod legend;
+
+use super::symbol::{self, Symbol};
+use super::{Panel, theme};
+use crate::app::{Action, Command};
+use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
+
+/// Between cards, points.
+const GAP: f32 = 8.0;
+
+/// Shows the page.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let area = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(area, 0.0, theme::PANEL);
+    heading(panel, ui);
+    let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 0, bottom: 8 });
+    ScrollArea::vertical().id_salt("quality page").auto_shrink(false).show(ui, |ui| {
+        inside.show(ui, |ui| {
+            ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+            course::show(panel, ui);
+        });
+    });
+}
+
+/// The title, the camera that the page speaks of, and the way back.
+fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
+    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Quality").heading().color(theme::STRONG));
+            cameras(panel, ui);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = symbol::button(ui, Symbol::Cross, "Close the quality page", theme::WEAK);
+                let key = panel.app.settings.keys.shown(Command::QualityPage);
+                if close.on_hover_text(format!("Back to the picture. ({key})")).clicked() {
+                    panel.actions.push(Action::Command(Command::QualityPage));
+                }
+            });
+        });
+    });
+}
+
+/// Which camera, where there are several.
+fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let (Some(open), Some(chosen)) = (panel.app.open(), &panel.app.quality().camera) else { return };
+    if open.document.cameras.len() < 2 {
+        return;
+    }
+    let shown = egui::ComboBox::from_id_salt("quality camera").selected_text(chosen.as_str()).show_ui(ui, |ui| {
+        for camera in &open.document.cameras {
+            if ui.selectable_label(camera.id == *chosen, camera.id.as_str()).clicked() {
+                panel.actions.push(Action::SetQualityCamera(camera.id.clone()));
+                ui.close();
+            }
+        }
+    });
+    shown.response.accessible_name("Camera").on_hover_text("The camera that this page speaks of.");
+}
+
+/// A section of the page: its title, and beside it on the right what belongs to the whole of it.
+fn card(
+    panel: &mut Panel<'_>,
+    ui: &mut Ui,
+    title: &str,
+    beside: impl FnOnce(&mut Panel<'_>, &mut Ui),
+    inside: impl FnOnce(&mut Panel<'_>, &mut Ui),
+) {
+    let ground = Frame::new().fill(theme::RAISED).corner_radius(CornerRadius::same(6)).inner_margin(Margin::same(10));
+    ground.show(ui, |ui| {
+        ui.spacing_mut().item_spacing = vec2(2.0 * theme::SPACE, theme::SPACE);
+        ui.set_width(ui.available_width());
+        ui.horizontal(|ui| {
+            theme::title(ui, title);
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| beside(panel, ui));
+        });
+        inside(panel, ui);
+    });
+}
+
+/// What a section says while it has nothing to show: what will appear, and what to do for it.
+fn nothing_yet(ui: &mut Ui, text: &str) {
+    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+}
