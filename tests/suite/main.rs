@@ -37,6 +37,7 @@ mod overlay_projection;
 mod pose;
 mod program;
 mod published_figures;
+mod quality_in_app;
 mod real_base;
 mod real_frames;
 mod refine_base_command;

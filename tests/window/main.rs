@@ -9,6 +9,7 @@ mod cameras;
 mod labelling;
 mod names;
 mod panels;
+mod quality;
 mod review;
 mod trainer;
 mod viewport;

@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn a_frame_off_its_neighbours_way_stands_out_and_its_neighbours_do_not() {
         let mut document = document();
-        assert_eq!(course(&document, TimeAxis::Frame).standing_out, []);
+        assert!(course(&document, TimeAxis::Frame).standing_out.is_empty());
         for (frame, tilt_deg) in [(2, -11.5), (9, -14.0)] {
             document.frames[frame].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, tilt_deg, 2000.0), None));
         }

@@ -270,7 +270,10 @@ fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)>
     const CLOCK_S: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0];
     let ruler = || Ruler::within(span, wanted).ticks;
     match axis {
-        TimeAxis::Frame => ruler().into_iter().filter(|(at, _)| at.fract() == 0.0).collect(),
+        TimeAxis::Frame => {
+            let whole = ruler().into_iter().map(|(at, _)| at).filter(|at| (at - at.round()).abs() < 1e-9);
+            whole.map(|at| (at, format!("{at:.0}"))).collect()
+        }
         TimeAxis::Video if (span[1] - span[0]) / wanted < 1.0 => {
             ruler().into_iter().map(|(at, words)| (at, format!("{words} s"))).collect()
         }

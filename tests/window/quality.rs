@@ -1,0 +1,59 @@
+//! The quality page: opened by key, read by its nodes, left for a frame by a click.
+
+use crate::window::Window;
+use egui::Key;
+use egui_kittest::kittest::Queryable as _;
+
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+#[test]
+fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
+    let Some(mut window) = Window::open_suggested(&[Some(0.9); 9], SIZE) else { return };
+    window.key(Key::F5);
+    assert!(window.harness.query_by_label("Picture").is_none());
+    let plots = window.harness.get_by_label("Pan, tilt and focal length over time: 9 suggestions").rect();
+    assert!(plots.width() > 1200.0, "{plots:?}");
+    // The pan rises from frame to frame: the last point is at the top of the first plot, on the right.
+    let last = plots.right_top() + egui::vec2(-6.0, 8.0);
+    window.harness.hover_at(last);
+    window.harness.run_steps(2);
+    window.harness.get_by_label_contains("0008.png, frame 9: pan -6.00°");
+    window.press(last);
+    window.release(last);
+    assert_eq!(window.app().session.frame, 8);
+    window.harness.get_by_label("Picture");
+    window.key(Key::F5);
+    window.key(Key::Escape);
+    assert!(!window.app().session.quality.open);
+}
+
+#[test]
+fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
+    let Some(mut window) = Window::open_suggested(&[Some(0.9); 9], SIZE) else { return };
+    window.key(Key::F5);
+    let middle = window.harness.get_by_label_contains("Pan, tilt and focal length over time").rect().center();
+    window.harness.hover_at(middle);
+    window.harness.event(egui::Event::Zoom(2.0));
+    window.harness.run_steps(2);
+    let [from, upto] = window.app().session.quality.span.unwrap();
+    assert!((upto - from - 4.0).abs() < 1e-6, "half of 1 to 9: {from} {upto}");
+    window.press(middle);
+    window.drag(middle + egui::vec2(200.0, 0.0));
+    window.release(middle + egui::vec2(200.0, 0.0));
+    let [earlier, _] = window.app().session.quality.span.unwrap();
+    assert!(earlier < from - 0.3, "{earlier} {from}");
+    assert!(window.app().session.quality.open, "dragging is no click");
+    window.harness.get_by_label("All").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.quality.span, None);
+    window.harness.get_by_label("Close the quality page").click();
+    window.harness.run_steps(2);
+    assert!(!window.app().session.quality.open);
+}
+
+#[test]
+fn without_a_camera_the_page_says_what_will_appear() {
+    let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
+    window.key(Key::F5);
+    window.harness.get_by_label_contains("Frames with a camera appear here over time");
+}
