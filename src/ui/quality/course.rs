@@ -2,9 +2,10 @@
 
 use super::{card, legend, nothing_yet};
 use crate::app::quality::{Course, CoursePoint, Drawn, Kind, Quantity, TimeAxis, drawn, within_whole, zoomed};
-use crate::app::review::DISAGREES_PX;
+use crate::app::review::{DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::experiments::figure::Ruler;
+use crate::project::Frame;
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme};
@@ -33,6 +34,8 @@ const NARROW: f32 = 5.0;
 /// Frames that stand out stretch a scale to this many times what the others need, not farther.
 const STRETCH: f64 = 2.5;
 
+/// The section's title.
+const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
 /// What stands there without a frame that has a camera.
 const NOTHING: &str =
     "Frames with a camera appear here over time: accept a few, and let the forest propose cameras for the others.";
@@ -41,7 +44,6 @@ const NOTHING: &str =
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
     let course = &app.quality().course;
-    const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
     let Some(whole) = course.whole.filter(|_| !course.points.is_empty()) else {
         card(panel, ui, TITLE, |_, _| {}, |_, ui| nothing_yet(ui, NOTHING));
         return;
@@ -302,23 +304,24 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
         ui.label(RichText::new(text).small().color(theme::WEAK));
         return;
     };
-    let [pan, tilt, focal] = point.values;
-    let mut text = format!("{}, frame {}", file_name(&frame.name()), point.frame + 1);
-    if let Some(clip) = &frame.clip {
-        text += &format!(", shot {clip}");
-    }
-    if course.axis == TimeAxis::Video {
-        text += &format!(", {:.2} s", point.at);
-    }
-    text += &format!(": pan {pan:.2}°, tilt {tilt:.2}°, focal length {focal:.0} px");
-    if let Some(confidence) = frame.solution.as_ref().and_then(|solution| solution.confidence) {
-        text += &format!(", right with {}", crate::app::review::percent(confidence));
-    }
-    if let Some(px) = point.apart_px.filter(|px| *px >= 1.0) {
-        text += &format!(", {px:.0} px off its neighbours' way");
-    }
+    let text = told_of(point, frame, course.axis);
     let colour = if point.stands_out { theme::BAD } else { theme::STRONG };
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
+}
+
+/// A frame in words.
+fn told_of(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
+    let [pan, tilt, focal] = point.values;
+    let shot = frame.clip.as_ref().map(|clip| format!(", shot {clip}")).unwrap_or_default();
+    let time = if axis == TimeAxis::Video { format!(", {:.2} s", point.at) } else { String::new() };
+    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+    let right = confidence.map(|confidence| format!(", right with {}", percent(confidence))).unwrap_or_default();
+    let apart = point.apart_px.filter(|px| *px >= 1.0);
+    let apart = apart.map(|px| format!(", {px:.0} px off its neighbours' way")).unwrap_or_default();
+    let (name, number) = (file_name(&frame.name()), point.frame + 1);
+    format!(
+        "{name}, frame {number}{shot}{time}: pan {pan:.2}°, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
+    )
 }
 
 /// The frames that disagree with their neighbours, by name, the farthest off first.
