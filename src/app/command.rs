@@ -38,6 +38,12 @@ pub enum Command {
     AcceptAndStay,
     AcceptAllAbove,
     Teaches,
+    MarkGold,
+    ChooseGold,
+    ClickAgain,
+    SkipAgain,
+    UseOwnNoise,
+    UseUsualNoise,
     Reject,
     RejectShot,
     Comment,
@@ -153,6 +159,12 @@ rows! {
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
     AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion that is certain enough, after a look at what they are; one step of undo.", ["Ctrl+Enter"];
     Teaches, "teaches", Frame, "This reference teaches", "The forest learns from this reference. Accepted suggestions do not teach unless you say so.", [];
+    MarkGold, "mark_gold", Frame, "Gold frame", "This reference is clicked again later, without a look at its label: that shows how far your hand scatters.", [];
+    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Make a few references gold, spread over pan and landmarks; one step of undo.", [];
+    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: the points of the gold frames are asked for one after another, their labels and lines hidden. Labels stay as they are.", [];
+    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
+    UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
+    UseUsualNoise, "use_usual_noise", Frame, "Weigh points by everybody's click noise", "The field template's click noise is used again; yours stays in the project.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];

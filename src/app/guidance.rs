@@ -4,7 +4,7 @@ use super::base::{BaseWork, WIDE_FRAMES};
 use super::review::Review;
 use super::session::{Mode, needs_me, reason_label};
 use super::{App, Command};
-use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Unanswered};
+use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Target, Unanswered};
 use crate::solve::{SolveError, Verdict};
 
 /// The next step, and what brings one there.
@@ -66,6 +66,11 @@ fn begun(app: &App) -> Option<Guidance> {
         Mode::Rejecting { whole_shot } => {
             let what = if *whole_shot { "this shot" } else { "this frame" };
             format!("Why is {what} not calibratable? 1–6 says why, Esc cancels.")
+        }
+        Mode::ClickingAgain(round) => {
+            let asked = round.asked().map(|asked| app.label(&Target::Landmark(asked.landmark.clone())))?;
+            let skip = app.settings.keys.shown(Command::SkipAgain);
+            format!("Click {asked}, as you would label it. {skip} skips it, Esc ends the round.")
         }
         Mode::Editing => "Enter keeps the number, Esc takes it back.".to_owned(),
     }))

@@ -18,6 +18,7 @@ pub mod next_click;
 mod open_project;
 pub mod overlay;
 pub mod quality;
+pub mod reclick;
 pub mod review;
 pub mod selection;
 pub mod session;

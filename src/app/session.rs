@@ -3,6 +3,7 @@
 use super::base::BaseWork;
 use super::naming::NameCandidate;
 use super::quality::QualityChoice;
+use super::reclick::Reclick;
 use super::review::ReviewChoice;
 use super::selection::Scope;
 use super::uncertainty::UncertaintyView;
@@ -92,6 +93,8 @@ pub enum Mode {
     },
     /// A number is being changed.
     Editing,
+    /// Gold frames are clicked again, blind.
+    ClickingAgain(Reclick),
 }
 
 /// A point that waits for its name.

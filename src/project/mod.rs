@@ -72,7 +72,7 @@ pub use habits::habits;
 pub use history::{History, Step};
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX, path_between};
 pub use lock::ReadOnly;
-pub use own_noise::{ENOUGH_REPEATS, Hand, LandmarkNoise, OwnNoise};
+pub use own_noise::{ENOUGH_REPEATS, Hand, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use proposed::Proposed;
 pub use read::{ReadError, document_from_bytes};
 pub use repeats::{Repeat, choose_gold};

@@ -54,10 +54,25 @@ pub struct OwnNoise {
     pub noise: Option<ClickNoise>,
     /// The same to the right and downwards.
     pub noise_by_axis: [Option<ClickNoise>; 2],
+    /// Every such repeat against the first click, in the document's order.
+    pub offsets: Vec<RepeatOffset>,
     /// By landmark, in the order of their names.
     pub landmarks: Vec<LandmarkNoise>,
     /// What the solve would use; none while the repeats are too few.
     pub hand: Option<Hand>,
+}
+
+/// Where a repeat lies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RepeatOffset {
+    /// The frame, by its place in the document.
+    pub frame: usize,
+    /// The label's click in it; none where that is gone.
+    pub click: Option<usize>,
+    /// What was clicked again.
+    pub landmark: LandmarkId,
+    /// From the label's click (or the first repeat) to this one, px at 1920 px width: both scatter.
+    pub offset_px: Vec2,
 }
 
 /// What the repeats of one landmark say.
@@ -108,11 +123,18 @@ impl OwnNoise {
         let fields = Fields::as_stated(document, folder)?;
         let (mut all, mut in_hands) = (Vec::new(), Vec::new());
         let mut by_landmark: BTreeMap<LandmarkId, [Vec<Vec2>; 2]> = BTreeMap::new();
-        for frame in document.frames.iter().filter(|frame| !frame.repeats.is_empty()) {
+        for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| !frame.repeats.is_empty()) {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
             let field = fields.of_frame(document, frame);
             for repeated in frame.repeated_clicks() {
+                let first = repeated.clicks[0];
+                found.offsets.extend(repeated.clicks.iter().skip(1).map(|click| RepeatOffset {
+                    frame: index,
+                    click: repeated.labelled,
+                    landmark: repeated.landmark.clone(),
+                    offset_px: click.offset_from(first) / scale,
+                }));
                 let stated = field.landmark(repeated.landmark.as_str()).map(|landmark| landmark.click_sigma_px);
                 let [of_landmark, of_landmark_in_hands] = by_landmark.entry(repeated.landmark.clone()).or_default();
                 for difference in repeated.differences().map(|difference| difference / scale) {

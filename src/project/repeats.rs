@@ -43,6 +43,8 @@ impl Repeat {
 /// The clicks on one landmark of a frame: the label's, then the blind ones.
 pub(super) struct RepeatedClicks<'a> {
     pub landmark: &'a LandmarkId,
+    /// The label's place among the frame's clicks; none where it is gone.
+    pub labelled: Option<usize>,
     pub clicks: Vec<ImagePoint>,
 }
 
@@ -105,13 +107,13 @@ impl Frame {
                 known.clicks.push(repeat.image);
                 continue;
             }
-            let labelled = self.clicks.iter().find(|click| match &click.target {
-                Some(Target::Landmark(id)) => *id == repeat.landmark,
+            let labelled = self.clicks.iter().position(|click| match &click.target {
+                Some(Target::Landmark(id)) => *id == repeat.landmark && click.image.is_finite(),
                 _ => false,
             });
-            let label = labelled.map(|click| click.image).filter(|at| at.is_finite());
+            let label = labelled.and_then(|labelled| self.clicks.get(labelled)).map(|click| click.image);
             let clicks = label.into_iter().chain([repeat.image]).collect();
-            found.push(RepeatedClicks { landmark: &repeat.landmark, clicks });
+            found.push(RepeatedClicks { landmark: &repeat.landmark, labelled, clicks });
         }
         found
     }
@@ -179,7 +181,8 @@ mod tests {
     fn differences_are_independent_and_have_the_variance_of_one_click() {
         let clicks = [[1.0, 0.0], [3.0, 2.0], [5.0, -4.0]].map(ImagePoint::from).to_vec();
         let landmark = LandmarkId::from("centre_mark");
-        let differences: Vec<Vec2> = RepeatedClicks { landmark: &landmark, clicks }.differences().collect();
+        let differences: Vec<Vec2> =
+            RepeatedClicks { landmark: &landmark, labelled: None, clicks }.differences().collect();
         let expected = [Vec2::new(-2.0, -2.0) * 0.5_f64.sqrt(), Vec2::new(-3.0, 5.0) * (2.0_f64 / 3.0).sqrt()];
         assert_eq!(differences.len(), 2);
         assert!(differences.iter().zip(expected).all(|(found, expected)| (found - expected).norm() < 1e-12));

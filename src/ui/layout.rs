@@ -1,7 +1,7 @@
 //! Where every panel lies.
 
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, rejecting, review,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick, rejecting, review,
     status, theme, trainer, viewport,
 };
 use crate::app::session::Panel as RightPanel;
@@ -36,6 +36,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let page = panel.app.session.quality.open;
     if is_open && !page {
         egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
+            if panel.app.round().is_some() {
+                reclick::show(panel, ui);
+                return;
+            }
             match panel.app.session.panel {
                 RightPanel::Frame => inspector::show(panel, ui),
                 RightPanel::Camera => camera_panel::show(panel, ui),

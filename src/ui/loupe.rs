@@ -36,11 +36,22 @@ const SIDES: [Vec2; 8] = [
 /// Shows the loupe of a click that the pointer holds.
 pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, click: usize, picture: &Layer) {
     let Some(at) = panel.app.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
+    show_at(ui, placement, at, picture, |zoom| Overlay::around(panel.app, click, zoom));
+}
+
+/// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px of the picture).
+pub fn show_at(
+    ui: &egui::Ui,
+    placement: &Placement,
+    at: ImagePoint,
+    picture: &Layer,
+    overlay: impl FnOnce(f64) -> Overlay,
+) {
     if placement.points_per_px() >= NOT_NEEDED_FROM {
         return;
     }
     let pixels_per_point = ui.pixels_per_point();
-    let overlay = Overlay::around(panel.app, click, MAGNIFICATION * f64::from(pixels_per_point));
+    let overlay = overlay(MAGNIFICATION * f64::from(pixels_per_point));
     let point = placement.screen_from_image(at);
     let side_id = side_id();
     let before = ui.data(|data| data.get_temp::<usize>(side_id));

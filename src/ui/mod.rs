@@ -3,6 +3,7 @@
 //! A panel reads the [`App`] and pushes [`Action`]s; only the shell hands them to
 //! `App::update` and carries effects out. Everything that can be tested without widgets lives in `app`.
 
+mod bar;
 mod camera_panel;
 mod canvas;
 mod dialogs;
@@ -23,6 +24,7 @@ mod number;
 mod pictures;
 mod plot;
 mod quality;
+mod reclick;
 mod rejecting;
 mod review;
 mod shell;

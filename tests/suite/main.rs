@@ -27,6 +27,7 @@ mod features;
 mod fields;
 mod fields_command;
 mod forest;
+mod gold_in_app;
 mod identity;
 mod journal;
 mod media;

@@ -6,6 +6,7 @@
 
 mod base;
 mod cameras;
+mod gold;
 mod labelling;
 mod names;
 mod panels;

@@ -7,6 +7,10 @@ use crate::project::{Click, FrameStatus, Step};
 
 impl App {
     pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
+        if self.round().is_some() {
+            self.hold_again(at, true);
+            return;
+        }
         self.session.named_unasked = None;
         let Some(frame) = self.frame() else { return };
         if !at.is_finite() {
@@ -64,6 +68,10 @@ impl App {
     }
 
     pub(super) fn drag(&mut self, to: ImagePoint) {
+        if self.round().is_some() {
+            self.hold_again(to, false);
+            return;
+        }
         let Mode::Dragging { click, placed } = self.session.mode else { return };
         self.move_click(click, to);
         if placed {
@@ -73,6 +81,10 @@ impl App {
     }
 
     pub(super) fn release(&mut self) {
+        if self.round().is_some() {
+            self.release_again();
+            return;
+        }
         let Mode::Dragging { click, placed } = self.session.mode else { return };
         self.session.mode = Mode::Idle;
         self.commit();

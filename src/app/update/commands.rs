@@ -2,6 +2,7 @@
 
 use super::App;
 use super::quality::needs_the_picture;
+use super::gold::{IN_ROUND, is_blind};
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
 use crate::app::{Chord, Command};
@@ -23,6 +24,8 @@ impl App {
         let no_frame = self.frame().is_none();
         let no_selection = self.session.selected.is_none();
         match command {
+            _ if self.round().is_some() && !is_blind(command) => Some(IN_ROUND),
+            C::Undo if self.round().is_some() => None,
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
@@ -54,6 +57,13 @@ impl App {
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
             }
+            C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
+            C::MarkGold => self.frame().filter(|frame| !frame.is_gold()).and_then(Frame::why_not_gold),
+            C::ChooseGold if self.gold().offered.is_empty() => {
+                Some("Every reference that helps is gold; accept more frames first.")
+            }
+            C::UseOwnNoise => self.why_not_own_noise(),
+            C::UseUsualNoise => self.why_not_usual_noise(),
             C::AcceptAllAbove if self.review.rows.is_empty() => Some("No suggestion waits."),
             C::NextUnanswered if self.review.unanswered.frames == 0 => Some("No frame is without an answer."),
             C::Teaches if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
@@ -109,6 +119,7 @@ impl App {
             C::Export => self.effects.push(Effect::Ask(Question::ExportTo)),
             C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
             C::Quit => self.close_requested(),
+            C::Undo if self.round().is_some() => self.undo_again(),
             C::Undo => self.undo(true),
             C::Redo => self.undo(false),
             C::DeleteClick => {
@@ -156,6 +167,12 @@ impl App {
             C::AcceptAndStay => self.accept(true),
             C::AcceptAllAbove => self.ask_accept_all(),
             C::Teaches => self.toggle_teaches(),
+            C::MarkGold => self.toggle_gold(),
+            C::ChooseGold => self.choose_gold(),
+            C::ClickAgain => self.click_again(),
+            C::SkipAgain => self.skip_again(),
+            C::UseOwnNoise => self.use_own_noise(),
+            C::UseUsualNoise => self.use_usual_noise(),
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {
@@ -239,6 +256,7 @@ impl App {
                 }
             }
             Mode::Placing(_) | Mode::Rejecting { .. } => self.session.mode = Mode::Idle,
+            Mode::ClickingAgain(_) => self.end_round(),
             Mode::Idle if self.session.next_on_line => self.session.next_on_line = false,
             Mode::Idle if self.session.selected.is_none() => self.session.frames_selected.clear(),
             Mode::Idle => self.session.selected = None,

@@ -37,6 +37,7 @@ impl App {
         self.review = super::Review::default();
         self.quality = super::Quality::default();
         self.watched = None;
+        self.gold_from = None;
     }
 
     pub(super) fn save(&mut self) {

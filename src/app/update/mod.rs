@@ -6,6 +6,7 @@ mod clicks;
 mod commands;
 mod document;
 mod frames;
+mod gold;
 mod naming;
 mod numbers;
 mod proposals;
@@ -18,6 +19,7 @@ pub use commands::MAX_SCALE;
 use super::action::{Action, Effect};
 use super::current::{Current, FreshSolve};
 use super::quality::Quality;
+use super::reclick::GoldWork;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{OpenProject, Settings};
@@ -37,6 +39,9 @@ pub struct App {
     review: Review,
     quality: Quality,
     watched: Option<cameras::Watched>,
+    gold: GoldWork,
+    /// The revision that `gold` was derived from.
+    gold_from: Option<u64>,
     effects: Vec<Effect>,
 }
 
@@ -85,6 +90,7 @@ impl App {
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
         self.quality.refresh(self.open.as_mut(), &self.session);
+        self.refresh_gold();
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
@@ -94,6 +100,9 @@ impl App {
     }
 
     fn apply(&mut self, action: Action) {
+        if self.breaks_round(&action) {
+            return;
+        }
         match action {
             Action::Command(command) => self.command(command),
             Action::Hold(command, down) => self.hold(command, down),

@@ -181,7 +181,7 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
 }
 
 /// Solves a frame again if its camera comes from clicks, or would have if there had been a base.
-fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
+pub(super) fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
     let wanted = open
         .frame(index)
         .is_some_and(|frame| !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none()));

@@ -6,20 +6,11 @@ use crate::app::Action;
 use crate::field::Symmetry;
 use crate::project::{Camera, EstimatedBase, Frame, Target};
 use crate::solve::base::{DisputedClick, MirroredFrame};
+use crate::ui::bar::Bar;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
-use egui::text::{LayoutJob, TextWrapping};
-use egui::{
-    Align2, Button, Color32, CornerRadius, FontId, Grid, Id, Label, Rect, Response, RichText, Role, Sense, Ui,
-    WidgetInfo, pos2, vec2,
-};
+use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 
-/// The height of a bar's row, points.
-const ROW: f32 = 20.0;
-/// The column of the bars, points.
-const BAR: f32 = 56.0;
-/// The column of the numbers, points.
-const NUMBER: f32 = 48.0;
 /// More frames than this are shown when asked for.
 const FRAMES_SHOWN: usize = 12;
 /// More landmarks than this are not looked at one by one.
@@ -273,49 +264,6 @@ fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
         });
     });
     ui.add_space(theme::SPACE);
-}
-
-/// A name, a bar and a number in a row that can be clicked.
-struct Bar<'a> {
-    name: &'a str,
-    value: &'a str,
-    /// The bar's length, 0 to 1.
-    share: f64,
-    colour: Color32,
-    selected: bool,
-    /// Room for a button at the end, points.
-    tail: f32,
-}
-
-impl Bar<'_> {
-    fn show(&self, ui: &mut Ui) -> (Rect, Response) {
-        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
-        response.widget_info(|| {
-            WidgetInfo::selected(Role::Button, true, self.selected, format!("{}: {}", self.name, self.value))
-        });
-        if !ui.is_rect_visible(rect) {
-            return (rect, response);
-        }
-        let painter = ui.painter();
-        if self.selected || response.hovered() {
-            let ground = if self.selected { theme::ACCENT_GROUND } else { theme::RAISED };
-            painter.rect_filled(rect, CornerRadius::same(4), ground);
-        }
-        let right = rect.right() - self.tail - 2.0;
-        let number = pos2(right, rect.center().y);
-        painter.text(number, Align2::RIGHT_CENTER, self.value, FontId::proportional(12.0), theme::TEXT);
-        let bar_left = right - NUMBER - BAR;
-        let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
-        let mut line = LayoutJob::simple_singleline(self.name.to_owned(), FontId::proportional(12.0), theme::TEXT);
-        line.wrap = TextWrapping::truncate_at_width(name.width() - 4.0);
-        let galley = painter.layout_job(line);
-        painter.galley(pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0), galley, theme::TEXT);
-        let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(BAR, 6.0));
-        painter.rect_filled(track, CornerRadius::same(2), theme::LINE);
-        let filled = Rect::from_min_size(track.min, vec2(BAR * self.share.clamp(0.0, 1.0) as f32, track.height()));
-        painter.rect_filled(filled, CornerRadius::same(2), self.colour);
-        (rect, response)
-    }
 }
 
 /// What a list calls a frame: the last part of its name.

@@ -63,6 +63,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     if let Some(target) = in_hand(panel.app) {
         ring(&painter, &on_map, &target);
     }
+    let pointed = pointed.filter(|_| panel.app.round().is_none());
     if let Some((target, at)) = pointed {
         ring(&painter, &on_map, &target);
         name(ui, at, &format!("{} · {}", panel.app.label(&target), code(&field, &target)));
@@ -103,10 +104,12 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, super::viewport::colour(SURROUND));
-    let clicks = app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    // What the label shows stays hidden during a blind round.
+    let hidden = app.round().is_some();
+    let clicks = app.frame().filter(|_| !hidden).map(|frame| frame.clicks.as_slice()).unwrap_or_default();
     let scene = OverlayScene {
         field,
-        camera: app.current().preview.as_ref().or(app.current().camera.as_ref()),
+        camera: app.current().preview.as_ref().or(app.current().camera.as_ref()).filter(|_| !hidden),
         standing: Standing::Solved,
         image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
         clicks,
@@ -168,6 +171,7 @@ fn in_hand(app: &App) -> Option<Target> {
     match &app.session.mode {
         Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
         Mode::Placing(target) => Some(target.clone()),
+        Mode::ClickingAgain(round) => round.asked().map(|asked| Target::Landmark(asked.landmark.clone())),
         _ => None,
     }
 }

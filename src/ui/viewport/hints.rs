@@ -104,7 +104,7 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
 }
 
 /// A name and a weaker hint below and right of a point, or left of it at the right border.
-fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
+pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
     let width = 8.0 * name.len().max(hint.len()) as f32;
     let fits = at.x + BESIDE.x + width < bounds.right();
     let (side, align) = if fits { (1.0, Align2::LEFT_CENTER) } else { (-1.0, Align2::RIGHT_CENTER) };

@@ -3,6 +3,7 @@
 //! [`read`] turns the pointer into actions before anything is drawn, so that the overlay follows a dragged point in the
 //! same frame of the window; [`show`] draws.
 
+mod blind;
 mod features;
 mod hints;
 mod labels;
@@ -60,7 +61,9 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     let layer = before.layer_id;
     let is_free =
         |at| before.rect.contains(at) && before.enabled() && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer);
-    let clicks: Vec<ImagePoint> = frame.clicks.iter().map(|click| click.image).collect();
+    // A label that is hidden is not taken hold of either.
+    let hidden = panel.app.round().is_some();
+    let clicks: Vec<ImagePoint> = frame.clicks.iter().filter(|_| !hidden).map(|click| click.image).collect();
     let around = Surroundings {
         placement,
         clicks: &clicks,
@@ -163,6 +166,11 @@ fn show_frame(
     pixels: media::Picture,
 ) {
     let rect = placement.rect;
+    if panel.app.round().is_some() {
+        let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness: 1.0 });
+        blind::show(panel, ui, placement, hold, picture);
+        return;
+    }
     let overlay = Overlay::new(panel.app, hold, placement.scale);
     let brightness = if panel.app.session.masks { BELOW_MASKS } else { 1.0 };
     let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });

@@ -85,7 +85,12 @@ impl Pointer {
     /// Reads the events of one frame of the window.
     pub fn read(&mut self, events: &[Event], modifiers: Modifiers, around: &Surroundings<'_>) -> Vec<Action> {
         let mut reading = Reading { pointer: self, around, placement: around.placement, actions: Vec::new() };
-        if matches!(reading.pointer.hold, Hold::Click { .. }) && !matches!(around.mode, Mode::Dragging { .. }) {
+        let is_held = match around.mode {
+            Mode::Dragging { .. } => true,
+            Mode::ClickingAgain(round) => round.held.is_some(),
+            _ => false,
+        };
+        if matches!(reading.pointer.hold, Hold::Click { .. }) && !is_held {
             reading.pointer.hold = Hold::Nothing;
         }
         for event in events {

@@ -1,0 +1,331 @@
+//! Gold frames: marked, chosen, clicked again without a look at the label, and the hand that shows.
+
+use super::App;
+use super::numbers::solve_if_by_clicks;
+use crate::app::reclick::{Asked, GoldWork, Reclick};
+use crate::app::session::{Level, Mode, PictureView};
+use crate::app::{Action, Command};
+use crate::geometry::ImagePoint;
+use crate::project::{ENOUGH_REPEATS, Hand, Repeat, Step};
+
+/// What is said of everything that would show the label, or lead away from it.
+pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
+
+/// Whether a command may be asked for during a blind round.
+pub(super) const fn is_blind(command: Command) -> bool {
+    use Command as C;
+    matches!(
+        command,
+        C::Cancel
+            | C::Undo
+            | C::SkipAgain
+            | C::ClickAgain
+            | C::Save
+            | C::Quit
+            | C::ZoomIn
+            | C::ZoomOut
+            | C::ZoomToFit
+            | C::Palette
+            | C::Keys
+            | C::About
+            | C::PauseTrainer
+    )
+}
+
+/// Whether what a person does may be done during a blind round; reports from outside always may.
+const fn is_kept_from_round(action: &Action) -> bool {
+    use Action as A;
+    matches!(
+        action,
+        A::Hold(..)
+            | A::Select(_)
+            | A::Nudge { .. }
+            | A::OfferLines(_)
+            | A::Pick(_)
+            | A::Name { .. }
+            | A::DeleteClick(_)
+            | A::SetCheck { .. }
+            | A::GoTo(_)
+            | A::SelectFrame { .. }
+            | A::GiveToCamera { .. }
+            | A::AskCamera(_)
+            | A::RejectAs(_)
+            | A::SetComment(_)
+            | A::AddMask { .. }
+            | A::RemoveMask { .. }
+            | A::BeginEdit(_)
+            | A::EditPtz(_)
+            | A::EditCamera(_)
+            | A::EditField(_)
+            | A::SolveAgain
+            | A::AcceptAll
+            | A::SetTeaches { .. }
+            | A::UseForBase { .. }
+            | A::MirrorNames { .. }
+    )
+}
+
+impl App {
+    /// The blind round, while there is one.
+    #[must_use]
+    pub const fn round(&self) -> Option<&Reclick> {
+        match &self.session.mode {
+            Mode::ClickingAgain(round) => Some(round),
+            _ => None,
+        }
+    }
+
+    /// What gold frames and their repeats say.
+    #[must_use]
+    pub const fn gold(&self) -> &GoldWork {
+        &self.gold
+    }
+
+    /// Whether an action would break a blind round; says so.
+    pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
+        let breaks = self.round().is_some() && is_kept_from_round(action);
+        if breaks {
+            self.session.notify(Level::Info, IN_ROUND);
+        }
+        breaks
+    }
+
+    /// Derives anew what repeats say once something was committed.
+    pub(super) fn refresh_gold(&mut self) {
+        let from = self.open.as_ref().map(|open| open.revision);
+        if from != self.gold_from {
+            self.gold_from = from;
+            self.gold = self.open.as_ref().map(|open| GoldWork::of(&open.document, &open.folder)).unwrap_or_default();
+        }
+    }
+
+    pub(super) fn toggle_gold(&mut self) {
+        let Some(frame) = self.frame() else { return };
+        let gold = !frame.is_gold();
+        if let Some(reason) = frame.why_not_gold().filter(|_| gold) {
+            self.session.notify(Level::Info, reason);
+            return;
+        }
+        let step = if gold { "Mark as gold" } else { "Take the gold mark away" };
+        if self.begin(step) {
+            if let Some(frame) = self.frame_mut() {
+                frame.set_gold(gold);
+            }
+            self.commit();
+        }
+    }
+
+    /// Makes the references gold that the program chose: one step of undo.
+    pub(super) fn choose_gold(&mut self) {
+        let chosen = self.gold.offered.clone();
+        let told = match chosen.len() {
+            1 => "1 frame is gold now".to_owned(),
+            count => format!("{count} frames are gold now"),
+        };
+        if self.begin_step(Step::on_document("Choose gold frames")) {
+            if let Some(open) = &mut self.open {
+                for index in chosen {
+                    if let Some(frame) = open.document.frames.get_mut(index) {
+                        frame.set_gold(true);
+                    }
+                }
+            }
+            self.commit();
+            let text = format!("{told}. Click them again when the labels are no longer in your mind: tomorrow, say.");
+            self.session.notify_with(Level::Info, text, Some(("Click again", Command::ClickAgain)));
+        }
+    }
+
+    /// Begins a blind round, or ends the one that is under way.
+    pub(super) fn click_again(&mut self) {
+        if self.round().is_some() {
+            self.end_round();
+            return;
+        }
+        let Some(open) = &self.open else { return };
+        if let Some(reason) = &open.read_only {
+            let text = format!("Nothing can be changed here: {reason}");
+            self.session.notify(Level::Warning, text);
+            return;
+        }
+        let round = Reclick::of(&open.document);
+        if round.is_empty() {
+            let text = "No frame is gold. Mark a few references, or let the program choose them.";
+            self.session.notify_with(Level::Info, text, Some(("Choose them", Command::ChooseGold)));
+            return;
+        }
+        if open.history.is_open() {
+            self.commit();
+        }
+        self.session.selected = None;
+        self.session.named_unasked = None;
+        self.session.next_on_line = false;
+        self.session.masks = false;
+        self.session.held = crate::app::session::Held::default();
+        self.session.view = PictureView::Fit;
+        self.session.mode = Mode::ClickingAgain(round);
+        self.show_asked();
+    }
+
+    /// Shows the frame that is asked for; at the end of the round, ends it.
+    fn show_asked(&mut self) {
+        match self.round().map(|round| round.asked().cloned()) {
+            Some(Some(Asked { frame, .. })) if frame != self.session.frame => {
+                self.session.frame = frame;
+                self.session.hover = None;
+                self.session.view = PictureView::Fit;
+            }
+            Some(None) => self.end_round(),
+            _ => {}
+        }
+    }
+
+    fn round_mut(&mut self) -> Option<&mut Reclick> {
+        match &mut self.session.mode {
+            Mode::ClickingAgain(round) => Some(round),
+            _ => None,
+        }
+    }
+
+    /// The button went down or the pointer moved with it down: the click follows within the picture.
+    pub(super) fn hold_again(&mut self, at: ImagePoint, began: bool) {
+        let Some(size) = self.frame().map(|frame| frame.image_size) else { return };
+        if !at.is_finite() || (began && !size.contains(at)) {
+            return;
+        }
+        if let Some(round) = self.round_mut().filter(|round| began || round.held.is_some()) {
+            let (width, height) = (f64::from(size.width), f64::from(size.height));
+            round.held = Some(ImagePoint::new(at.x.clamp(0.0, width), at.y.clamp(0.0, height)));
+        }
+    }
+
+    /// The button went up: the click is kept, and the next landmark is asked for.
+    pub(super) fn release_again(&mut self) {
+        let Some(round) = self.round_mut() else { return };
+        let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else { return };
+        let number = round.round;
+        let step = Step::on_frame(self.step_again(&asked), asked.frame);
+        if !self.begin_step(step) {
+            return;
+        }
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
+            frame.repeats.push(Repeat::new(asked.landmark, at, number));
+        }
+        self.commit();
+        if let Some(round) = self.round_mut() {
+            round.take_click();
+        }
+        self.show_asked();
+    }
+
+    pub(super) fn skip_again(&mut self) {
+        if let Some(round) = self.round_mut() {
+            round.skip();
+            self.show_asked();
+        }
+    }
+
+    /// Takes back the last click of the round and asks for it again.
+    pub(super) fn undo_again(&mut self) {
+        let Some(round) = self.round_mut() else { return };
+        if round.held.take().is_some() {
+            return;
+        }
+        if round.clicked() == 0 {
+            self.session.notify(Level::Info, "Nothing was clicked again yet.");
+            return;
+        }
+        round.go_back();
+        if let Some(open) = &mut self.open
+            && let Some(step) = open.history.undo(&mut open.document)
+        {
+            self.journal(&format!("Undone: {}", step.name));
+        }
+        self.show_asked();
+    }
+
+    fn step_again(&self, asked: &Asked) -> String {
+        let target = crate::project::Target::Landmark(asked.landmark.clone());
+        format!("Click {} again", self.label(&target))
+    }
+
+    /// Ends the round; what was clicked stays.
+    pub(super) fn end_round(&mut self) {
+        let Some(clicked) = self.round().map(Reclick::clicked) else { return };
+        self.session.mode = Mode::Idle;
+        self.refresh_gold();
+        let (text, offer) = self.told_of_round(clicked);
+        self.session.notify_with(Level::Info, text, offer);
+    }
+
+    fn told_of_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
+        let own = &self.gold.own;
+        let clicked = match clicked {
+            0 => return ("Nothing was clicked again.".to_owned(), None),
+            1 => "1 blind click is kept".to_owned(),
+            clicked => format!("{clicked} blind clicks are kept"),
+        };
+        match &own.noise {
+            Some(noise) if own.hand.is_some() => {
+                let [low, high] = noise.interval_95;
+                let text =
+                    format!("{clicked}. Your hand scatters by {:.2} px (95 %: {low:.2} to {high:.2}).", noise.sigma);
+                let offer = self.why_not(Command::UseOwnNoise).is_none();
+                (text, offer.then_some(("Use it", Command::UseOwnNoise)))
+            }
+            _ => (format!("{clicked}; {} more and your click noise can be used.", own.missing().max(1)), None),
+        }
+    }
+
+    /// The hand whose noise the document uses.
+    fn hand_in_use(&self) -> Option<Hand> {
+        self.open.as_ref().and_then(|open| open.document.hand_in_use())
+    }
+
+    pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
+        /// Said while the repeats are too few.
+        const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
+        const { assert!(ENOUGH_REPEATS == 12, "the words say how many") };
+        match &self.gold.own.hand {
+            None => Some(TOO_FEW),
+            Some(hand) if self.hand_in_use().as_ref() == Some(hand) => Some("The clicks are weighed by it already."),
+            Some(_) => None,
+        }
+    }
+
+    pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
+        self.hand_in_use().is_none().then_some("The clicks are weighed by everybody's click noise already.")
+    }
+
+    /// The annotator's own click noise weighs the clicks from now on, as the repeats show it now.
+    pub(super) fn use_own_noise(&mut self) {
+        if let Some(hand) = self.gold.own.hand.clone() {
+            self.weigh_clicks("Use my click noise", hand);
+        }
+    }
+
+    /// Everybody's click noise weighs the clicks again; the annotator's stays in the document.
+    pub(super) fn use_usual_noise(&mut self) {
+        if let Some(hand) = self.hand_in_use() {
+            self.weigh_clicks("Use everybody's click noise", Hand { in_use: false, ..hand });
+        }
+    }
+
+    /// One step of undo: every frame that clicks solved is solved again.
+    fn weigh_clicks(&mut self, step: &'static str, hand: Hand) {
+        if !self.begin_step(Step::on_document(step)) {
+            return;
+        }
+        let Some(open) = &mut self.open else { return };
+        if let Err(error) = open.document.set_hand(&hand) {
+            self.abort();
+            self.session.notify(Level::Warning, format!("The click noise cannot be kept: {error}."));
+            return;
+        }
+        for index in 0..open.document.frames.len() {
+            solve_if_by_clicks(open, index);
+        }
+        self.commit();
+        self.session.notices.retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::UseOwnNoise));
+    }
+}

@@ -1,0 +1,49 @@
+//! The right-hand side during a blind round: what is asked for, where it lies on the field, and how far the round has come.
+
+use super::{Panel, field_map, theme};
+use crate::app::{Action, Command};
+use crate::project::Target;
+use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
+
+/// Shows the panel.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(round) = panel.app.round() else { return };
+    let Some(asked) = round.asked() else { return };
+    let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
+    let (number, count, skipped) = (round.number(), round.len(), round.skipped());
+    let title = format!("BLIND ROUND {}", round.round);
+    let clicked = round.clicked();
+    field_map::show(panel, ui);
+    Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        theme::title(ui, &title);
+        ui.add(Label::new(RichText::new(&label).heading().color(theme::STRONG)).wrap());
+        ui.add_space(theme::SPACE);
+        let share = (number - 1) as f32 / count.max(1) as f32;
+        ui.add(ProgressBar::new(share).desired_height(6.0));
+        let skipped = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
+        ui.label(RichText::new(format!("{number} of {count}{skipped}")).color(theme::TEXT));
+        ui.add_space(2.0 * theme::SPACE);
+        let text = "Click it as you would label it, as carefully and at the zoom you always use. The label, its lines and the \
+                    proposals are hidden; the label stays as it is.";
+        ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+        ui.add_space(2.0 * theme::SPACE);
+        for (says, command, why_not) in [
+            ("Skip", Command::SkipAgain, None),
+            ("Back", Command::Undo, (clicked == 0).then_some("Nothing was clicked again yet.")),
+            ("End the round", Command::Cancel, None),
+        ] {
+            let tip = match command {
+                Command::SkipAgain => panel.app.settings.keys.tooltip(command),
+                Command::Undo => {
+                    format!("Take the last blind click back. ({})", panel.app.settings.keys.shown(command))
+                }
+                _ => format!("What was clicked is kept. ({})", panel.app.settings.keys.shown(command)),
+            };
+            let button = ui.add_enabled(why_not.is_none(), Button::new(says).min_size(vec2(110.0, 24.0)));
+            if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+                panel.actions.push(Action::Command(command));
+            }
+        }
+    });
+}

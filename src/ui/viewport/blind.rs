@@ -1,0 +1,56 @@
+//! The picture during a blind round: nothing lies over it but the click that the pointer holds and what is asked for.
+
+use super::hints::{PLATE, beside};
+use super::labels::plate;
+use super::placement::Placement;
+use super::pointer::Hold;
+use crate::app::overlay::CLICK;
+use crate::geometry::ImagePoint;
+use crate::project::Target;
+use crate::render::Layer;
+use crate::ui::{Panel, canvas, loupe, viewport};
+use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
+
+/// The click that is held: the reach of its arms and the gap at its middle, points.
+const ARM: [f32; 2] = [4.0, 11.0];
+
+/// Shows the picture.
+pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: Layer) {
+    let Some(round) = panel.app.round() else { return };
+    let rect = placement.rect;
+    let painter = ui.painter_at(rect);
+    canvas::paint(&painter, canvas::VIEWPORT, rect, placement.render_view(), vec![picture.clone()]);
+    let Some(asked) = round.asked() else { return };
+    let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
+    let text = format!("Click: {label}");
+    let at = rect.center_top() + vec2(0.0, 18.0);
+    plate(&painter, at, Align2::CENTER_CENTER, &text, FontId::proportional(15.0), viewport::colour(CLICK), PLATE);
+    if let Some(held) = round.held {
+        cross(&painter, placement, held);
+        loupe::show_at(ui, placement, held, &picture, |_| super::Overlay::default());
+    } else {
+        loupe::rest(ui);
+        let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
+        if let Some(pointer) = pointer {
+            beside(&painter, rect, pointer, &label, "");
+        }
+    }
+    let icon = match hold {
+        Hold::Picture(_) => CursorIcon::Grabbing,
+        Hold::Click { moving: true, .. } => CursorIcon::None,
+        _ => CursorIcon::Crosshair,
+    };
+    let free = |at: &egui::Pos2| rect.contains(*at) && ui.ctx().layer_id_at(*at).is_none_or(|top| top == ui.layer_id());
+    if ui.input(|input| input.pointer.hover_pos()).filter(free).is_some() {
+        ui.ctx().set_cursor_icon(icon);
+    }
+}
+
+fn cross(painter: &Painter, placement: &Placement, at: ImagePoint) {
+    let centre = placement.screen_from_image(at);
+    for (width, colour) in [(3.0, Color32::from_black_alpha(160)), (1.5, viewport::colour(CLICK))] {
+        for way in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
+            painter.line_segment([centre + way * ARM[0], centre + way * ARM[1]], Stroke::new(width, colour));
+        }
+    }
+}

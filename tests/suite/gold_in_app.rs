@@ -1,0 +1,150 @@
+//! Gold frames in the application: chosen, clicked again blind, undone, journalled; the hand that shows, and its use.
+
+use crate::bench::{Bench, SIZE, base, landmark_in};
+use crate::seeded::{normal, rng};
+use rand_pcg::Pcg64Mcg;
+use touchline::app::{Action, Command, Effect};
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::geometry::{ImagePoint, Vec2};
+use touchline::project::{Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Frame, FrameStatus, Target};
+
+const LANDMARKS: [&str; 3] = ["centre_mark", "halfway_far", "centre_circle_halfway_near"];
+
+fn exact(frame: usize, landmark: &str) -> ImagePoint {
+    landmark_in(&PtzCamera::new(base(), Ptz::from_degrees(2.0 * frame as f64 - 3.0, -12.0, 2200.0)), landmark)
+}
+
+fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
+    at.moved(Vec2::new(normal(rng), normal(rng)) * sigma_px)
+}
+
+/// Accepted frames with three points each, clicked by a hand of this sigma.
+fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base());
+    document.cameras.push(camera.into());
+    for index in 0..frames {
+        let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE);
+        frame.status = FrameStatus::Draft;
+        frame.clicks =
+            LANDMARKS.iter().map(|id| Click::landmark((*id).into(), moved(exact(index, id), sigma_px, rng))).collect();
+        document.frames.push(frame.into());
+    }
+    let mut bench = Bench::new(document);
+    for index in 0..frames {
+        bench.act(Action::GoTo(index));
+        bench.act(Action::Nudge { dx_px: 0.0, dy_px: 0.0, held: false });
+        bench.command(Command::AcceptAndStay);
+    }
+    bench
+}
+
+impl Bench {
+    fn document(&self) -> &Document {
+        &self.app.open().unwrap().document
+    }
+
+    /// Answers the round with a hand of this sigma.
+    fn answer(&mut self, sigma_px: f64, rng: &mut Pcg64Mcg) {
+        while let Some(asked) = self.app.round().and_then(|round| round.asked().cloned()) {
+            assert_eq!(self.app.session.frame, asked.frame);
+            self.click(moved(exact(asked.frame, asked.landmark.as_str()), sigma_px, rng));
+        }
+    }
+}
+
+#[test]
+fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
+    let mut rng = rng("a_blind_round_asks_for_every_point_and_leaves_the_labels_alone");
+    let mut bench = accepted(4, 0.8, &mut rng);
+    assert!(bench.document().frames.iter().all(|frame| frame.status == FrameStatus::Reference));
+    bench.command(Command::ClickAgain);
+    assert!(bench.app.round().is_none() && bench.last_notice().starts_with("No frame is gold."));
+    bench.command(Command::ChooseGold);
+    assert!(bench.document().frames.iter().all(|frame| frame.is_gold()));
+    let before = bench.document().clone();
+    bench.effects.clear();
+    bench.command(Command::ClickAgain);
+    assert_eq!(bench.app.round().unwrap().len(), 12);
+
+    // Nothing that shows the label or leads away from it.
+    for command in [Command::Accept, Command::NextFrame, Command::NextClick, Command::CameraPanel, Command::Uncertainty]
+    {
+        assert!(bench.app.why_not(command).is_some(), "{command:?}");
+    }
+    for action in [Action::GoTo(3), Action::Select(Some(0)), Action::Pick(Target::Landmark("centre_mark".into()))] {
+        bench.act(action);
+        assert!(bench.app.session.frame == 0 && bench.app.session.selected.is_none() && bench.app.round().is_some());
+    }
+    // A press on the label's own click takes hold of nothing; outside of the picture it is none.
+    let label = before.frames[0].clicks[0].image;
+    bench.act(Action::Press { at: ImagePoint::new(-5.0, 3.0), on: None });
+    bench.act(Action::Release);
+    assert_eq!(bench.app.round().unwrap().clicked(), 0);
+    bench.act(Action::Press { at: label, on: Some(0) });
+    bench.act(Action::Drag(ImagePoint::new(500.0, 400.0)));
+    bench.act(Action::Release);
+    let frame = &bench.document().frames[0];
+    assert_eq!((frame.repeats[0].image, frame.repeats[0].round), (ImagePoint::new(500.0, 400.0), 1));
+    assert_eq!(bench.app.round().unwrap().number(), 2);
+
+    // Back, skip, go on.
+    bench.command(Command::Undo);
+    assert!(bench.document().frames[0].repeats.is_empty() && bench.app.round().unwrap().number() == 1);
+    bench.command(Command::SkipAgain);
+    assert_eq!(bench.app.round().unwrap().skipped(), 1);
+    bench.answer(0.8, &mut rng);
+    assert!(bench.app.round().is_none());
+    assert!(bench.last_notice().starts_with("11 blind clicks are kept; 1 more"), "{}", bench.last_notice());
+    for (frame, labelled) in bench.document().frames.iter().zip(&before.frames) {
+        assert_eq!((&frame.clicks, &frame.ptz, frame.status), (&labelled.clicks, &labelled.ptz, labelled.status));
+    }
+
+    // What the journal has gives the same document.
+    let mut replayed = before.clone();
+    for effect in &bench.effects {
+        if let Effect::Journal { edit, .. } = effect {
+            edit.clone().apply(&mut replayed).unwrap();
+        }
+    }
+    assert_eq!(replayed, *bench.document());
+    // After the round each click is a step of its own.
+    bench.command(Command::Undo);
+    assert_eq!(bench.document().frames[3].repeats.len(), 2);
+}
+
+#[test]
+fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
+    let mut rng = rng("enough_blind_clicks_weigh_the_points_until_that_is_undone");
+    let mut bench = accepted(6, 0.5, &mut rng);
+    bench.command(Command::ChooseGold);
+    bench.command(Command::ClickAgain);
+    bench.command(Command::Cancel);
+    assert!(bench.app.round().is_none());
+    assert!(bench.app.why_not(Command::UseOwnNoise).is_some());
+    bench.command(Command::ClickAgain);
+    bench.answer(0.5, &mut rng);
+    assert!(bench.app.gold().own.repeats >= ENOUGH_REPEATS);
+    let noise = bench.app.gold().own.noise.unwrap();
+    assert!(noise.interval_95[0] < 0.5 && 0.5 < noise.interval_95[1], "{noise:?}");
+    assert!(bench.last_notice().contains("Your hand scatters by"), "{}", bench.last_notice());
+
+    let sigma = |bench: &Bench| {
+        let solution = bench.document().frames[2].solution.as_ref().unwrap();
+        (solution.worst_corner_sigma_px.unwrap(), bench.document().frames[2].status)
+    };
+    let before = bench.document().clone();
+    let (usual, _) = sigma(&bench);
+    bench.command(Command::UseOwnNoise);
+    let (own, status) = sigma(&bench);
+    assert!(own < 0.95 * usual && status == FrameStatus::Reference, "{own} of {usual}");
+    assert!(bench.app.why_not(Command::UseOwnNoise).is_some(), "it is in use");
+    bench.command(Command::UseUsualNoise);
+    assert!((sigma(&bench).0 - usual).abs() < 1e-9);
+    assert!(bench.document().hand().unwrap().is_some(), "kept for later");
+    bench.command(Command::Undo);
+    assert!((sigma(&bench).0 - own).abs() < 1e-12);
+    bench.command(Command::Undo);
+    assert_eq!(*bench.document(), before);
+}

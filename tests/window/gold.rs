@@ -1,0 +1,92 @@
+//! A blind round in the window: nothing of the label is to be seen, and a click is kept where it was made.
+
+use crate::window::{SIZE, Window, field, truth};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::{Action, Command};
+use touchline::camera::Ptz;
+use touchline::field::Landmark;
+use touchline::geometry::ImagePoint;
+use touchline::project::{Click, Document, FramePtz, FrameStatus, document_to_string};
+
+/// Labels a project's frames; the label and its camera lie off by so much.
+fn label(document: &mut Document, off_px: f64) {
+    for (index, frame) in document.frames.iter_mut().enumerate() {
+        let seen = |landmark: &Landmark| {
+            let at = truth(index).image_from_world(field().landmark_in_world(landmark)).ok()?;
+            let inside = SIZE.contains(at) && landmark.nominal_m.z == 0.0;
+            inside.then(|| Click::landmark(landmark.id.clone(), ImagePoint::new(at.x + off_px, at.y - off_px)))
+        };
+        frame.clicks = field().landmarks.iter().filter_map(seen).take(3).collect();
+        let ptz = truth(index).ptz();
+        let shown = Ptz::from_degrees(ptz.pan.degrees() + 0.2 * off_px, ptz.tilt.degrees(), ptz.focal_px);
+        frame.ptz = Some(FramePtz::new(shown, None));
+        frame.status = FrameStatus::Reference;
+        frame.set_gold(true);
+    }
+}
+
+/// A window in a blind round on frames whose labels lie off by so much.
+fn round(off_px: f64) -> Option<Window> {
+    let window = Window::open(2, [960.0, 600.0], 1.0)?;
+    let (_, mut document, _) = touchline::project::read(window.folder.path()).unwrap();
+    label(&mut document, off_px);
+    let folder = tempfile::tempdir().unwrap();
+    for index in 0..2 {
+        let name = format!("{index:04}.png");
+        std::fs::copy(window.folder.path().join(&name), folder.path().join(&name)).unwrap();
+    }
+    std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    drop(window);
+    let mut window = Window::on(folder, [960.0, 600.0], 1.0);
+    window.harness.state_mut().apply([Action::Command(Command::ClickAgain)]);
+    window.wait_for(|shell| shell.has_picture() && shell.has_thumbnails());
+    window.harness.run_steps(3);
+    Some(window)
+}
+
+/// What the window shows below its menu and above its filmstrip, with the pointer at a point of the picture.
+fn seen(window: &mut Window, at: ImagePoint) -> Vec<u8> {
+    let at = window.on_screen(at);
+    window.drag(at);
+    window.harness.run_steps(2);
+    let mut image = window.harness.render().unwrap();
+    let height = window.harness.get_by_label("Picture").rect().height() as u32;
+    image::imageops::crop(&mut image, 0, 24, 960, height).to_image().into_raw()
+}
+
+#[test]
+fn nothing_of_the_label_shows_in_a_blind_round() {
+    let (Some(mut near), Some(mut far)) = (round(0.0), round(20.0)) else { return };
+    let label = near.app().frame().unwrap().clicks[0].image;
+    assert!(label.distance_px(far.app().frame().unwrap().clicks[0].image) > 25.0);
+    for at in [label, ImagePoint::new(320.0, 180.0)] {
+        assert!(seen(&mut near, at) == seen(&mut far, at), "the label shows with the pointer at {at:?}");
+    }
+    // Outside of a round the same windows differ.
+    for window in [&mut near, &mut far] {
+        window.harness.state_mut().apply([Action::Command(Command::Cancel)]);
+        window.harness.run_steps(3);
+    }
+    assert!(seen(&mut near, label) != seen(&mut far, label));
+}
+
+#[test]
+fn a_blind_click_is_kept_where_it_was_made() {
+    let Some(mut window) = round(20.0) else { return };
+    let asked = window.app().round().unwrap().asked().cloned().unwrap();
+    let at = window.image_of(asked.landmark.as_str());
+    let labels = window.app().frame().unwrap().clicks.clone();
+    let place = window.on_screen(at);
+    window.press(place);
+    assert!(window.harness.query_by_label("Loupe").is_some(), "as exact as a label");
+    window.release(place);
+    let frame = window.app().open().unwrap().frame(asked.frame).unwrap();
+    assert!(frame.repeats[0].image.distance_px(at) < 1.0 && frame.repeats[0].landmark == asked.landmark);
+    assert_eq!(frame.clicks, labels);
+    // One on the label's own click takes hold of nothing.
+    let second = window.on_screen(labels[1].image);
+    window.press(second);
+    window.release(second);
+    let frame = window.app().open().unwrap().frame(asked.frame).unwrap();
+    assert!(frame.repeats.len() == 2 && frame.clicks == labels);
+}
