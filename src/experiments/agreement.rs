@@ -84,15 +84,28 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
         );
     }
     let _ = writeln!(text, "{}", agreement.noise_words());
-    for (frame, dispute) in
-        agreement.frames.iter().flat_map(|frame| frame.names.iter().map(move |dispute| (frame, dispute)))
-    {
-        let [first, second] = &dispute.names;
-        let _ = writeln!(text, "{}: {first} of the first is {second} of the second.", frame.name);
+    for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()) {
+        let _ = writeln!(text, "{}: {}.", frame.name, names_words(frame));
     }
     text.push('\n');
     text.push_str(&write(&agreement_by_landmark(agreement)));
     text
+}
+
+/// What the two call differently in a frame: the first few, and how many more.
+fn names_words(frame: &FrameAgreement) -> String {
+    const SHOWN: usize = 3;
+    let shown: Vec<String> = frame
+        .names
+        .iter()
+        .take(SHOWN)
+        .map(|dispute| format!("{} of the first is {} of the second", dispute.names[0], dispute.names[1]))
+        .collect();
+    let more = match frame.names.len().saturating_sub(SHOWN) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    shown.join(", ") + &more
 }
 
 /// Everything, for scripts.
