@@ -4,7 +4,7 @@ use super::quality::TimeAxis;
 use super::review::ReviewOrder;
 use super::selection::{Scope, Selecting};
 use super::session::{Filter, Level, PictureView};
-use super::{Chord, Command, OverlayStyle, TrainerOrder, TrainerStatus};
+use super::{Chord, Command, Compared, OverlayStyle, TrainerOrder, TrainerStatus};
 use crate::camera::Ptz;
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
@@ -191,6 +191,11 @@ pub enum Action {
         symmetry: Symmetry,
     },
 
+    /// The open document is compared with another annotator's.
+    Compare(PathBuf),
+    /// It was.
+    Compared(Box<Compared>),
+
     /// The overlay's style.
     SetOverlayStyle(OverlayStyle),
     /// A command gets a key.
@@ -326,6 +331,17 @@ pub enum Effect {
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].
     LoadCamera(PathBuf),
+    /// Compare the document with another annotator's and report [`Action::Compared`].
+    Compare {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Its revision.
+        revision: u64,
+        /// The other one's file.
+        with: PathBuf,
+    },
     /// Ask for a path.
     Ask(Question),
     /// Write the settings.
@@ -349,4 +365,6 @@ pub enum Question {
     ExportTo,
     /// The document to take a camera from.
     CameraFrom,
+    /// Another annotator's document of the same frames.
+    CompareWith,
 }

@@ -44,6 +44,7 @@ pub enum Command {
     SkipAgain,
     UseOwnNoise,
     UseUsualNoise,
+    CompareAnnotators,
     Reject,
     RejectShot,
     Comment,
@@ -165,6 +166,7 @@ rows! {
     SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
     UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
     UseUsualNoise, "use_usual_noise", Frame, "Weigh points by everybody's click noise", "The field template's click noise is used again; yours stays in the project.", [];
+    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and see on the quality page how far you agree.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];

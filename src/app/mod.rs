@@ -7,6 +7,7 @@
 mod action;
 pub mod base;
 mod command;
+mod compared;
 mod current;
 pub mod drawing;
 pub mod field_map;
@@ -30,6 +31,7 @@ mod versioned;
 
 pub use action::{Action, CameraChoice, Effect, Opened, Question};
 pub use command::{Command, Group};
+pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};
 pub use open_project::OpenProject;

@@ -7,7 +7,7 @@ use super::reclick::Reclick;
 use super::review::ReviewChoice;
 use super::selection::Scope;
 use super::uncertainty::UncertaintyView;
-use super::{Command, Question, TrainerState};
+use super::{Command, Comparison, Question, TrainerState};
 use crate::geometry::ImagePoint;
 use crate::project::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use std::collections::BTreeSet;
@@ -60,6 +60,8 @@ pub struct Session {
     pub told_change: Option<(CameraId, usize)>,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
+    /// The comparison with another annotator's document.
+    pub comparison: Comparison,
     /// A document is being read.
     pub opening: Option<String>,
     /// The window may close once everything is on disk.

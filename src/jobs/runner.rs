@@ -5,9 +5,10 @@ use super::{
     Background, BackgroundReport, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport, Wake, demo,
 };
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Question};
+use crate::app::{Action, Compared, Effect, Question};
 use crate::project::{
-    BaseProblem, CameraId, Document, EstimatedBase, Location, Store, document_to_string, write_atomically,
+    self, BaseProblem, CameraId, Document, EstimatedBase, Location, Store, agreement, document_to_string,
+    write_atomically,
 };
 use crate::solve::base::{BaseOptions, WatchBase};
 use std::ops::ControlFlow;
@@ -114,6 +115,10 @@ impl Runner {
             }),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
+            }),
+            Effect::Compare { document, folder, revision, with } => self.begin("compare", Kind::Other, move |_| {
+                compared(&document, &folder, revision, with)
+                    .map(|compared| Outcome::Action(Action::Compared(Box::new(compared))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),
@@ -266,6 +271,13 @@ fn estimate(
         problem.estimate_watched(document, &options, watch)
     };
     found.map(Box::new).map_err(|error| error.to_string())
+}
+
+/// Reads another annotator's document and compares the open one with it.
+fn compared(document: &Document, folder: &Path, revision: u64, with: PathBuf) -> Result<Compared, String> {
+    let (location, other, _) = project::read(&with).map_err(|error| error.to_string())?;
+    let agreement = agreement((document, folder), (&other, location.folder())).map_err(|error| error.to_string())?;
+    Ok(Compared { file: with, revision, agreement })
 }
 
 /// Writes a document into another folder; an existing project there is not touched.

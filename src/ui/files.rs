@@ -54,6 +54,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::Video => "Open a video",
         Question::CopyTo => "Save a copy into a folder",
         Question::ExportTo => "Export the dataset",
+        Question::CompareWith => "Compare with another annotator's document",
         Question::CameraFrom => "Take the camera from a project or dataset",
     });
     let dialog = match near {
@@ -61,7 +62,9 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         None => dialog,
     };
     match question {
-        Question::Project | Question::CameraFrom => dialog.add_filter("Projects and datasets", &["json"]),
+        Question::Project | Question::CameraFrom | Question::CompareWith => {
+            dialog.add_filter("Projects and datasets", &["json"])
+        }
         Question::Video => dialog.add_filter("Videos", VIDEOS),
         Question::ExportTo => dialog.add_filter("Dataset", &["json"]).set_file_name("dataset.json"),
         Question::Folder | Question::CopyTo => dialog,
@@ -70,7 +73,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
 
 fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
     match question {
-        Question::Project | Question::Video | Question::CameraFrom => dialog.pick_file(),
+        Question::Project | Question::Video | Question::CameraFrom | Question::CompareWith => dialog.pick_file(),
         Question::Folder | Question::CopyTo => dialog.pick_folder(),
         Question::ExportTo => dialog.save_file(),
     }

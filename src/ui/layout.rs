@@ -1,8 +1,8 @@
 //! Where every panel lies.
 
 use super::{
-    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick, rejecting, review,
-    status, theme, trainer, viewport,
+    Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
+    rejecting, review, status, theme, trainer, viewport,
 };
 use crate::app::session::Panel as RightPanel;
 use egui::{Frame, Margin, Ui};

@@ -1,11 +1,11 @@
 //! What each command does.
 
 use super::App;
-use super::quality::needs_the_picture;
 use super::gold::{IN_ROUND, is_blind};
+use super::quality::needs_the_picture;
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
-use crate::app::{Chord, Command};
+use crate::app::{Chord, Command, Comparison};
 use crate::project::{Frame, FrameStatus};
 
 /// One step of the zoom keys.
@@ -59,6 +59,9 @@ impl App {
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
             C::MarkGold => self.frame().filter(|frame| !frame.is_gold()).and_then(Frame::why_not_gold),
+            C::CompareAnnotators if self.session.comparison == Comparison::UnderWay => {
+                Some("A comparison is under way.")
+            }
             C::ChooseGold if self.gold().offered.is_empty() => {
                 Some("Every reference that helps is gold; accept more frames first.")
             }
@@ -173,6 +176,7 @@ impl App {
             C::SkipAgain => self.skip_again(),
             C::UseOwnNoise => self.use_own_noise(),
             C::UseUsualNoise => self.use_usual_noise(),
+            C::CompareAnnotators => self.effects.push(Effect::Ask(Question::CompareWith)),
             C::Reject => self.ask_reject(false),
             C::RejectShot => self.ask_reject(true),
             C::Comment => {

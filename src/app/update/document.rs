@@ -69,6 +69,7 @@ impl App {
                     file: path,
                 });
             }
+            (Question::CompareWith, Some(_)) => self.compare(path),
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
             (_, None) => {}
         }

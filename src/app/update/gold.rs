@@ -162,6 +162,7 @@ impl App {
         self.session.next_on_line = false;
         self.session.masks = false;
         self.session.held = crate::app::session::Held::default();
+        self.session.quality.open = false;
         self.session.view = PictureView::Fit;
         self.session.mode = Mode::ClickingAgain(round);
         self.show_asked();
@@ -300,24 +301,24 @@ impl App {
     /// The annotator's own click noise weighs the clicks from now on, as the repeats show it now.
     pub(super) fn use_own_noise(&mut self) {
         if let Some(hand) = self.gold.own.hand.clone() {
-            self.weigh_clicks("Use my click noise", hand);
+            self.weigh_clicks("Use my click noise", &hand);
         }
     }
 
     /// Everybody's click noise weighs the clicks again; the annotator's stays in the document.
     pub(super) fn use_usual_noise(&mut self) {
         if let Some(hand) = self.hand_in_use() {
-            self.weigh_clicks("Use everybody's click noise", Hand { in_use: false, ..hand });
+            self.weigh_clicks("Use everybody's click noise", &Hand { in_use: false, ..hand });
         }
     }
 
     /// One step of undo: every frame that clicks solved is solved again.
-    fn weigh_clicks(&mut self, step: &'static str, hand: Hand) {
+    fn weigh_clicks(&mut self, step: &'static str, hand: &Hand) {
         if !self.begin_step(Step::on_document(step)) {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        if let Err(error) = open.document.set_hand(&hand) {
+        if let Err(error) = open.document.set_hand(hand) {
             self.abort();
             self.session.notify(Level::Warning, format!("The click noise cannot be kept: {error}."));
             return;

@@ -4,6 +4,7 @@ mod base;
 mod cameras;
 mod clicks;
 mod commands;
+mod compare;
 mod document;
 mod frames;
 mod gold;
@@ -22,7 +23,7 @@ use super::quality::Quality;
 use super::reclick::GoldWork;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
-use super::{OpenProject, Settings};
+use super::{Comparison, OpenProject, Settings};
 use crate::project::{CalibrationError, Frame, FrameStatus, Step};
 use crate::solve::{FrameSolution, SolveError};
 
@@ -156,6 +157,8 @@ impl App {
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
+            Action::Compare(with) => self.compare(with),
+            Action::Compared(compared) => self.compared(*compared),
             Action::SetOverlayStyle(style) => {
                 self.settings.overlay = style;
                 self.effects.push(Effect::SaveSettings);
@@ -183,6 +186,9 @@ impl App {
             Action::Opened(opened) => self.opened(*opened),
             Action::Failed(message) => {
                 self.session.opening = None;
+                if self.session.comparison == Comparison::UnderWay {
+                    self.session.comparison = Comparison::None;
+                }
                 self.session.notify(Level::Error, message);
             }
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),

@@ -24,6 +24,7 @@ pub(super) const fn needs_the_picture(command: Command) -> bool {
             | C::AcceptAndStay
             | C::AcceptAllAbove
             | C::Teaches
+            | C::MarkGold
             | C::Reject
             | C::RejectShot
             | C::Comment

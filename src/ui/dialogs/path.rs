@@ -14,6 +14,9 @@ const fn words(question: Question) -> (&'static str, &'static str, &'static str)
         Question::Video => ("Open a video", "Open", "/matches/final.mp4"),
         Question::CopyTo => ("Save a copy into a new folder", "Save copy", "/matches/final-copy"),
         Question::ExportTo => ("Export the dataset to a file", "Export", "/matches/final.json"),
+        Question::CompareWith => {
+            ("Compare with another annotator's document", "Compare", "/matches/other/project.json")
+        }
         Question::CameraFrom => ("Load a camera from a project or dataset", "Load", "/matches/other/project.json"),
     }
 }

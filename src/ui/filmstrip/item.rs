@@ -16,6 +16,8 @@ use egui::{
 
 /// The height of the line below a thumbnail, points.
 pub const CAPTION: f32 = 14.0;
+/// The mark of a frame that is clicked again.
+const GOLD: Color32 = Color32::from_rgb(255, 208, 70);
 /// The height of the status bar, points.
 pub const BAR: f32 = 4.0;
 
@@ -90,6 +92,11 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
         for line in [2.5, 5.5] {
             painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
         }
+    }
+    if frame.is_gold() {
+        let mark = picture.right_bottom() + vec2(-7.0, -7.0);
+        painter.circle_filled(mark, 5.0, theme::BACKDROP);
+        painter.circle_filled(mark, 3.5, GOLD);
     }
     if panel.app.session.frames_selected.contains(&index) {
         painter.rect_filled(picture, CornerRadius::same(3), theme::ACCENT.gamma_multiply(0.35));

@@ -2,8 +2,11 @@
 //!
 //! A section shows what [`crate::app::quality`] derived. A click goes to the frame, and the page makes way for the picture.
 
+mod agreement;
 mod course;
+mod gold;
 mod legend;
+mod scatter;
 
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
@@ -23,6 +26,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         inside.show(ui, |ui| {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
             course::show(panel, ui);
+            gold::show(panel, ui);
+            agreement::show(panel, ui);
         });
     });
 }

@@ -15,7 +15,7 @@ use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
 const ARM: [f32; 2] = [4.0, 11.0];
 
 /// Shows the picture.
-pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: Layer) {
+pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold, picture: &Layer) {
     let Some(round) = panel.app.round() else { return };
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
@@ -27,7 +27,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     plate(&painter, at, Align2::CENTER_CENTER, &text, FontId::proportional(15.0), viewport::colour(CLICK), PLATE);
     if let Some(held) = round.held {
         cross(&painter, placement, held);
-        loupe::show_at(ui, placement, held, &picture, |_| super::Overlay::default());
+        loupe::show_at(ui, placement, held, picture, |_| super::Overlay::default());
     } else {
         loupe::rest(ui);
         let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
@@ -41,7 +41,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         _ => CursorIcon::Crosshair,
     };
     let free = |at: &egui::Pos2| rect.contains(*at) && ui.ctx().layer_id_at(*at).is_none_or(|top| top == ui.layer_id());
-    if ui.input(|input| input.pointer.hover_pos()).filter(free).is_some() {
+    if ui.input(|input| input.pointer.hover_pos()).as_ref().is_some_and(free) {
         ui.ctx().set_cursor_icon(icon);
     }
 }

@@ -168,7 +168,7 @@ fn show_frame(
     let rect = placement.rect;
     if panel.app.round().is_some() {
         let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness: 1.0 });
-        blind::show(panel, ui, placement, hold, picture);
+        blind::show(panel, ui, placement, hold, &picture);
         return;
     }
     let overlay = Overlay::new(panel.app, hold, placement.scale);

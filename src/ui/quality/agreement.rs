@@ -1,0 +1,202 @@
+//! Two annotators on the same frames: how far apart their clicks lie, what they call differently, how their cameras differ.
+
+use super::scatter::Scatter;
+use super::{card, nothing_yet};
+use crate::app::{Action, Command, Compared, Comparison};
+use crate::project::{Agreement, ClickPair, FrameAgreement, Target};
+use crate::ui::bar::Bar;
+use crate::ui::menu::file_name;
+use crate::ui::{Panel, theme};
+use egui::{Button, Label, RichText, Ui, vec2};
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+/// More rows than this are not listed.
+const SHOWN: usize = 9;
+/// The width of a column, points.
+const COLUMN: f32 = 330.0;
+
+/// What stands there before a comparison.
+const NOTHING: &str = "Choose another annotator's document of the same frames: distances by landmark, points that the two call \
+                       differently, how their cameras differ, and what one hand scatters by.";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let comparison = panel.app.session.comparison.clone();
+    let made = match &comparison {
+        Comparison::Made(compared) => Some(compared),
+        Comparison::None | Comparison::UnderWay => None,
+    };
+    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made);
+    card(panel, ui, "TWO ANNOTATORS", beside, |panel, ui| match &comparison {
+        Comparison::None => nothing_yet(ui, NOTHING),
+        Comparison::UnderWay => nothing_yet(ui, "Comparing…"),
+        Comparison::Made(compared) => found(panel, ui, &compared.agreement),
+    });
+}
+
+fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) {
+    let command = Command::CompareAnnotators;
+    let why_not = panel.app.why_not(command);
+    let button = ui.add_enabled(why_not.is_none(), Button::new("Compare with…").small());
+    if button.on_hover_text(command.about()).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+        panel.actions.push(Action::Command(command));
+    }
+    let Some(compared) = compared else { return };
+    let stale = panel.app.open().is_some_and(|open| open.revision != compared.revision);
+    if stale && ui.add(Button::new("Again").small()).on_hover_text("Compare this document as it is now.").clicked() {
+        panel.actions.push(Action::Compare(compared.file.clone()));
+    }
+    let name = file_name(&compared.file.to_string_lossy());
+    let text = if stale { format!("with {name}, before the last changes") } else { format!("with {name}") };
+    ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text(compared.file.display().to_string());
+}
+
+fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    let pairs: Vec<(&FrameAgreement, &ClickPair)> = agreement
+        .frames
+        .iter()
+        .flat_map(|frame| frame.clicks.iter().filter(|pair| !pair.is_copy()).map(move |pair| (frame, pair)))
+        .collect();
+    ui.horizontal_top(|ui| {
+        let offsets: Vec<_> = pairs.iter().map(|(_, pair)| pair.offset_px).collect();
+        let sigma_px = agreement.noise.map(|noise| noise.sigma * std::f64::consts::SQRT_2);
+        let pointed = Scatter { name: "The other's clicks around these", offsets: &offsets, sigma_px }.show(ui);
+        ui.vertical(|ui| {
+            ui.set_width(COLUMN);
+            words(ui, agreement);
+            if let Some(((frame, pair), clicked)) =
+                pointed.and_then(|(index, clicked)| Some((pairs.get(index)?, clicked)))
+            {
+                let label = panel.app.label(&Target::Landmark(pair.landmark.clone()));
+                let text = format!("{}: {label}, {:.1} px", file_name(&frame.name), pair.apart_px());
+                ui.label(RichText::new(text).color(theme::STRONG));
+                if clicked {
+                    panel.actions.push(look_at(frame, pair.clicks[0]));
+                }
+            }
+            landmarks(panel, ui, agreement);
+        });
+        ui.vertical(|ui| {
+            ui.set_width(COLUMN.min(ui.available_width()));
+            names(panel, ui, agreement);
+            frames(panel, ui, agreement);
+        });
+    });
+}
+
+fn look_at(frame: &FrameAgreement, click: usize) -> Action {
+    Action::LookAt { frame: frame.frames[0], click: Some(click) }
+}
+
+fn words(ui: &mut Ui, agreement: &Agreement) {
+    let mut text = String::new();
+    if let Some(distances) = &agreement.distances {
+        text = format!(
+            "{} points of {} frames lie {:.2} px apart, median (90 %: {:.2}). ",
+            distances.count,
+            agreement.frames.len(),
+            distances.median,
+            distances.p90
+        );
+    }
+    text.push_str(&agreement.noise_words());
+    let here = agreement.lone.iter().filter(|lone| lone.by_first).count();
+    let there = agreement.lone.len() - here;
+    if here + there > 0 {
+        // Writing to a string cannot fail.
+        let _ = write!(text, " Labelled only here: {here} frames; only there: {there}.");
+    }
+    ui.add(Label::new(text).wrap())
+        .on_hover_text("px at 1920 px width. The rings are one and two σ of the way between the two.");
+}
+
+/// The landmarks that lie farthest apart.
+fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    if agreement.landmarks.is_empty() {
+        return;
+    }
+    ui.add_space(theme::SPACE);
+    theme::title(ui, "LANDMARKS, MEDIAN DISTANCE");
+    ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+    let largest = agreement.landmarks.iter().map(|landmark| landmark.median_px).fold(1e-9, f64::max);
+    for landmark in agreement.landmarks.iter().take(SHOWN) {
+        let name = panel.app.label(&Target::Landmark(landmark.landmark.clone()));
+        let value = format!("{:.1} px", landmark.median_px);
+        let share = landmark.median_px / largest;
+        let (_, response) =
+            Bar { name: &name, value: &value, share, colour: theme::ACCENT, selected: false, tail: 0.0 }.show(ui);
+        let hand =
+            landmark.noise.map(|noise| format!(" One hand scatters by {:.2} px.", noise.sigma)).unwrap_or_default();
+        response.on_hover_text(format!(
+            "{name}: {} frames, 90 % within {:.1} px; the other lies ({:+.1}, {:+.1}) px off, median.{hand}",
+            landmark.pairs, landmark.p90_px, landmark.offset_px.x, landmark.offset_px.y
+        ));
+    }
+}
+
+/// Points that the two call differently.
+fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    let disputes = || agreement.frames.iter().flat_map(|frame| frame.names.iter().map(move |dispute| (frame, dispute)));
+    let count = disputes().count();
+    if count == 0 {
+        return;
+    }
+    theme::title(ui, &format!("CALLED DIFFERENTLY  {count}"));
+    for (frame, dispute) in disputes().take(SHOWN) {
+        let [here, there] = dispute.names.clone().map(|id| panel.app.label(&Target::Landmark(id)));
+        let text = format!("{}: {here} is {there} there", file_name(&frame.name));
+        let row = ui.add(Button::new(RichText::new(text).color(theme::CAUTION)).frame(false).truncate());
+        if row.on_hover_text("Click to look at it.").clicked() {
+            panel.actions.push(look_at(frame, dispute.clicks[0]));
+        }
+    }
+    ui.add_space(theme::SPACE);
+}
+
+/// The frames whose cameras, or else whose clicks, lie farthest apart.
+fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
+    let apart = |frame: &FrameAgreement| {
+        frame.cameras.map(|cameras| cameras.worst_corner_px).or_else(|| frame.largest_px()).unwrap_or(0.0)
+    };
+    let mut sorted: Vec<&FrameAgreement> = agreement.frames.iter().filter(|frame| apart(frame) > 0.0).collect();
+    if sorted.is_empty() {
+        return;
+    }
+    sorted.sort_by(|a, b| apart(b).total_cmp(&apart(a)));
+    let by_camera = sorted.iter().any(|frame| frame.cameras.is_some());
+    theme::title(ui, if by_camera { "FRAMES, WORST CORNER" } else { "FRAMES, FARTHEST CLICK" });
+    ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+    let largest = sorted.iter().map(|frame| apart(frame)).filter(|px| px.is_finite()).fold(1e-9, f64::max);
+    for frame in sorted.into_iter().take(SHOWN) {
+        let name = file_name(&frame.name);
+        let px = apart(frame);
+        let value = if px.is_finite() { format!("{px:.1} px") } else { "elsewhere".to_owned() };
+        let selected = panel.app.session.frame == frame.frames[0];
+        let (_, response) =
+            Bar { name: &name, value: &value, share: px / largest, colour: theme::ACCENT, selected, tail: 0.0 }
+                .show(ui);
+        if response.on_hover_text(tip(frame)).clicked() {
+            panel.actions.push(Action::LookAt { frame: frame.frames[0], click: None });
+        }
+    }
+}
+
+fn tip(frame: &FrameAgreement) -> String {
+    let cameras = frame.cameras.map(|cameras| {
+        let iou = cameras.iou_part.map(|iou| format!(", IoU {iou:.3}")).unwrap_or_default();
+        format!(
+            " Their cameras: pan {:+.2}°, tilt {:+.2}°, focal length {:+.1} %{iou}.",
+            cameras.pan.degrees(),
+            cameras.tilt.degrees(),
+            cameras.focal_percent
+        )
+    });
+    let farthest = frame.largest_px().map(|px| format!(", farthest {px:.1} px")).unwrap_or_default();
+    format!(
+        "{}: {} points of both{farthest}.{} Click to look at it.",
+        frame.name,
+        frame.clicks.len(),
+        cameras.unwrap_or_default()
+    )
+}

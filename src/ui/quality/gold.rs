@@ -1,0 +1,148 @@
+//! The annotator's own hand: gold frames clicked again without a look at the label, and what the clicks are weighed by.
+
+use super::scatter::Scatter;
+use super::{card, nothing_yet};
+use crate::app::{Action, Command};
+use crate::project::{Hand, OwnNoise, Target};
+use crate::ui::bar::Bar;
+use crate::ui::{Panel, theme};
+use egui::{Button, Label, RichText, Ui, vec2};
+
+/// More landmarks than this are not listed.
+const LANDMARKS_SHOWN: usize = 9;
+/// The width of the column beside the plot, points.
+const COLUMN: f32 = 330.0;
+
+/// What stands there before the first blind click.
+const NOTHING: &str = "How far does your own hand scatter? Mark accepted frames as gold, or let the program choose a few, and click \
+                       their points again without seeing the labels. From 12 blind clicks on your click noise can weigh your points.";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    card(panel, ui, "YOUR HAND: GOLD FRAMES", beside, |panel, ui| {
+        let app = panel.app;
+        let own = &app.gold().own;
+        if own.repeats == 0 {
+            nothing_yet(ui, NOTHING);
+            return;
+        }
+        ui.horizontal_top(|ui| {
+            let offsets: Vec<_> = own.offsets.iter().map(|repeat| repeat.offset_px).collect();
+            let sigma_px = own.noise.map(|noise| noise.sigma * std::f64::consts::SQRT_2);
+            let pointed = Scatter { name: "Blind clicks around the label", offsets: &offsets, sigma_px }.show(ui);
+            ui.vertical(|ui| {
+                ui.set_width(COLUMN);
+                words(panel, ui, own);
+                let under = pointed.and_then(|(index, clicked)| Some((own.offsets.get(index)?, clicked)));
+                if let Some((repeat, clicked)) = under {
+                    let label = app.label(&Target::Landmark(repeat.landmark.clone()));
+                    let text = format!("Frame {}: {label}, {:.1} px", repeat.frame + 1, repeat.offset_px.norm());
+                    ui.label(RichText::new(text).color(theme::STRONG));
+                    if clicked {
+                        panel.actions.push(Action::LookAt { frame: repeat.frame, click: repeat.click });
+                    }
+                }
+            });
+            ui.vertical(|ui| {
+                ui.set_width(COLUMN.min(ui.available_width()));
+                landmarks(panel, ui, own);
+            });
+        });
+    });
+}
+
+/// What can be done, from the right.
+fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let app = panel.app;
+    let in_use = app.open().is_some_and(|open| open.document.hand_in_use().is_some());
+    let mut commands = vec![("Click again…", Command::ClickAgain), ("Choose frames", Command::ChooseGold)];
+    if app.why_not(Command::UseOwnNoise).is_none() {
+        commands.push((if in_use { "Update" } else { "Use it for my points" }, Command::UseOwnNoise));
+    }
+    if in_use {
+        commands.push(("Use everybody's", Command::UseUsualNoise));
+    }
+    for (says, command) in commands {
+        let why_not = app.why_not(command);
+        let button = ui.add_enabled(why_not.is_none(), Button::new(says).small());
+        let tip = app.settings.keys.tooltip(command);
+        if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+    }
+    let gold = app.gold().frames;
+    let plural = if gold == 1 { "" } else { "s" };
+    ui.label(RichText::new(format!("{gold} gold frame{plural}")).small().color(theme::WEAK));
+}
+
+fn words(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
+    let said = match &own.noise {
+        Some(noise) => {
+            let [low, high] = noise.interval_95;
+            format!("You scatter by {:.2} px in each direction (95 %: {low:.2} to {high:.2})", noise.sigma)
+        }
+        None => "Too few blind clicks to tell how far you scatter".to_owned(),
+    };
+    ui.add(Label::new(RichText::new(said).color(theme::STRONG)).wrap()).on_hover_text(
+        "1-σ of a single click at 1920 px width. The rings are one and two σ of the way between two clicks.",
+    );
+    let [right, down] = own.noise_by_axis.map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
+    let axes = right.zip(down).map(|(right, down)| format!(" across {right}, down {down}.")).unwrap_or_default();
+    let aside = match own.noise.map_or(0, |noise| noise.set_aside) {
+        0 => String::new(),
+        1 => " One lies too far off for scatter and is left out.".to_owned(),
+        count => format!(" {count} lie too far off for scatter and are left out."),
+    };
+    let frames = if own.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", own.frames) };
+    let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
+    ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(theme::TEXT)).wrap());
+    let used = panel.app.open().and_then(|open| open.document.hand_in_use());
+    let text = match (&used, &own.hand) {
+        (None, None) => format!("{} more, and it can weigh your points.", own.missing().max(1)),
+        (None, Some(hand)) => format!("Your points are weighed by everybody's click noise. {}", compared(hand)),
+        (Some(used), _) => format!(
+            "Your points are weighed by your own click noise, from {} blind clicks. {}",
+            used.repeats,
+            compared(used)
+        ),
+    };
+    let tip = "Half of what a field template states for a landmark is the hand, half the place: paint is wide, and nobody paints to \
+               the centimetre. Your blind clicks replace the hand's half.";
+    ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap()).on_hover_text(tip);
+}
+
+/// A hand against the usual one, in words.
+fn compared(hand: &Hand) -> String {
+    let percent = 100.0 * hand.hand_factor;
+    format!("Your hand: {percent:.0} % of the usual scatter.")
+}
+
+/// Each landmark's sigma as a bar where it is known, those asked most often first.
+fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
+    let mut sorted: Vec<_> = own.landmarks.iter().collect();
+    sorted.sort_by_key(|landmark| std::cmp::Reverse(landmark.repeats));
+    let largest = sorted.iter().filter_map(|landmark| landmark.noise).map(|noise| noise.sigma).fold(1e-9, f64::max);
+    ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
+    for landmark in sorted.iter().take(LANDMARKS_SHOWN) {
+        let name = panel.app.label(&Target::Landmark(landmark.landmark.clone()));
+        let value =
+            landmark.noise.map_or_else(|| format!("{} ×", landmark.repeats), |noise| format!("{:.2} px", noise.sigma));
+        let share = landmark.noise.map_or(0.0, |noise| noise.sigma / largest);
+        let bar = Bar { name: &name, value: &value, share, colour: theme::ACCENT, selected: false, tail: 0.0 };
+        let (_, response) = bar.show(ui);
+        let tip = match landmark.noise {
+            Some(noise) => {
+                let [low, high] = noise.interval_95;
+                format!(
+                    "{name}: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks.",
+                    noise.sigma, noise.pairs
+                )
+            }
+            None => format!("{name}: {} blind clicks say too little by themselves.", landmark.repeats),
+        };
+        response.on_hover_text(tip);
+    }
+    if let Some(more) = sorted.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
+        ui.label(RichText::new(format!("{more} more landmarks")).small().color(theme::WEAK));
+    }
+}

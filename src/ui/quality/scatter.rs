@@ -1,0 +1,71 @@
+//! Ways between two clicks on the same spots, as dots around the middle. The nearest dot can be pointed at and clicked.
+
+use crate::geometry::Vec2;
+use crate::ui::theme;
+use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
+
+/// The side of the plot, points.
+const SIDE: f32 = 190.0;
+/// A dot this near is pointed at, points.
+const REACH: f32 = 10.0;
+
+/// A plot of offsets, px at 1920 px width.
+pub struct Scatter<'a> {
+    /// What it is called for those who do not see it.
+    pub name: &'a str,
+    /// The offsets.
+    pub offsets: &'a [Vec2],
+    /// Rings at one and two of it, where it is known.
+    pub sigma_px: Option<f64>,
+}
+
+impl Scatter<'_> {
+    /// Shows the plot: the dot under the pointer, and whether it was clicked.
+    pub fn show(&self, ui: &mut Ui) -> Option<(usize, bool)> {
+        let (rect, response) = ui.allocate_exact_size(vec2(SIDE, SIDE), Sense::click());
+        response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, self.name));
+        let reach_px = self.reach_px();
+        let points_per_px = f64::from(SIDE / 2.0 - 6.0) / reach_px;
+        let centre = rect.center();
+        let place = |offset: &Vec2| {
+            let offset = if offset.norm() > reach_px { offset * (reach_px / offset.norm()) } else { *offset };
+            centre + vec2((offset.x * points_per_px) as f32, (offset.y * points_per_px) as f32)
+        };
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(rect, 4.0, theme::PANEL);
+        painter.hline(rect.x_range(), centre.y, Stroke::new(1.0, theme::LINE));
+        painter.vline(centre.x, rect.y_range(), Stroke::new(1.0, theme::LINE));
+        for times in [1.0, 2.0] {
+            if let Some(sigma_px) = self.sigma_px {
+                let radius = (times * sigma_px * points_per_px) as f32;
+                painter.circle_stroke(centre, radius, Stroke::new(1.0, theme::WEAK));
+            }
+        }
+        let dots: Vec<_> = self.offsets.iter().map(place).collect();
+        let under = response.hover_pos().and_then(|at| {
+            let near = dots.iter().map(|dot| dot.distance(at)).enumerate().filter(|(_, apart)| *apart <= REACH);
+            near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+        });
+        for (index, dot) in dots.iter().enumerate() {
+            let pointed = under == Some(index);
+            let (radius, colour) = if pointed { (4.0, theme::STRONG) } else { (2.4, theme::ACCENT) };
+            let beyond = self.offsets[index].norm() > reach_px;
+            painter.circle_filled(*dot, radius, if beyond && !pointed { theme::CAUTION } else { colour });
+        }
+        let corner = rect.right_bottom() - vec2(4.0, 2.0);
+        let text = format!("±{reach_px:.1} px");
+        painter.text(corner, Align2::RIGHT_BOTTOM, text, FontId::proportional(10.0), theme::WEAK);
+        if under.is_some() {
+            ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
+        }
+        under.map(|index| (index, response.clicked()))
+    }
+
+    /// How far the plot reaches, px: nine of ten dots lie well inside; what lies beyond is drawn at the border.
+    fn reach_px(&self) -> f64 {
+        let mut sizes: Vec<f64> = self.offsets.iter().map(Vec2::norm).collect();
+        sizes.sort_by(f64::total_cmp);
+        let most = if sizes.is_empty() { 1.0 } else { crate::score::quantile(&sizes, 0.9) };
+        (1.4 * most).max(2.4 * self.sigma_px.unwrap_or(0.0)).max(0.5)
+    }
+}
