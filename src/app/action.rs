@@ -110,6 +110,13 @@ pub enum Action {
         /// The box, px.
         mask: PixelBox,
     },
+    /// A mask of the camera becomes one of the shown frame only, or the other way.
+    MoveMask {
+        /// Of the camera so far, else of the frame.
+        of_camera: bool,
+        /// Which, from 0.
+        index: usize,
+    },
     /// A mask is removed.
     RemoveMask {
         /// Of the camera, else of the frame.

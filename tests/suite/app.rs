@@ -5,7 +5,7 @@ use touchline::app::session::{Filter, Level, Mode, PictureView, Saving};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::field::builtin;
-use touchline::geometry::{ImagePoint, Vec3};
+use touchline::geometry::{ImagePoint, PixelBox, Vec3};
 use touchline::project::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus, RejectReason, SolutionSource, Target};
 
 /// The truth of frame `index`: a slow pan.
@@ -405,4 +405,23 @@ fn every_command_can_be_asked_for_at_any_time() {
             }
         }
     }
+}
+
+#[test]
+fn a_mask_of_one_frame_becomes_one_of_every_frame_in_one_step() {
+    let mut bench = Bench::new(document(3, true));
+    let score = PixelBox { x: 40.0, y: 30.0, width: 300.0, height: 50.0 };
+    bench.act(Action::AddMask { of_camera: false, mask: score });
+    let masks = |bench: &Bench| {
+        let document = &bench.app.open().unwrap().document;
+        (document.cameras[0].masks.clone(), document.frames[0].masks.clone())
+    };
+    bench.act(Action::MoveMask { of_camera: false, index: 0 });
+    assert_eq!(masks(&bench), (vec![score], vec![]));
+    bench.act(Action::GoTo(2));
+    bench.act(Action::MoveMask { of_camera: true, index: 7 });
+    assert_eq!(masks(&bench), (vec![score], vec![]), "there is no such mask");
+    bench.act(Action::GoTo(0));
+    bench.command(Command::Undo);
+    assert_eq!(masks(&bench), (vec![], vec![score]));
 }

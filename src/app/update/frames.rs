@@ -169,23 +169,38 @@ impl App {
         });
     }
 
+    /// A mask of the camera becomes one of the shown frame, or the other way.
+    pub(super) fn move_mask(&mut self, of_camera: bool, index: usize) {
+        if !self.begin_step(Step::on_document("Move mask")) {
+            return;
+        }
+        let moved = self.masks_mut(of_camera).filter(|masks| index < masks.len()).map(|masks| masks.remove(index));
+        if let (Some(mask), Some(masks)) = (moved, self.masks_mut(!of_camera)) {
+            masks.push(mask);
+        }
+        self.commit();
+    }
+
     fn change_masks(&mut self, of_camera: bool, name: &str, change: impl FnOnce(&mut Vec<PixelBox>)) {
         let step = if of_camera { Step::on_document(name) } else { Step::on_frame(name, self.session.frame) };
         if !self.begin_step(step) {
             return;
         }
-        let index = self.session.frame;
-        if let Some(open) = &mut self.open {
-            let camera = open.document.frames.get(index).map(|frame| frame.camera.clone());
-            if of_camera {
-                if let Some(camera) = camera.and_then(|id| open.document.camera_mut(&id)) {
-                    change(&mut camera.masks);
-                }
-            } else if let Some(frame) = open.document.frames.get_mut(index) {
-                change(&mut frame.masks);
-            }
+        if let Some(masks) = self.masks_mut(of_camera) {
+            change(masks);
         }
         self.commit();
+    }
+
+    /// The masks of the shown frame's camera, or its own.
+    fn masks_mut(&mut self, of_camera: bool) -> Option<&mut Vec<PixelBox>> {
+        let index = self.session.frame;
+        let document = &mut self.open.as_mut()?.document;
+        if !of_camera {
+            return Some(&mut document.frames.get_mut(index)?.masks);
+        }
+        let camera = document.frames.get(index)?.camera.clone();
+        Some(&mut document.camera_mut(&camera)?.masks)
     }
 }
 

@@ -132,6 +132,7 @@ impl App {
             Action::SetComment(comment) => self.set_comment(&comment),
             Action::SetFilter(filter) => self.session.filter = filter,
             Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
+            Action::MoveMask { of_camera, index } => self.move_mask(of_camera, index),
             Action::RemoveMask { of_camera, index } => self.remove_mask(of_camera, index),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),

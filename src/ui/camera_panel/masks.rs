@@ -13,7 +13,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
     if camera.masks.is_empty() && of_frame.is_empty() {
-        ui.label(RichText::new("None. Score bug and logos belong here.").color(theme::WEAK));
+        ui.label(RichText::new("None. Score bug and logos belong here: Shift-drag a box around each.").color(theme::WEAK));
     }
     for (of_camera, masks) in [(true, &camera.masks), (false, &of_frame)] {
         for (index, mask) in masks.iter().enumerate() {
@@ -37,7 +37,11 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, of_camera: bool, index: usize, mask: 
             if symbol::button(ui, Symbol::Cross, &name, theme::WEAK).on_hover_text("Remove this mask.").clicked() {
                 panel.actions.push(Action::RemoveMask { of_camera, index });
             }
-            ui.label(RichText::new(whose).small().color(theme::WEAK));
+            let other = if of_camera { "this frame only" } else { "every frame of the camera" };
+            let shown = Button::new(RichText::new(whose).small()).small();
+            if ui.add(shown).on_hover_text(format!("Make it a mask of {other}.")).clicked() {
+                panel.actions.push(Action::MoveMask { of_camera, index });
+            }
         });
     });
 }
