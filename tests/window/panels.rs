@@ -178,6 +178,34 @@ fn the_filmstrip_goes_to_frames_and_filters_them() {
 }
 
 #[test]
+fn the_shown_frame_stays_in_the_filmstrip_however_it_came_there() {
+    let Some(mut window) = Window::open(80, SIZE, 1.0) else { return };
+    let in_view = |window: &Window, frame: usize| {
+        let label = format!("Frame {}, {:04}.png, New", frame + 1, frame);
+        let found = window.harness.query_by_label(&label).map(|node| node.rect());
+        found.is_some_and(|rect| rect.left() >= 116.0 && rect.right() <= 980.0)
+    };
+    // Several jumps come between two pictures of the window where it is busy.
+    for jumps in [1, 3, 2] {
+        for _ in 0..jumps {
+            window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Period);
+        }
+        window.harness.run_steps(2);
+        let frame = window.app().session.frame;
+        assert!(in_view(&window, frame), "frame {frame} after {jumps} jumps");
+    }
+    assert_eq!(window.app().session.frame, 60);
+    // All frames again after a filter that showed none.
+    for (shown, wanted) in [("Rejected 0", 0), ("All frames 80", 1)] {
+        window.harness.get_by_label("Frames shown").click();
+        window.harness.run_steps(3);
+        window.harness.get_by_label_contains(shown).click();
+        window.harness.run_steps(3);
+        assert_eq!(usize::from(in_view(&window, 60)), wanted, "{shown}");
+    }
+}
+
+#[test]
 fn the_palette_finds_a_command_by_typing() {
     let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
     chord(&mut window, Modifiers::COMMAND, Key::K);

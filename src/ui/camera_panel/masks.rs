@@ -13,7 +13,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
     if camera.masks.is_empty() && of_frame.is_empty() {
-        ui.label(RichText::new("None. Score bug and logos belong here: Shift-drag a box around each.").color(theme::WEAK));
+        ui.label(
+            RichText::new("None. Score bug and logos belong here: Shift-drag a box around each.").color(theme::WEAK),
+        );
     }
     for (of_camera, masks) in [(true, &camera.masks), (false, &of_frame)] {
         for (index, mask) in masks.iter().enumerate() {

@@ -77,16 +77,17 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         return;
     }
-    let moved = has_moved(ui, (app.session.frame, app.session.filter, strip.cells.len()));
-    ScrollArea::horizontal().auto_shrink(false).show_viewport(ui, |ui, viewport| {
+    let memory = Id::unique("filmstrip shows");
+    let before = ui.data(|data| data.get_temp::<Shown>(memory));
+    let mut area = ScrollArea::horizontal().auto_shrink(false);
+    if let Some(offset) = offset(app.session.frame, app.session.filter, &strip, before, ui.available_width()) {
+        area = area.horizontal_scroll_offset(offset);
+    }
+    let scrolled = area.show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let (whole, _) = ui.allocate_exact_size(vec2(strip.width(), height - 2.0), Sense::hover());
         ui.set_clip_rect(ui.clip_rect().intersect(whole));
         let place = |at: usize| Rect::from_min_size(origin + vec2(strip.left(at), 4.0), item);
-        if moved && let Some(current) = strip.place_of(app.session.frame) {
-            let margin = vec2(1.5 * item.x, 0.0);
-            ui.scroll_to_rect_animation(place(current).expand2(margin), None, egui::style::ScrollAnimation::none());
-        }
         for at in strip.within(viewport.left(), viewport.right()) {
             if let Some(shot) = strip.shot_beginning_at(at) {
                 item::separator(ui, place(at), shot);
@@ -97,14 +98,39 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
     });
+    let offset = scrolled.state.clamped_offset().x;
+    let anchor = strip.first_from(offset);
+    let shown = Shown {
+        frame: app.session.frame,
+        filter: app.session.filter,
+        offset,
+        anchor: strip.cells.get(anchor).map(|cell| (cell.first(), strip.left(anchor))),
+    };
+    ui.data_mut(|data| data.insert_temp(memory, shown));
 }
 
-/// Whether what has to be in view changed since the last time.
-fn has_moved(ui: &Ui, now: (usize, Filter, usize)) -> bool {
-    let memory = Id::unique("filmstrip shows");
-    ui.data_mut(|data| {
-        let before = data.get_temp::<(usize, Filter, usize)>(memory);
-        data.insert_temp(memory, now);
-        before != Some(now)
-    })
+/// What the strip showed the last time.
+#[derive(Clone, Copy, Debug)]
+struct Shown {
+    frame: usize,
+    filter: Filter,
+    /// How far it was scrolled, points.
+    offset: f32,
+    /// The first frame that began in view, and where in the strip, points.
+    anchor: Option<(usize, f32)>,
+}
+
+/// Where the strip is to be scrolled to, points; none: it stays. The current frame comes into view when it or the filter
+/// changes; where cells fold and unfold before it, what was in view stays in its place.
+fn offset(frame: usize, filter: Filter, strip: &Strip<'_>, before: Option<Shown>, width: f32) -> Option<f32> {
+    let before = before.filter(|before| before.filter == filter);
+    let kept = before.and_then(|before| {
+        let (anchor, left) = before.anchor?;
+        Some(before.offset + strip.left(strip.place_of(anchor)?) - left)
+    });
+    if before.is_some_and(|before| before.frame == frame) {
+        return kept.filter(|kept| before.is_some_and(|before| before.offset != *kept));
+    }
+    let offset = kept.or(before.map(|before| before.offset)).unwrap_or(0.0);
+    Some(strip.offset_showing(strip.place_of(frame)?, offset, width))
 }

@@ -29,6 +29,13 @@ pub enum Cell {
 }
 
 impl Cell {
+    /// The first frame of the document that it stands for.
+    pub const fn first(self) -> usize {
+        match self {
+            Self::Frame(first) | Self::Unanswered { first, .. } => first,
+        }
+    }
+
     const fn last(self) -> usize {
         match self {
             Self::Frame(frame) => frame,
@@ -103,6 +110,20 @@ impl<'a> Strip<'a> {
         first.saturating_sub(1)..(last + 1).min(count)
     }
 
+    /// The first place that begins at or after a point of the strip.
+    pub fn first_from(&self, left: f32) -> usize {
+        partition(self.cells.len(), |at| self.left(at) < left)
+    }
+
+    /// How far a window of `width` points is scrolled from `offset` to show a place and some of its neighbours: no farther
+    /// than it takes, points.
+    pub fn offset_showing(&self, at: usize, offset: f32, width: f32) -> f32 {
+        let margin = (1.5 * self.item).min((width - self.item) / 2.0).max(0.0);
+        let (first, last) = (self.left(at) - margin, self.left(at) + self.item + margin);
+        let needed = if first < offset { first } else { offset.max(last - width) };
+        needed.clamp(0.0, (self.width() - width).max(0.0))
+    }
+
     /// What stands before the first frame of a shot; none within a shot, and none if nothing belongs to a shot.
     pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
         let shot = self.shots.binary_search_by_key(&at, |(begin, _)| *begin).ok()?;
@@ -162,6 +183,21 @@ mod tests {
         assert_eq!(strip.within(0.0, 90.0), 0..2);
         assert_eq!(strip.within(250.0, 300.0), 1..4);
         assert_eq!(strip.within(1e6, 2e6), 5..6);
+    }
+
+    #[test]
+    fn the_strip_is_scrolled_no_farther_than_it_takes_to_show_a_frame() {
+        let open = open(&[1; 100]);
+        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        assert_eq!(strip.offset_showing(1, 0.0, 500.0), 0.0, "it is in view");
+        let far = strip.offset_showing(50, 0.0, 500.0);
+        assert!((far + 500.0 - (strip.left(50) + 250.0)).abs() < 1e-3, "two more than the frame on its right");
+        assert_eq!(strip.offset_showing(50, far, 500.0), far, "it stays");
+        assert!((strip.offset_showing(20, far, 500.0) - (strip.left(20) - 150.0)).abs() < 1e-3);
+        assert_eq!(strip.offset_showing(99, 0.0, 500.0), strip.width() - 500.0, "no farther than the end");
+        assert_eq!(strip.offset_showing(0, far, 500.0), 0.0);
+        let narrow = strip.offset_showing(50, 0.0, 40.0);
+        assert!(narrow <= strip.left(50) && strip.left(50) < narrow + 100.0, "no room for it, but it is what is seen");
     }
 
     #[test]
