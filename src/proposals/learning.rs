@@ -26,6 +26,14 @@ pub struct Lesson {
     pub taught: Vec<(u32, PanTilt)>,
 }
 
+impl Lesson {
+    /// Adds what it teaches as one frame.
+    pub(super) fn add_to(&self, samples: &mut Samples) {
+        let descriptor = |feature: u32| self.features.descriptors[feature as usize];
+        samples.add_frame(self.taught.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
+    }
+}
+
 /// Why a reference teaches nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum LessonError {
@@ -145,7 +153,7 @@ pub fn learn(
 ///
 /// # Errors
 /// `progress` ended it, or there are too many samples.
-pub(super) fn learn_camera<'a>(
+fn learn_camera<'a>(
     camera: &CameraId,
     lessons: impl Iterator<Item = &'a Lesson>,
     options: &TrainOptions,
@@ -153,8 +161,7 @@ pub(super) fn learn_camera<'a>(
 ) -> Result<Option<CameraForest>, Stopped> {
     let (mut samples, mut seen) = (Samples::new(), Vec::new());
     for lesson in lessons.filter(|lesson| !lesson.taught.is_empty()) {
-        let descriptor = |feature: u32| lesson.features.descriptors[feature as usize];
-        samples.add_frame(lesson.taught.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
+        lesson.add_to(&mut samples);
         seen.push(lesson.ptz);
     }
     let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };

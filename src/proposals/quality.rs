@@ -1,11 +1,16 @@
 //! What the forest is worth: a reference is left out together with all others of its shot, and asked for.
+//!
+//! Memory is bounded however many references there are: at most 1000 of them take part, spread over all; of each only what
+//! it teaches is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one forest at
+//! a time and the few pictures' features that are being looked at.
 
-use super::learning::learn_camera;
-use super::{LearnOptions, Lesson};
-use crate::camera::PtzCamera;
+use super::{FramePictures, LearnOptions, Studied, study};
+use crate::camera::{Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize};
+use crate::media::FrameReader;
 use crate::project::{Camera, Clip, Document, Frame};
-use crate::relocalize::{RelocalizeOptions, Stopped, relocalize};
+use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
+use crate::score::median;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -17,6 +22,12 @@ const MOST_GROUPS: usize = 8;
 
 /// So many references of a shot are asked for.
 const MOST_OF_A_SHOT: usize = 4;
+
+/// So many references take part, spread over all.
+const MOST_REFERENCES: usize = 1000;
+
+/// So many references' features are held while what they teach is taken from them.
+const BATCH: usize = 32;
 
 /// An overlay that is off by more is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;
@@ -72,12 +83,10 @@ impl Quality {
         self.asked.iter().filter(|asked| asked.found.is_some()).count()
     }
 
-    /// The median of the errors of those found, px at 1920 px width; of two in the middle the greater.
+    /// The median of the errors of those found, px at 1920 px width.
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
-        let mut errors: Vec<f64> = self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect();
-        errors.sort_by(f64::total_cmp);
-        errors.get(errors.len() / 2).copied()
+        median(self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect())
     }
 
     /// Those found wrong.
@@ -86,43 +95,58 @@ impl Quality {
     }
 }
 
-/// What is trained without, and what is then asked for: places among the lessons.
+/// What is trained without, and what is then asked for: places among what is taught.
 struct Group {
-    left_out: Vec<usize>,
+    left_out: BTreeSet<usize>,
     asked: Vec<usize>,
+}
+
+/// What the references of a camera teach.
+#[derive(Default)]
+struct Taught {
+    samples: Samples,
+    /// Their places in the document.
+    frames: Vec<usize>,
+    /// How they were pointed.
+    ptz: Vec<Ptz>,
 }
 
 /// Leaves references out and asks for them. `progress` is called with the groups done and those to do, from any thread,
 /// and may end it. None where it did, or where nothing is left to learn from without a group.
 pub fn measure(
-    document: &Document,
-    lessons: &[Lesson],
+    pictures: &FramePictures<'_>,
+    reader: &mut FrameReader,
+    teachers: &[usize],
     options: &LearnOptions,
     relocalizing: &RelocalizeOptions,
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Option<Quality> {
-    let camera = most_taught(document, lessons)?;
+    let document = pictures.document;
+    let camera = most_taught(document, teachers)?;
     let base = camera.base()?;
-    let lessons: Vec<&Lesson> =
-        lessons.iter().filter(|lesson| lesson.camera == camera.id && !lesson.taught.is_empty()).collect();
-    let (left_out_by, mut groups) = groups(document, &lessons);
-    groups.retain(|group| group.left_out.len() < lessons.len());
+    let of_camera: Vec<usize> =
+        teachers.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
+    let taught = Taught::by(pictures, reader, &spread(of_camera, MOST_REFERENCES), &|| progress(0, 0))?;
+    let (left_out_by, mut groups) = groups(document, &taught.frames);
+    groups.retain(|group| group.left_out.len() < taught.frames.len());
     let count = groups.len();
-    let groups = spread(groups);
+    let groups = spread(groups, MOST_GROUPS);
     let mut asked = Vec::new();
     for (done, group) in groups.iter().enumerate() {
         progress(done, groups.len()).continue_value()?;
-        let kept = lessons.iter().enumerate().filter(|(index, _)| !group.left_out.contains(index));
-        let kept = kept.map(|(_, lesson)| *lesson);
-        let learnt = match learn_camera(&camera.id, kept, &options.train, &|_| progress(done, groups.len())) {
-            Ok(Some(learnt)) => learnt,
-            Ok(None) | Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
+        let going_on = |_| progress(done, groups.len());
+        let forest = match train_without(&taught.samples, &group.left_out, &options.train, &going_on) {
+            Ok(forest) => forest,
+            Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
             Err(Stopped::Asked) => return None,
         };
-        for lesson in group.asked.iter().map(|&index| lessons[index]) {
+        let Some(seen) = SeenRange::of(&taught.ptz_without(&group.left_out)) else { continue };
+        let frames: Vec<usize> = group.asked.iter().map(|&place| taught.frames[place]).collect();
+        let Studied { lessons, .. } = study(pictures, reader, &frames, &|| progress(done, groups.len()))?;
+        for lesson in lessons {
             let frame = &document.frames[lesson.frame];
             let Some(truth) = camera.pointed(frame) else { continue };
-            let answer = relocalize(&lesson.features, &learnt.forest, &learnt.seen, &base, relocalizing);
+            let answer = relocalize(&lesson.features, &forest, &seen, &base, relocalizing);
             let found = answer.pose.ok().map(|pose| FoundAgain {
                 error_px: overlay_error_px(&truth, &PtzCamera::new(base, pose.ptz), frame.image_size),
                 confidence: pose.confidence,
@@ -135,20 +159,46 @@ pub fn measure(
     (!asked.is_empty()).then_some(Quality { left_out_by, groups: count, asked })
 }
 
+impl Taught {
+    /// What some frames teach that teach anything, in their order; none where `progress` ended it.
+    fn by(
+        pictures: &FramePictures<'_>,
+        reader: &mut FrameReader,
+        teachers: &[usize],
+        progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+    ) -> Option<Self> {
+        let mut taught = Self::default();
+        for few in teachers.chunks(BATCH) {
+            let Studied { lessons, .. } = study(pictures, reader, few, progress)?;
+            for lesson in lessons.iter().filter(|lesson| !lesson.taught.is_empty()) {
+                lesson.add_to(&mut taught.samples);
+                taught.frames.push(lesson.frame);
+                taught.ptz.push(lesson.ptz);
+            }
+        }
+        Some(taught)
+    }
+
+    fn ptz_without(&self, left_out: &BTreeSet<usize>) -> Vec<Ptz> {
+        let kept = self.ptz.iter().enumerate().filter(|(place, _)| !left_out.contains(place));
+        kept.map(|(_, ptz)| *ptz).collect()
+    }
+}
+
 /// The camera with the most references.
-fn most_taught<'a>(document: &'a Document, lessons: &[Lesson]) -> Option<&'a Camera> {
-    let taught = |camera: &Camera| lessons.iter().filter(|lesson| lesson.camera == camera.id).count();
+fn most_taught<'a>(document: &'a Document, teachers: &[usize]) -> Option<&'a Camera> {
+    let taught = |camera: &Camera| teachers.iter().filter(|&&index| document.frames[index].camera == camera.id).count();
     let cameras = document.cameras.iter().map(|camera| &**camera);
     cameras.rev().max_by_key(|camera| taught(camera))
 }
 
-fn groups(document: &Document, lessons: &[&Lesson]) -> (LeftOutBy, Vec<Group>) {
-    let frame = |index: usize| -> &Frame { &document.frames[lessons[index].frame] };
-    let all = 0..lessons.len();
+fn groups(document: &Document, taught: &[usize]) -> (LeftOutBy, Vec<Group>) {
+    let frame = |place: usize| -> &Frame { &document.frames[taught[place]] };
+    let all = 0..taught.len();
     let clips: BTreeSet<Option<&Clip>> = all.clone().map(|index| frame(index).clip.as_ref()).collect();
     if clips.len() > 1 {
         let of_clip = |clip: Option<&Clip>| {
-            let left_out: Vec<usize> = all.clone().filter(|&index| frame(index).clip.as_ref() == clip).collect();
+            let left_out: BTreeSet<usize> = all.clone().filter(|&index| frame(index).clip.as_ref() == clip).collect();
             let step = left_out.len().div_ceil(MOST_OF_A_SHOT).max(1);
             Group { asked: left_out.iter().copied().step_by(step).collect(), left_out }
         };
@@ -166,14 +216,14 @@ fn groups(document: &Document, lessons: &[&Lesson]) -> (LeftOutBy, Vec<Group>) {
     (by, all.clone().map(of_one).collect())
 }
 
-/// At most [`MOST_GROUPS`], from the first to the last.
-fn spread(groups: Vec<Group>) -> Vec<Group> {
-    let count = groups.len();
-    if count <= MOST_GROUPS {
-        return groups;
+/// At most so many, from the first to the last.
+fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
+    let count = all.len();
+    if count <= most {
+        return all;
     }
-    let chosen: BTreeSet<usize> = (0..MOST_GROUPS).map(|i| i * (count - 1) / (MOST_GROUPS - 1)).collect();
-    groups.into_iter().enumerate().filter(|(index, _)| chosen.contains(index)).map(|(_, group)| group).collect()
+    let chosen: BTreeSet<usize> = (0..most).map(|i| i * (count - 1) / (most - 1)).collect();
+    all.into_iter().enumerate().filter(|(index, _)| chosen.contains(index)).map(|(_, one)| one).collect()
 }
 
 /// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its points, px at 1920 px width;
@@ -194,62 +244,49 @@ pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, Ptz};
-    use crate::features::Features;
+    use crate::camera::{BaseAngles, CameraBase};
     use crate::geometry::Vec3;
     use crate::project::{FieldSpec, VideoFrame};
-    use std::sync::Arc;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
-    fn document(frames: usize) -> (Document, Vec<Lesson>) {
+    fn document(frames: usize) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));
         document.cameras.push(Camera::new("main".into(), SIZE).into());
-        let mut lessons = Vec::new();
         for index in 0..frames {
             document.frames.push(Frame::from_image(&format!("{index}.jpg"), "main".into(), SIZE).into());
-            lessons.push(Lesson {
-                frame: index,
-                camera: "main".into(),
-                ptz: Ptz::from_degrees(0.0, -9.0, 900.0),
-                features: Arc::new(Features::default()),
-                taught: Vec::new(),
-            });
         }
-        (document, lessons)
+        document
     }
 
-    fn left_out(document: &Document, lessons: &[Lesson]) -> (LeftOutBy, Vec<Vec<usize>>) {
-        let lessons: Vec<&Lesson> = lessons.iter().collect();
-        let (by, groups) = groups(document, &lessons);
-        (by, groups.into_iter().map(|group| group.left_out).collect())
+    fn left_out(document: &Document) -> (LeftOutBy, Vec<Vec<usize>>) {
+        let taught: Vec<usize> = (0..document.frames.len()).collect();
+        let (by, groups) = groups(document, &taught);
+        (by, groups.into_iter().map(|group| group.left_out.into_iter().collect()).collect())
     }
 
     #[test]
     fn whole_shots_are_left_out_else_five_seconds_else_neighbours() {
-        let (mut document, lessons) = document(4);
+        let mut document = document(4);
         assert_eq!(
-            left_out(&document, &lessons),
+            left_out(&document),
             (LeftOutBy::Neighbours, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2, 3], vec![2, 3]])
         );
         for (index, pts_s) in [0.0, 4.0, 8.0, 30.0].into_iter().enumerate() {
             document.frames[index].video = Some(VideoFrame::new("a.mp4", index as u64, Some(pts_s)));
         }
-        assert_eq!(
-            left_out(&document, &lessons),
-            (LeftOutBy::Time, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2], vec![3]])
-        );
+        assert_eq!(left_out(&document), (LeftOutBy::Time, vec![vec![0, 1], vec![0, 1, 2], vec![1, 2], vec![3]]));
         for (index, clip) in [1, 2, 2, 1].into_iter().enumerate() {
             document.frames[index].clip = Some(Clip::Number(clip));
         }
-        assert_eq!(left_out(&document, &lessons), (LeftOutBy::Shot, vec![vec![0, 3], vec![1, 2]]));
+        assert_eq!(left_out(&document), (LeftOutBy::Shot, vec![vec![0, 3], vec![1, 2]]));
     }
 
     #[test]
     fn many_groups_are_thinned_out_from_the_first_to_the_last() {
-        let groups = (0..100).map(|asked| Group { left_out: vec![asked], asked: vec![asked] }).collect();
-        let kept: Vec<usize> = spread(groups).iter().map(|group| group.asked[0]).collect();
+        let kept = spread((0..100).collect::<Vec<usize>>(), MOST_GROUPS);
         assert_eq!((kept.len(), kept[0], kept[7]), (MOST_GROUPS, 0, 99));
+        assert_eq!(spread(vec![4, 5], 2), [4, 5]);
     }
 
     #[test]

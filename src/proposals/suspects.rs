@@ -1,11 +1,12 @@
 //! References whose labels contradict others.
 
-use super::Lesson;
+use super::{FramePictures, Lesson, Studied, study};
+use crate::media::FrameReader;
 use crate::project::Document;
 use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 use std::ops::ControlFlow;
 
-/// So many references, next to each other by pan, are compared at a time.
+/// So many references, next to each other by pan, are compared at a time: the features of no more are held.
 const TOGETHER: usize = 100;
 
 /// A reference to look at: without it no label would contradict another.
@@ -19,26 +20,35 @@ pub struct Suspect {
     pub disagreement_px: f64,
 }
 
-/// The references to look at, the most contradicted first. `progress` is called now and then and may end it: none then.
+/// The teachers to look at, the most contradicted first. `progress` is called now and then from any thread, and may end it:
+/// none then.
 pub fn find_suspects(
-    document: &Document,
-    lessons: &[Lesson],
-    progress: &dyn Fn() -> ControlFlow<()>,
+    pictures: &FramePictures<'_>,
+    reader: &mut FrameReader,
+    teachers: &[usize],
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Vec<Suspect>> {
+    let document = pictures.document;
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let mut lessons: Vec<&Lesson> = lessons.iter().filter(|lesson| lesson.camera == camera.id).collect();
-        lessons.sort_by(|a, b| a.ptz.pan.radians().total_cmp(&b.ptz.pan.radians()).then(a.frame.cmp(&b.frame)));
-        for lessons in lessons.chunks(TOGETHER) {
-            progress().continue_value()?;
-            found.extend(suspects_among(document, lessons));
+        let mut of_camera: Vec<(f64, usize)> = teachers
+            .iter()
+            .map(|&index| (index, &*document.frames[index]))
+            .filter(|(_, frame)| frame.camera == camera.id)
+            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan.radians(), index)))
+            .collect();
+        of_camera.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let of_camera: Vec<usize> = of_camera.into_iter().map(|(_, index)| index).collect();
+        for together in of_camera.chunks(TOGETHER) {
+            let Studied { lessons, .. } = study(pictures, reader, together, progress)?;
+            found.extend(suspects_among(document, &lessons));
         }
     }
     found.sort_by(|a, b| b.contradicted_by.cmp(&a.contradicted_by).then(a.frame.cmp(&b.frame)));
     Some(found)
 }
 
-fn suspects_among(document: &Document, lessons: &[&Lesson]) -> Vec<Suspect> {
+fn suspects_among(document: &Document, lessons: &[Lesson]) -> Vec<Suspect> {
     let pointed = lessons.iter().filter_map(|lesson| {
         let camera = document.pointed(document.frames.get(lesson.frame)?)?;
         Some((lesson.frame, Reference { features: &lesson.features, camera }))

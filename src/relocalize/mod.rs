@@ -20,7 +20,7 @@ pub use confidence::Evidence;
 pub use contradictions::{Contradiction, ContradictionOptions, Reference, contradictions, suspects};
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
-    TrainProgress, train,
+    TrainProgress, train, train_without,
 };
 pub use matches::RayMatches;
 pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};

@@ -28,5 +28,5 @@ pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, JACCARD_WIDTH_PX, MarkingMatch, annotated_lines};
 pub use overlap::{iou_part, iou_whole};
-pub use statistics::{Summary, quantile};
+pub use statistics::{Summary, median, quantile};
 pub use view::FieldView;

@@ -86,6 +86,12 @@ pub fn quantile(ascending: &[f64], share: f64) -> f64 {
     if below == above { below } else { below + (above - below) * at.fract() }
 }
 
+/// The median of numbers in any order: their quantile at one half; none without any.
+#[must_use]
+pub fn median(mut values: Vec<f64>) -> Option<f64> {
+    (!values.is_empty()).then(|| median_in_place(&mut values))
+}
+
 /// The intervals of mean and median over resamples.
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -151,5 +157,6 @@ mod tests {
     fn medians_in_any_order() {
         assert!(median_in_place(&mut [5.0, 1.0, 3.0]) == 3.0);
         assert!(median_in_place(&mut [5.0, 1.0, 3.0, 4.0]) == 3.5);
+        assert_eq!((median(vec![2.0, 1.0]), median(Vec::new())), (Some(1.5), None));
     }
 }

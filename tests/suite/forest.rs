@@ -3,6 +3,7 @@
 use crate::seeded::rng;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use touchline::camera::PanTilt;
@@ -10,7 +11,7 @@ use touchline::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use touchline::geometry::Angle;
 use touchline::relocalize::{
     CameraForest, FOREST_VERSION, Forest, ForestFileError, ForestModel, PredictOptions, Samples, Search, SeenRange,
-    Stopped, TrainOptions, train,
+    Stopped, TrainOptions, TrainProgress, train, train_without,
 };
 
 fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
@@ -90,6 +91,28 @@ fn the_same_seed_gives_the_same_bytes_on_any_number_of_threads() {
     let one = bytes(1, &options);
     assert!(one == bytes(4, &options), "four threads");
     assert!(one != bytes(1, &TrainOptions { seed: 1, ..options }), "another seed");
+}
+
+#[test]
+fn without_some_frames_it_is_the_forest_of_the_others() {
+    let mut rng = rng("without_some_frames_it_is_the_forest_of_the_others");
+    let scene = scene(700, &mut rng);
+    let pictures: Vec<Vec<(Descriptor, PanTilt)>> = (0..5)
+        .map(|_| scene.iter().map(|(descriptor, ray)| (disturbed(descriptor, 5, &mut rng), *ray)).collect())
+        .collect();
+    let of = |frames: &[usize]| {
+        let mut samples = Samples::new();
+        frames.iter().for_each(|frame| samples.add_frame(pictures[*frame].iter().copied()));
+        samples
+    };
+    let goes_on = |_: TrainProgress| ControlFlow::Continue(());
+    for options in [TrainOptions::default(), TrainOptions::published()] {
+        let options = TrainOptions { frames_per_tree: options.frames_per_tree.map(|_| 2), ..options };
+        let without = train_without(&of(&[0, 1, 2, 3, 4]), &BTreeSet::from([1, 3]), &options, &goes_on).unwrap();
+        assert!(model(without).to_bytes() == model(trained(&of(&[0, 2, 4]), &options)).to_bytes());
+    }
+    let none = train_without(&of(&[0, 1]), &BTreeSet::from([0, 1]), &TrainOptions::default(), &goes_on);
+    assert_eq!(none, Err(Stopped::NoSamples { frames: 2 }));
 }
 
 #[test]

@@ -174,12 +174,12 @@ impl Craft for Workshop {
     }
 
     fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Measured> {
-        let studied = self.study(document, teachers, watch)?;
-        let comparing = || watch.tell(Doing::Measuring(Share::default()));
-        let suspects = find_suspects(document, &studied.lessons, &comparing)?;
-        let quality = measure(document, &studied.lessons, &self.options, &self.relocalizing, &|done, of| {
-            watch.tell(Doing::Measuring(Share { done, of }))
-        });
+        let pictures =
+            FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
+        let measuring = |done, of| watch.tell(Doing::Measuring(Share { done, of }));
+        let suspects = find_suspects(&pictures, &mut self.reader, teachers, &|| measuring(0, 0))?;
+        let (options, relocalizing) = (&self.options, &self.relocalizing);
+        let quality = measure(&pictures, &mut self.reader, teachers, options, relocalizing, &measuring);
         watch.is_wanted().then_some(Measured { quality, suspects })
     }
 

@@ -7,7 +7,7 @@ use crate::geometry::{ImageSize, Vec3};
 use crate::project::{Frame, Target, observations};
 use crate::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
-    landmark_errors, quantile, squared_sigmas,
+    landmark_errors, median, squared_sigmas,
 };
 use crate::solve::{self, Observation, ObservationError, distance_px};
 
@@ -111,7 +111,7 @@ fn add_clicks(
             scores.held_out_m.extend(on_ground_m(shown, target, &observation));
         }
     }
-    let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|distances| median(distances));
+    let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|values| median(values.clone()));
     for (measure, median) in
         [Measure::Clicks, Measure::HeldOutClicks, Measure::HeldOutOnGround].into_iter().zip(medians)
     {
@@ -142,10 +142,4 @@ fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
 
 fn mean(values: &[f64]) -> Option<f64> {
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    (!sorted.is_empty()).then(|| quantile(&sorted, 0.5))
 }

@@ -45,5 +45,5 @@ pub(super) use file::{Reader, write_forest};
 pub use options::{PredictOptions, SplitRule, TrainOptions};
 pub use predict::{RayCandidate, Search};
 pub use samples::Samples;
-pub use train::{Stopped, TrainProgress, train};
+pub use train::{Stopped, TrainProgress, train, train_without};
 pub use tree::Forest;

@@ -9,6 +9,7 @@ use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use thiserror::Error;
@@ -54,13 +55,31 @@ pub fn train(
     options: &TrainOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<Forest, Stopped> {
-    if samples.is_empty() {
-        return Err(Stopped::NoSamples { frames: samples.frames() });
-    }
+    train_without(samples, &BTreeSet::new(), options, progress)
+}
+
+/// Trains the forest of all samples but those of some frames, by their places: the same as of samples that never held them,
+/// without a copy of the others.
+///
+/// # Errors
+/// No samples, too many with those that are left out, or the caller ended it.
+pub fn train_without(
+    samples: &Samples,
+    left_out: &BTreeSet<usize>,
+    options: &TrainOptions,
+    progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
+) -> Result<Forest, Stopped> {
     if samples.len() >= MAX_ITEMS {
         return Err(Stopped::TooMany { samples: samples.len() });
     }
-    let drawn: Vec<Vec<u32>> = (0..options.trees.max(1)).map(|tree| draw(samples, options, tree)).collect();
+    let taught: Vec<usize> = (0..samples.frames())
+        .filter(|frame| !left_out.contains(frame) && !samples.of_frame(*frame).is_empty())
+        .collect();
+    if taught.is_empty() {
+        return Err(Stopped::NoSamples { frames: samples.frames() });
+    }
+    let drawn: Vec<Vec<u32>> =
+        (0..options.trees.max(1)).map(|tree| draw(samples, taught.clone(), options, tree)).collect();
     let total = drawn.iter().map(Vec::len).sum();
     let watch = Watch { placed: AtomicUsize::new(0), total, stopped: AtomicBool::new(false), progress };
     let trees: Option<Vec<Tree>> = drawn
@@ -75,9 +94,8 @@ pub fn train(
     trees.map(|trees| Forest { trees }).ok_or(Stopped::Asked)
 }
 
-/// The samples of the frames drawn for a tree.
-fn draw(samples: &Samples, options: &TrainOptions, tree: u32) -> Vec<u32> {
-    let mut frames: Vec<usize> = (0..samples.frames()).filter(|&frame| !samples.of_frame(frame).is_empty()).collect();
+/// The samples of the `frames` drawn for a tree.
+fn draw(samples: &Samples, mut frames: Vec<usize>, options: &TrainOptions, tree: u32) -> Vec<u32> {
     if let Some(count) = options.frames_per_tree
         && (count as usize) < frames.len()
     {

@@ -1,4 +1,5 @@
-//! The median of residuals and positions.
+//! The median of residuals and positions. The scores have one that interpolates, on a floor of their own: a residual that
+//! nobody had would be no residual.
 
 /// The median of numbers in any order, of two in the middle the greater; none without any.
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
