@@ -3,6 +3,10 @@
 //! Two references that look the same way share features. The features of one, with the rays that its label gives them,
 //! say where the other looks, as the forest would; where that is not what the other's label says, one of the two labels is
 //! wrong. Which one, a third reference tells: the label that contradicts most others is the one to look at.
+//!
+//! A grossly wrong label, as one with mirrored names, says that it looks where none of the pictures is like its own: nothing
+//! there contradicts it. A reference that shares nothing with those that look nearest is therefore compared with all others,
+//! and believed to be wrong if two of them at least say so: one alone may be like it by chance, as repeated boards are.
 
 use super::{PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
 use crate::camera::{Ptz, PtzCamera};
@@ -10,6 +14,7 @@ use crate::features::{DESCRIPTOR_NORM, Features};
 use crate::geometry::rotation::{angle_between, q_pan, q_tilt};
 use crate::geometry::{Angle, ImagePoint};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// A reference: what its picture looks like, and its label.
 #[derive(Clone, Copy, Debug)]
@@ -55,14 +60,32 @@ const MIN_CONFIDENCE: f64 = 0.9;
 /// The squared distance of descriptors that may show one place, of descriptors of unit length.
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
+/// So many references that share nothing with those beside them are compared with all others.
+const MOST_ALONE: usize = 16;
+
+/// So many others far from where a label says it looks have to contradict it.
+const MANY: usize = 2;
+
 /// The references whose labels contradict each other, the greatest disagreement first.
 #[must_use]
 pub fn contradictions(references: &[Reference], options: &ContradictionOptions) -> Vec<Contradiction> {
-    let mut found: Vec<Contradiction> = pairs(references, options.neighbours)
-        .into_par_iter()
-        .filter_map(|pair| disagreement(references, pair, options))
-        .filter(|found| !(found.disagreement_px <= options.tolerance_px))
+    let near = pairs(references, options.neighbours);
+    let mut compared = compare(references, &near, options);
+    let alone = (0..references.len()).filter(|index| !compared.iter().any(|found| found.references.contains(index)));
+    let alone: Vec<usize> = alone.take(MOST_ALONE).collect();
+    let everywhere: Vec<[usize; 2]> = alone
+        .iter()
+        .flat_map(|&one| (0..references.len()).map(move |other| [one.min(other), one.max(other)]))
+        .filter(|pair| pair[0] != pair[1] && near.binary_search(pair).is_err())
+        .collect::<BTreeSet<_>>()
+        .into_iter()
         .collect();
+    let far = compare(references, &everywhere, options);
+    let contradicts = |found: &&Contradiction| !(found.disagreement_px <= options.tolerance_px);
+    let by = |index: usize| far.iter().filter(contradicts).filter(|found| found.references.contains(&index)).count();
+    let wrong: Vec<usize> = alone.into_iter().filter(|&index| by(index) >= MANY).collect();
+    compared.extend(far.iter().filter(|found| wrong.iter().any(|index| found.references.contains(index))));
+    let mut found: Vec<Contradiction> = compared.iter().filter(contradicts).copied().collect();
     found.sort_by(|a, b| b.disagreement_px.total_cmp(&a.disagreement_px).then(a.references.cmp(&b.references)));
     found
 }
@@ -115,6 +138,11 @@ fn pairs(references: &[Reference], neighbours: usize) -> Vec<[usize; 2]> {
     pairs.sort_unstable();
     pairs.dedup();
     pairs
+}
+
+/// How far the labels of pairs are apart, as far as their pictures tell.
+fn compare(references: &[Reference], pairs: &[[usize; 2]], options: &ContradictionOptions) -> Vec<Contradiction> {
+    pairs.par_iter().filter_map(|pair| disagreement(references, *pair, options)).collect()
 }
 
 /// How far a pair's labels are apart; none where the pictures do not tell.

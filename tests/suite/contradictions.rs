@@ -74,6 +74,23 @@ fn a_wrong_pan_is_found_with_its_size_and_named() {
 }
 
 #[test]
+fn a_label_that_looks_the_other_way_is_found_though_nothing_there_contradicts_it() {
+    let other_way = |i: usize, ptz: Ptz| if i == 1 { Ptz::from_degrees(-80.0, -10.0, ptz.focal_px) } else { ptz };
+    let found = found("a_label_that_looks_the_other_way_is_found", other_way);
+    assert!(found.len() >= 2 && suspects(&found) == [1], "{found:?}");
+    assert!(found[0].disagreement_px > 2000.0, "{found:?}");
+    let exchanged = |i: usize, ptz: Ptz| match i {
+        0 => Ptz::from_degrees(15.0, -10.0, ptz.focal_px),
+        5 => Ptz::from_degrees(-15.0, -10.0, ptz.focal_px),
+        _ => ptz,
+    };
+    let found = self::found("two_labels_are_exchanged", exchanged);
+    let mut named = suspects(&found);
+    named.sort_unstable();
+    assert_eq!(named, [0, 5], "{found:?}");
+}
+
+#[test]
 fn a_wrong_focal_length_is_found_and_nothing_is_said_without_common_views() {
     let longer = |i: usize, ptz: Ptz| Ptz { focal_px: ptz.focal_px * if i == 4 { 1.1 } else { 1.0 }, ..ptz };
     let found = found("a_wrong_focal_length_is_found", longer);

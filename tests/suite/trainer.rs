@@ -1,6 +1,7 @@
 //! The background trainer on a drawn match.
 #![cfg(feature = "opencv")]
 
+use crate::program::touchline;
 use crate::relocalize_command::drawn_match;
 use std::fs;
 use std::path::Path;
@@ -10,7 +11,7 @@ use std::time::Duration;
 use touchline::app::{Doing, TrainerOrder, TrainerStatus};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::jobs::{Trainer, TrainerOptions, TrainerReport};
-use touchline::project::{Document, document_from_bytes};
+use touchline::project::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::proposals::{Proposal, WorkFolder};
 use touchline::relocalize::TrainOptions;
 
@@ -53,7 +54,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     assert_eq!((facts.references, facts.trees), (5, TrainOptions::default().trees as usize));
     assert!(facts.took.is_some() && facts.features > 100 && facts.leaves > 100, "{facts:?}");
     assert!(status.quality.is_some_and(|quality| quality.asked.len() == 5));
-    assert!(status.coverage.is_some());
+    assert_eq!(status.coverage.len(), 1);
     assert_eq!(proposals.len(), 5);
     let mut answered = 0;
     for proposal in &proposals {
@@ -85,4 +86,32 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     fs::write(kept.path(), "").unwrap();
     let (unkept, _) = session(&file, &document);
     assert!(unkept.not_kept.is_some() && unkept.forest.is_some(), "{unkept:?}");
+}
+
+/// A drawn match whose frames are all references, as they were drawn but for what `mislabel` does; those that the trainer names.
+fn suspects(file: &Path, mislabel: impl Fn(&mut Vec<FramePtz>)) -> Vec<usize> {
+    let mut document = read(file);
+    let mut labels: Vec<FramePtz> = document.frames.iter().map(|frame| frame.ptz.clone().unwrap()).collect();
+    mislabel(&mut labels);
+    for (frame, label) in document.frames.iter_mut().zip(labels) {
+        (frame.status, frame.ptz) = (FrameStatus::Reference, Some(label));
+    }
+    let (status, _) = session(file, &document);
+    assert_eq!((status.teachers, status.trouble), (document.frames.len(), None));
+    let mut named: Vec<usize> = status.suspects.iter().map(|suspect| suspect.frame).collect();
+    named.sort_unstable();
+    named
+}
+
+#[test]
+fn a_mislabelled_reference_is_named_and_right_ones_raise_no_alarm() {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 14 --seed 5 --size 640x360 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let file = place.path().join("match/truth.json");
+    assert_eq!(suspects(&file, |_| ()), [] as [usize; 0], "all are right");
+    assert_eq!(suspects(&file, |labels| labels[4].pan_deg += 2.0), [4], "a landmark taken for its neighbour");
+    let mirrored = |labels: &mut Vec<FramePtz>| labels[4].pan_deg = -labels[4].pan_deg;
+    assert_eq!(suspects(&file, mirrored), [4], "left taken for right");
+    assert_eq!(suspects(&file, |labels| labels[9].focal_px *= 1.2), [9], "a larger box taken for a smaller");
 }
