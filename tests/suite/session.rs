@@ -1,15 +1,11 @@
 //! A whole session without a window: open a folder of frames, take a camera over, label, save, export, reopen.
 
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use crate::headless::Headless;
 use touchline::app::session::Saving;
-use touchline::app::{Action, App, Command, Question, Settings};
+use touchline::app::{Action, Command, Question};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::jobs::Runner;
 use touchline::project::{Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string};
 
 const SIZE: ImageSize = ImageSize::new(640, 360);
@@ -19,57 +15,15 @@ fn truth() -> PtzCamera {
     PtzCamera::new(base, Ptz::from_degrees(2.0, -13.0, 760.0))
 }
 
-/// An application and what carries its effects out, as a window would have them.
-struct Headless {
-    app: App,
-    runner: Runner,
-    woken: Receiver<()>,
-}
-
-impl Headless {
-    fn new() -> Self {
-        let (wake, woken) = channel();
-        // Nobody listens once the test has seen enough.
-        let runner = Runner::new(Arc::new(move || {
-            let _ = wake.send(());
-        }));
-        Self { app: App::new(Settings::default()), runner, woken }
-    }
-
-    fn act(&mut self, action: Action) {
-        let effects = self.app.update(action);
-        for effect in effects {
-            self.runner.carry_out(effect);
-        }
-    }
-
-    fn answer(&mut self, question: Question, path: &Path) {
-        for effect in self.app.update(Action::Answer(question, path.to_path_buf())) {
-            self.runner.carry_out(effect);
-        }
-    }
-
-    /// Takes reports in until something holds.
-    fn wait_until(&mut self, what: &str, holds: impl Fn(&App) -> bool) {
-        while !holds(&self.app) {
-            self.woken.recv_timeout(Duration::from_mins(1)).unwrap_or_else(|_| {
-                panic!("{what} did not happen; notices: {:?}", self.app.session.notices);
-            });
-            for action in self.runner.poll() {
-                self.act(action);
-            }
-        }
-    }
-
-    fn click(&mut self, landmark: &str) {
-        let field = builtin("soccer").unwrap().default_model().unwrap();
-        let landmark = field.landmark(landmark).unwrap();
-        let at = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
-        self.act(Action::Press { at, on: None });
-        self.act(Action::Release);
-        let click = self.app.frame().unwrap().clicks.len() - 1;
-        self.act(Action::Name { click, target: Target::Landmark(landmark.id.clone()) });
-    }
+/// Clicks a landmark where the truth has it.
+fn click(headless: &mut Headless, landmark: &str) {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let landmark = field.landmark(landmark).unwrap();
+    let at = truth().image_from_world(field.landmark_in_world(landmark)).unwrap();
+    headless.act(Action::Press { at, on: None });
+    headless.act(Action::Release);
+    let click = headless.app.frame().unwrap().clicks.len() - 1;
+    headless.act(Action::Name { click, target: Target::Landmark(landmark.id.clone()) });
 }
 
 #[test]
@@ -93,8 +47,8 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     headless.answer(Question::CameraFrom, &camera_file);
     headless.wait_until("taking the camera over", |app| app.current().base.is_some());
 
-    headless.click("centre_mark");
-    headless.click("halfway_far");
+    click(&mut headless, "centre_mark");
+    click(&mut headless, "halfway_far");
     let at = headless.app.frame().unwrap().clicks[1].image;
     headless.act(Action::Press { at, on: Some(1) });
     headless.act(Action::Drag(ImagePoint::new(at.x + 9.0, at.y)));
