@@ -12,14 +12,19 @@ use touchline::app::TrainerOrder;
 use touchline::app::{Action, App, Command, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::builtin;
-use touchline::geometry::{ImageSize, Vec3};
+use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
 use touchline::jobs::{Trainer, TrainerOptions};
 use touchline::project::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use touchline::proposals::{Answer, Asked, Proposal, Timings};
+use touchline::relocalize::NotFound;
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};
 
 const FRAMES: usize = 5_000;
 const SHOT: usize = 250;
+const SUGGESTIONS: usize = 2 * FRAMES;
+/// So many proposals are reported together at most.
+const BATCH: usize = 64;
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 fn main() {
@@ -65,8 +70,53 @@ struct Window {
 
 impl Window {
     fn open() -> Self {
+        Self::on(document())
+    }
+
+    /// Looking through suggestions of all frames of a match, with the list as it is by default.
+    fn review() -> Self {
+        let mut document = document();
+        document.frames.extend_from_within(..);
+        for frame in &mut document.frames {
+            frame.clicks.clear();
+            (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+        }
+        let mut window = Self::on(document);
+        let all: Vec<usize> = (0..SUGGESTIONS).collect();
+        let proposals = window.proposals(&all, 1);
+        window.app.update(Action::Proposals(proposals));
+        window.app.update(Action::Command(Command::ReviewPanel));
+        window.frame(Vec::new());
+        assert!(window.app.review().rows.len() > SUGGESTIONS * 9 / 10);
+        window
+    }
+
+    /// What a forest says of some frames: one of 50 has no answer.
+    fn proposals(&self, frames: &[usize], generation: u64) -> Vec<Proposal> {
+        let document = &self.app.open().unwrap().document;
+        let propose = |&frame: &usize| {
+            // A number that jumps about, so that the list has to be sorted.
+            let chance = (frame * 7919 + generation as usize * 104_729) % 1000;
+            let answer = Answer {
+                ptz: FramePtz::new(Ptz::from_degrees(-20.0 + 0.004 * frame as f64, -13.0, 1900.0), None),
+                covariance: Mat3::identity(),
+                rms_px: 0.5,
+                worst_corner_sigma_px: 1.0,
+                confidence: 0.5 + 0.0005 * chance as f64,
+                inliers: 200,
+                places: 30,
+            };
+            let none = NotFound::FewMatches { matched: 3, needed: 12 };
+            let outcome = if chance % 50 == 0 { Err(none.into()) } else { Ok(answer) };
+            let asked = Asked::of(document, &document.frames[frame]);
+            Proposal { frame, asked, generation, outcome, timings: Timings::default() }
+        };
+        frames.iter().map(propose).collect()
+    }
+
+    fn on(document: Document) -> Self {
         let mut app = App::new(Settings { details: true, ..Settings::default() });
-        app.update(Action::Opened(Box::new(Opened::new(document(), "/match/project.json"))));
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         app.update(Action::GoTo(FRAMES / 2));
         let ctx = Context::default();
         apply_theme(&ctx);
@@ -197,6 +247,65 @@ impl School {
         document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.001 * number as f64, -12.0, 800.0), None));
         self.trainer.tell(TrainerOrder::Document(Box::new(document)));
     }
+}
+
+/// The list of 10,000 suggestions is open, and nothing happens.
+#[divan::bench]
+fn review_still(bencher: Bencher<'_, '_>) {
+    let mut window = Window::review();
+    bencher.bench_local(|| window.frame(Vec::new()));
+}
+
+/// From suggestion to suggestion along the list.
+#[divan::bench]
+fn review_step(bencher: Bencher<'_, '_>) {
+    let mut window = Window::review();
+    bencher.bench_local(|| {
+        window.app.update(Action::Command(Command::NextNeedsMe));
+        window.frame(Vec::new())
+    });
+}
+
+/// Each time a suggestion is accepted, and the next one shown.
+#[divan::bench]
+fn review_accept(bencher: Bencher<'_, '_>) {
+    let mut window = Window::review();
+    bencher.bench_local(|| {
+        window.app.update(Action::Command(Command::Accept));
+        window.frame(Vec::new())
+    });
+}
+
+/// The frame in which a batch of proposals arrives, as they do twice a second while the forest is asked; the pointer is
+/// elsewhere, so that the list is put in order.
+#[divan::bench]
+fn review_while_proposals_stream_in(bencher: Bencher<'_, '_>) {
+    stream(bencher, Pos2::new(400.0, 300.0));
+}
+
+/// The same with the pointer over the list, which holds it.
+#[divan::bench]
+fn held_review_while_proposals_stream_in(bencher: Bencher<'_, '_>) {
+    stream(bencher, Pos2::new(1130.0, 300.0));
+}
+
+fn stream(bencher: Bencher<'_, '_>, pointer: Pos2) {
+    let mut window = Window::review();
+    window.frame(vec![Event::PointerMoved(pointer)]);
+    window.frame(Vec::new());
+    let mut batches = 0;
+    let window = std::cell::RefCell::new(window);
+    bencher
+        .with_inputs(|| {
+            batches += 1;
+            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % SUGGESTIONS).collect();
+            window.borrow().proposals(&frames, 2)
+        })
+        .bench_local_values(|proposals| {
+            let mut window = window.borrow_mut();
+            window.app.update(Action::Proposals(proposals));
+            window.frame(Vec::new())
+        });
 }
 
 /// The palette lies over everything.
