@@ -142,6 +142,8 @@ pub enum Action {
 
     /// Cameras that the forest proposes for frames that nobody has looked at.
     Proposals(Vec<Proposal>),
+    /// The pointer is over the review panel's list, or has left it: see [`super::review`].
+    HoldReview(bool),
     /// The order of the review panel's list.
     SetReviewOrder(ReviewOrder),
     /// Suggestions of at least this probability are accepted together.

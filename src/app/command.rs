@@ -153,7 +153,7 @@ rows! {
     PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Step ten frames back.", ["Shift+Comma"];
     NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that somebody has to look at; along the list while the review panel is open.", ["N"];
     PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that somebody has to look at.", ["Shift+N"];
-    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame without an answer whose label helps most.", [];
+    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label helps most of those without an answer, or without a sure one.", [];
     NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];

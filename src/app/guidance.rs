@@ -3,8 +3,9 @@
 use super::base::{BaseWork, WIDE_FRAMES};
 use super::review::Review;
 use super::session::{Mode, needs_me, reason_label};
+use super::where_to_label::where_to_label;
 use super::{App, Command};
-use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Target, Unanswered};
+use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Target};
 use crate::solve::{SolveError, Verdict};
 
 /// The next step, and what brings one there.
@@ -86,7 +87,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
         }
         FrameStatus::Reference => {
             let said = Guidance::say(of_reference(app));
-            let ended = app.review().unanswered.frames > 0 && nobody_waits(app);
+            let ended = app.review().advice.next.is_some() && nobody_waits(app);
             Some(if ended { said.offer("Go there", Command::NextUnanswered) } else { said })
         }
         FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => None,
@@ -134,32 +135,10 @@ fn nobody_waits(app: &App) -> bool {
 /// The end, or what is left to label.
 #[must_use]
 pub fn nothing_needs_you(review: &Review) -> String {
-    match without_answer(&review.unanswered) {
-        Some(unanswered) => format!("Nothing needs you. {unanswered}"),
+    match where_to_label(&review.advice) {
+        Some(advice) => format!("Nothing needs you. {advice}"),
         None => "Nothing needs you.".to_owned(),
     }
-}
-
-/// What the forest has no answer for, and where to label; none where every frame has its answer.
-#[must_use]
-pub fn without_answer(unanswered: &Unanswered) -> Option<String> {
-    let frames = match unanswered.frames {
-        0 => return None,
-        1 => "1 frame has no answer".to_owned(),
-        frames => format!("{frames} frames have no answer"),
-    };
-    Some(match (unanswered.frames, unanswered.label_next.and_then(|next| next.pan_deg)) {
-        (_, Some(pan_deg)) => format!("{frames}: label one near pan\u{a0}{}.", whole_degrees(pan_deg)),
-        (1, None) => format!("{frames}: label it."),
-        (_, None) => format!("{frames}: label one of them."),
-    })
-}
-
-/// Degrees as a person reads them, with a minus that no line breaks at.
-#[must_use]
-pub fn whole_degrees(degrees: f64) -> String {
-    let sign = if degrees.round() < 0.0 { "−" } else { "" };
-    format!("{sign}{:.0}°", degrees.round().abs())
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {

@@ -28,6 +28,7 @@ mod trainer;
 pub mod uncertainty;
 mod update;
 mod versioned;
+pub mod where_to_label;
 
 pub use action::{Action, CameraChoice, Effect, Opened, Question};
 pub use command::{Command, Group};

@@ -45,8 +45,8 @@ pub struct TrainerStatus {
     pub quality: Option<Arc<Quality>>,
     /// References whose labels contradict others.
     pub suspects: Arc<[Suspect]>,
-    /// Where references look and where one is missing.
-    pub coverage: Option<Arc<Coverage>>,
+    /// Where the references of each camera look that has any, and where one is missing.
+    pub coverage: Arc<[Coverage]>,
     /// What went wrong: one line.
     pub trouble: Option<String>,
     /// Why nothing is kept on disk, if so.

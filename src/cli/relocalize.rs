@@ -5,9 +5,10 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::write_file;
+use crate::app::where_to_label::where_to_label;
 use crate::media::{FrameReader, FrameSource, image_size};
 use crate::project::{self, Document, FieldSpec, Frame, document_from_bytes, path_between};
-use crate::proposals::{FramePictures, adopt_bases, is_open, propose};
+use crate::proposals::{Coverage, FramePictures, Teachers, adopt_bases, is_open, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
@@ -80,9 +81,21 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         }
     }
     write(&args.output, &document, &folder)?;
+    tell_where_to_label(&document, &folder, messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
     messages.note(&format!("{answered} frames answered, {failed} not, {passed} with clicks or accepted, as they were"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Says which frame to label next. Where the references of a document without any look is not known: the forest may have
+/// learnt elsewhere.
+fn tell_where_to_label(document: &Document, folder: &Path, messages: Messages) {
+    let coverage = Coverage::of_cameras(document, folder, &Teachers::of_solved(document).frames);
+    let advice = label_advice(document, &coverage);
+    if let Some(said) = where_to_label(&advice) {
+        let begin = advice.next.map(|next| format!(" Begin with {}.", document.frames[next.frame].name()));
+        messages.note(&format!("{said}{}", begin.unwrap_or_default()));
+    }
 }
 
 /// What the frames to be answered are.

@@ -82,7 +82,6 @@ pub use size_fit::size_words;
 pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
 pub use solve_all::{SolveOutcome, solve_document};
 pub use store::{Access, Opened, Recovery, Store, open, read, write_document};
-pub use unanswered::{LabelNext, Unanswered, unanswered};
 pub use which_camera::{BetterCamera, GiveError, better_camera, warn_of_better_camera};
 pub use write::{WriteError, document_to_string};
 

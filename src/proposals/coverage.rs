@@ -3,8 +3,9 @@
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::Vec3;
-use crate::project::{CameraId, Document, Frame};
+use crate::project::{Camera, CameraId, Document, Frame};
 use std::ops::RangeInclusive;
+use std::path::Path;
 
 /// The map's cells.
 const COLUMNS: usize = 30;
@@ -19,6 +20,8 @@ const BESIDE_M: f64 = 3.0;
 /// Where the references of a camera look, over pan and tilt of the rays from it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Coverage {
+    /// The camera.
+    pub camera: CameraId,
     /// The map's left and right border, degrees of pan.
     pub pan_deg: RangeInclusive<f64>,
     /// The map's lower and upper border, degrees of tilt.
@@ -41,6 +44,22 @@ pub struct Cell {
 }
 
 impl Coverage {
+    /// Where the `teachers` look, for each camera that has any, in the document's order; `folder` is the document's. Cameras
+    /// without a base or a valid field are left out.
+    #[must_use]
+    pub fn of_cameras(document: &Document, folder: &Path, teachers: &[usize]) -> Vec<Self> {
+        let teaches = |camera: &Camera| {
+            let mut taught = teachers.iter().filter_map(|&index| document.frames.get(index));
+            taught.any(|frame| frame.camera == camera.id)
+        };
+        let of_camera = |camera: &Camera| {
+            let field = camera.field.as_ref().unwrap_or(&document.field).model(folder).ok()?;
+            Self::of(document, &field, &camera.id, teachers)
+        };
+        let cameras = document.cameras.iter().map(|camera| &**camera);
+        cameras.filter(|camera| teaches(camera)).filter_map(of_camera).collect()
+    }
+
     /// Where the `teachers` of a camera look. None where the camera has no base.
     #[must_use]
     pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, teachers: &[usize]) -> Option<Self> {
@@ -68,9 +87,28 @@ impl Coverage {
                 Cell { references: seeing.iter().filter(sees).count() as u32, field: shows_field(field, &base, ray) }
             })
             .collect();
-        let mut coverage = Self { pan_deg, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
+        let mut coverage =
+            Self { camera: camera.clone(), pan_deg, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
         coverage.missing_pan_deg = coverage.widest_gap_deg();
         Some(coverage)
+    }
+
+    /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has seen it, and the nth at a
+    /// place an nth of it. None where the field does not lie there.
+    #[must_use]
+    pub fn novelty(&self, pan_deg: RangeInclusive<f64>) -> Option<f64> {
+        let width_deg = self.pan_deg.end() - self.pan_deg.start();
+        let column = |pan_deg: f64| (pan_deg - self.pan_deg.start()) / width_deg * self.columns as f64;
+        let first = column(*pan_deg.start()).floor().max(0.0) as usize;
+        let last = column(*pan_deg.end()).ceil().max(0.0) as usize;
+        let (mut told, mut places) = (0.0, 0_u32);
+        for row in self.cells.chunks(self.columns.max(1)) {
+            for cell in row.iter().take(last).skip(first).filter(|cell| cell.field) {
+                told += 1.0 / f64::from(cell.references + 1);
+                places += 1;
+            }
+        }
+        (places > 0).then(|| told / f64::from(places))
     }
 
     fn widest_gap_deg(&self) -> Option<f64> {
@@ -138,6 +176,19 @@ mod tests {
     fn coverage(document: &Document, teachers: &[usize]) -> Coverage {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         Coverage::of(document, &field, &"main".into(), teachers).unwrap()
+    }
+
+    #[test]
+    fn what_many_references_see_is_hardly_new() {
+        let document = document(&[-40.0, -40.0, -40.0]);
+        let found = coverage(&document, &[0, 1, 2]);
+        assert_eq!(found.novelty(20.0..=40.0), Some(1.0));
+        let (known, partly) = (found.novelty(-41.0..=-39.0).unwrap(), found.novelty(-40.0..=0.0).unwrap());
+        assert!((0.25..0.6).contains(&known) && known < partly && partly < 1.0, "{known} {partly}");
+        assert_eq!((found.novelty(90.0..=100.0), found.novelty(-170.0..=-120.0)), (None, None));
+        let folder = Path::new("");
+        assert_eq!(Coverage::of_cameras(&document, folder, &[0, 1, 2]), [found]);
+        assert_eq!(Coverage::of_cameras(&document, folder, &[]), []);
     }
 
     #[test]

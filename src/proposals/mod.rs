@@ -7,13 +7,15 @@
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`AskingOrder`] | which frames the forest is asked for first |
 //! | [`Curriculum`], [`keep_forest`], [`kept_forest`] | what a forest was taught; the forest on disk |
-//! | [`measure`], [`Quality`], [`Coverage`] | references left out and asked for; where a reference is missing |
+//! | [`measure`], [`Quality`] | references left out and asked for |
+//! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
 //! | [`find_suspects`] | references whose labels contradict others |
 //! | [`UsedFeatures`] | what the forest made of a picture's features |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!
 //! The window's trainer and the command line both live on this room; nothing here starts a thread.
 
+mod advice;
 mod bases;
 mod coverage;
 mod curriculum;
@@ -30,6 +32,7 @@ mod suspects;
 mod teachers;
 mod used_features;
 
+pub use advice::{LabelAdvice, LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use coverage::{Cell, Coverage};
 pub use curriculum::Curriculum;

@@ -107,7 +107,7 @@ impl Window {
                 places: 30,
             };
             let none = NotFound::FewMatches { matched: 3, needed: 12 };
-            let outcome = if chance % 50 == 0 { Err(none.into()) } else { Ok(answer) };
+            let outcome = if chance.is_multiple_of(50) { Err(none.into()) } else { Ok(answer) };
             let asked = Asked::of(document, &document.frames[frame]);
             Proposal { frame, asked, generation, outcome, timings: Timings::default() }
         };

@@ -102,7 +102,9 @@ fn without_some_frames_it_is_the_forest_of_the_others() {
         .collect();
     let of = |frames: &[usize]| {
         let mut samples = Samples::new();
-        frames.iter().for_each(|frame| samples.add_frame(pictures[*frame].iter().copied()));
+        for frame in frames {
+            samples.add_frame(pictures[*frame].iter().copied());
+        }
         samples
     };
     let goes_on = |_: TrainProgress| ControlFlow::Continue(());

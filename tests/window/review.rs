@@ -30,13 +30,43 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     window.harness.run_steps(2);
     window.key(Key::N);
     assert_eq!(window.app().session.frame, 0);
-    window.harness.get_by_label("1 frame has no answer: label one near pan\u{a0}−15°.").click();
+    window
+        .harness
+        .get_by_label("1 frame has no answer, 1 proposal is uncertain: label one near pan\u{a0}−15°.")
+        .click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);
     window.harness.get_by_label("Close the review panel").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, Panel::Frame);
     window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
+}
+
+#[test]
+fn under_the_pointer_no_row_moves() {
+    let Some(mut window) = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE) else { return };
+    window.key(Key::F4);
+    let top = |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
+    let labels = ["frame 2, 0001.png", "frame 3, 0002.png", "frame 1, 0000.png"];
+    let before = labels.map(|label| top(&window, label));
+    assert!(before.is_sorted());
+    let first = window.harness.get_by_label_contains(labels[0]).rect();
+    window.harness.hover_at(first.center());
+    window.harness.run_steps(2);
+    window.harness.get_by_label_contains(labels[0]).click();
+    window.harness.run_steps(2);
+    window.key(Key::Enter);
+    window.propose(3, 0.97);
+    window.propose(0, 0.98);
+    assert_eq!(labels.map(|label| top(&window, label)), before, "accepted, proposed, proposed anew");
+    window.harness.get_by_label_contains("No longer a suggestion, frame 2");
+    window.harness.get_by_label("1 new, put in order when the pointer leaves");
+    assert!(top(&window, "frame 4, 0003.png") > before[2]);
+    window.harness.hover_at(egui::pos2(400.0, 300.0));
+    window.harness.run_steps(3);
+    let after = ["frame 1, 0000.png", "frame 4, 0003.png", "frame 3, 0002.png"].map(|label| top(&window, label));
+    assert!(after.is_sorted() && window.harness.query_by_label_contains("No longer a suggestion").is_none());
+    assert_eq!(after[0], before[0]);
 }
 
 #[test]

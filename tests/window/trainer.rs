@@ -44,13 +44,15 @@ fn status() -> TrainerStatus {
             asked: vec![asked(0, Some(1.4)), asked(3, Some(64.0)), asked(5, None)],
         })),
         suspects: Vec::new().into(),
-        coverage: Some(Arc::new(Coverage {
+        coverage: vec![Coverage {
+            camera: "main".into(),
             pan_deg: -60.0..=60.0,
             tilt_deg: -30.0..=0.0,
             columns: 10,
             cells: (0..60).map(cell).collect(),
             missing_pan_deg: Some(40.2),
-        })),
+        }]
+        .into(),
         trouble: None,
         not_kept: None,
     }
@@ -70,7 +72,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
         "2 accepted suggestions do not teach.",
         "0002.png teaches nothing: the image changed since it was labelled",
         "27 cameras proposed.",
-        "No reference sees the field near pan 40°: label a frame there.",
+        "No reference sees the field near pan\u{a0}40°.",
     ] {
         assert!(window.harness.query_all_by_label(said).next().is_some(), "{said}");
     }

@@ -9,14 +9,15 @@ use tempfile::TempDir;
 use touchline::app::drawing::Colour;
 use touchline::app::overlay::{OverlayScene, Standing, field_overlay};
 use touchline::app::session::PictureView;
-use touchline::app::{App, OverlayStyle};
+use touchline::app::{Action, App, OverlayStyle};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, Landmark, builtin};
-use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::project::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
     document_to_string,
 };
+use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::ui::Shell;
 
@@ -151,6 +152,29 @@ impl Window {
     /// The application behind the window.
     pub fn app(&self) -> &App {
         self.harness.state().app()
+    }
+
+    /// The forest proposes the true camera of a frame, as certain as this.
+    pub fn propose(&mut self, frame: usize, confidence: f64) {
+        let document = &self.app().open().unwrap().document;
+        let answer = Answer {
+            ptz: FramePtz::new(truth(frame).ptz(), None),
+            covariance: Mat3::identity(),
+            rms_px: 0.5,
+            worst_corner_sigma_px: 1.0,
+            confidence,
+            inliers: 100,
+            places: 20,
+        };
+        let proposal = Proposal {
+            frame,
+            asked: Asked::of(document, &document.frames[frame]),
+            generation: 1,
+            outcome: Ok(answer),
+            timings: Timings::default(),
+        };
+        self.harness.state_mut().apply([Action::Proposals(vec![proposal])]);
+        self.harness.run_steps(2);
     }
 
     /// Lets the window run until something holds.

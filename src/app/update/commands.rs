@@ -68,7 +68,7 @@ impl App {
             C::UseOwnNoise => self.why_not_own_noise(),
             C::UseUsualNoise => self.why_not_usual_noise(),
             C::AcceptAllAbove if self.review.rows.is_empty() => Some("No suggestion waits."),
-            C::NextUnanswered if self.review.unanswered.frames == 0 => Some("No frame is without an answer."),
+            C::NextUnanswered if self.review.advice.next.is_none() => Some("No frame waits for a label."),
             C::Teaches if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
                 Some("Only a reference teaches.")
             }
@@ -155,7 +155,7 @@ impl App {
             C::PreviousTenFrames => self.step_frame(-10),
             C::NextNeedsMe => self.go_to_next_that_needs_me(true),
             C::PreviousNeedsMe => self.go_to_next_that_needs_me(false),
-            C::NextUnanswered => self.go_to_unanswered(),
+            C::NextUnanswered => self.go_to_label_next(),
             C::NextReference => self.go_to_next(
                 true,
                 |frame| frame.status == FrameStatus::Reference,

@@ -144,6 +144,7 @@ impl App {
             Action::Proposals(proposals) => self.take_proposals(&proposals),
             Action::Trainer(status) => self.trainer_reported(*status),
             Action::Features(used) => self.session.trainer.features = Some(*used),
+            Action::HoldReview(held) => self.session.review.held = held,
             Action::SetReviewOrder(order) => self.session.review.order = order,
             Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,

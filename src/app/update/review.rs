@@ -22,11 +22,10 @@ impl App {
         }
     }
 
-    /// Goes to the frame without an answer whose label helps most.
-    pub(super) fn go_to_unanswered(&mut self) {
-        match self.review.unanswered.label_next {
-            Some(next) => self.go_to(next.frame),
-            None => self.session.notify(Level::Info, "No frame is without an answer."),
+    /// Goes to the frame whose label helps most.
+    pub(super) fn go_to_label_next(&mut self) {
+        if let Some(next) = self.review.advice.next {
+            self.go_to(next.frame);
         }
     }
 

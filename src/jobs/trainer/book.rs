@@ -1,12 +1,9 @@
 //! What the forest has been asked and has answered, so that no frame is asked twice for nothing.
 
 use crate::project::{Document, Frame, SolutionSource};
-use crate::proposals::{Asked, NoProposal, Proposal, is_open};
+use crate::proposals::{Asked, NoProposal, Proposal, SURE, is_open};
 use crate::relocalize::ForestModel;
 use std::collections::BTreeMap;
-
-/// Answers of an earlier forest that are right with this probability are not asked for again.
-const SURE: f64 = 0.9;
 
 /// The answers so far, by frame.
 #[derive(Debug, Default)]
@@ -64,7 +61,7 @@ impl Book {
         }
     }
 
-    /// Whether a forest is to be asked for a frame.
+    /// Whether a forest is to be asked for a frame: not where an earlier one was sure.
     pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, generation: u64) -> bool {
         let Some(frame) = document.frames.get(index) else { return false };
         if !is_open(frame) || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {

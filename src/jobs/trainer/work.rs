@@ -347,14 +347,10 @@ impl<C: Craft> Work<C> {
         self.measured = self.generation;
     }
 
-    /// Draws the map of what references see.
+    /// Draws the maps of what references see.
     fn survey(&mut self) {
-        let shown = self.document.frames.get(self.orders.frame);
-        let Some(frame) = shown.or(self.document.frames.first()) else { return };
-        self.status.coverage =
-            self.document.field_of(frame).model(self.craft.folder()).ok().and_then(|field| {
-                Coverage::of(&self.document, &field, &frame.camera, &self.teachers.frames).map(Arc::new)
-            });
+        let teachers = &self.teachers.frames;
+        self.status.coverage = Coverage::of_cameras(&self.document, self.craft.folder(), teachers).into();
     }
 
     /// The next frames of a part of the queue.

@@ -1,8 +1,9 @@
 //! The list of suggestions: a miniature with the proposed lines, how certain it is, how far from its neighbours. Only what
-//! is in view is laid out.
+//! is in view is laid out. Under the pointer nothing moves; without it the row of the shown frame stays where it is.
 
 use crate::app::Action;
 use crate::app::review::{ReviewOrder, ReviewRow, percent};
+use crate::app::session::status_label;
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, miniature, theme};
 use egui::text::{LayoutJob, TextWrapping};
@@ -17,6 +18,8 @@ const ROW: f32 = 44.0;
 const PICTURE: egui::Vec2 = vec2(64.0, 36.0);
 /// The width of the bar that shows the confidence, points.
 const BAR: f32 = 64.0;
+/// The height of the line above what has come while the list is held, points.
+const LATE: f32 = 22.0;
 
 /// Shows the list.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -25,14 +28,25 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let rows = &review.rows;
     let current = panel.app.session.frame;
     let place = rows.iter().position(|row| row.frame == current);
-    let moved = what_moved(ui, (current, choice.order));
-    ScrollArea::vertical().id_salt("review list").auto_shrink(false).show_viewport(ui, |ui, viewport| {
+    let moved = what_moved(ui, (current, choice.order, place));
+    let on_time = rows.len() - review.late;
+    let late = if review.late > 0 { LATE } else { 0.0 };
+    let area = ScrollArea::vertical().id_salt("review list").auto_shrink(false);
+    let shown = area.show_viewport(ui, |ui, viewport| {
         let origin = ui.max_rect().min;
         let width = ui.available_width();
-        ui.allocate_exact_size(vec2(width, ROW * rows.len() as f32), Sense::hover());
-        let rect_of = |at: usize| Rect::from_min_size(origin + vec2(0.0, ROW * at as f32), vec2(width, ROW));
+        ui.allocate_exact_size(vec2(width, ROW * rows.len() as f32 + late), Sense::hover());
+        let top_of = |at: usize| ROW * at as f32 + if at >= on_time { late } else { 0.0 };
+        let rect_of = |at: usize| Rect::from_min_size(origin + vec2(0.0, top_of(at)), vec2(width, ROW));
         let in_view = match moved {
             Moved::Nothing => None,
+            Moved::Row { by } => {
+                let seen = place.is_some_and(|at| viewport.y_range().contains(top_of(at) - ROW * by));
+                if seen {
+                    ui.scroll_with_delta_animation(vec2(0.0, -ROW * by), egui::style::ScrollAnimation::none());
+                }
+                None
+            }
             Moved::Frame => place.map(|place| rect_of(place).expand2(vec2(0.0, ROW))),
             // The beginning of an order is what it is chosen for.
             Moved::Order => Some(rect_of(0)),
@@ -40,38 +54,66 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         if let Some(rect) = in_view {
             ui.scroll_to_rect_animation(rect, None, egui::style::ScrollAnimation::none());
         }
-        let first = (viewport.top() / ROW).floor().max(0.0) as usize;
+        let first = ((viewport.top() - late) / ROW).floor().max(0.0) as usize;
         let last = ((viewport.bottom() / ROW).ceil() as usize).min(rows.len());
         for at in first..last {
             show_row(panel, ui, rows[at], rect_of(at));
             let below = |row: &ReviewRow| row.confidence.unwrap_or(0.0) < choice.threshold;
             let begins = at > 0 && below(&rows[at]) && !below(&rows[at - 1]);
-            if begins && choice.order == ReviewOrder::Confidence {
+            if begins && at < on_time && choice.order == ReviewOrder::Confidence {
                 threshold_line(ui.painter(), rect_of(at), choice.threshold);
+            }
+            if at == on_time {
+                late_line(ui, rect_of(at), review.late);
             }
         }
     });
+    let held = ui.rect_contains_pointer(shown.inner_rect);
+    if held != panel.app.session.review.held {
+        panel.actions.push(Action::HoldReview(held));
+    }
 }
 
 /// What changed since the list was drawn last.
 enum Moved {
     Nothing,
+    /// The row of the shown frame, by so many rows.
+    Row {
+        by: f32,
+    },
     Frame,
     Order,
 }
 
-fn what_moved(ui: &Ui, now: (usize, ReviewOrder)) -> Moved {
+/// What the list shows: the frame, the order, the frame's place.
+type Shows = (usize, ReviewOrder, Option<usize>);
+
+fn what_moved(ui: &Ui, now: Shows) -> Moved {
     let memory = Id::unique("review list shows");
     let before = ui.data_mut(|data| {
-        let before = data.get_temp::<(usize, ReviewOrder)>(memory);
+        let before = data.get_temp::<Shows>(memory);
         data.insert_temp(memory, now);
         before
     });
-    match before {
-        Some(before) if before == now => Moved::Nothing,
-        Some((_, order)) if order != now.1 => Moved::Order,
+    match (before, now) {
+        (Some(before), now) if before == now => Moved::Nothing,
+        (Some((_, order, _)), now) if order != now.1 => Moved::Order,
+        (Some((frame, _, Some(before))), (shown, _, Some(after))) if frame == shown => {
+            Moved::Row { by: after as f32 - before as f32 }
+        }
         _ => Moved::Frame,
     }
+}
+
+/// What stands below it has come since the pointer is over the list.
+fn late_line(ui: &Ui, first: Rect, count: usize) {
+    let line = Rect::from_min_max(first.left_top() - vec2(0.0, LATE), first.right_top());
+    let text = format!("{count} new, put in order when the pointer leaves");
+    let response = ui.interact(line, Id::unique("review late"), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
+    let painter = ui.painter();
+    painter.hline(line.x_range(), line.top() + 1.0, Stroke::new(1.0, theme::LINE));
+    painter.text(line.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), theme::WEAK);
 }
 
 /// What lies above the line is accepted together.
@@ -88,11 +130,17 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let response = ui.interact(place, Id::unique(("review row", row.frame)), Sense::click());
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
-    let confidence = row.confidence.map_or_else(|| "not known".to_owned(), percent);
-    let neighbours = row.apart_px().map(|px| format!("{px:.0} px from neighbours"));
+    // Of one that has gone only what became of it counts.
+    let confidence = match row.confidence {
+        _ if row.gone => status_label(frame.status).to_lowercase(),
+        Some(confidence) => percent(confidence),
+        None => "not known".to_owned(),
+    };
+    let neighbours = row.apart_px().filter(|_| !row.gone).map(|px| format!("{px:.0} px from neighbours"));
     response.widget_info(|| {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
-        let label = format!("Suggestion, frame {}, {name}, {confidence}{apart}", row.frame + 1);
+        let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
+        let label = format!("{what}, frame {}, {name}, {confidence}{apart}", row.frame + 1);
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     let painter = ui.painter();
@@ -109,24 +157,26 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let right = place.right() - 14.0;
     let bar = Rect::from_min_size(pos2(right - BAR, place.top() + 27.0), vec2(BAR, 6.0));
     let first_line = place.top() + 14.0;
-    painter.text(pos2(right, first_line), Align2::RIGHT_CENTER, &confidence, FontId::proportional(12.0), theme::STRONG);
+    let (strong, plain) = if row.gone { (theme::WEAK, theme::WEAK) } else { (theme::STRONG, theme::TEXT) };
+    let said =
+        painter.text(pos2(right, first_line), Align2::RIGHT_CENTER, &confidence, FontId::proportional(12.0), strong);
     text_within(
         painter,
         pos2(left, first_line),
-        right - 46.0 - left,
+        said.left().min(right - 38.0) - 8.0 - left,
         format!("{}  {name}", row.frame + 1),
-        theme::TEXT,
+        plain,
     );
-    confidence_bar(painter, bar, row.confidence);
+    if !row.gone {
+        confidence_bar(painter, bar, row.confidence);
+    }
     if let Some(text) = &neighbours {
         let colour = if row.disagrees() { theme::CAUTION } else { theme::WEAK };
         text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text.clone(), colour);
     }
-    let tip = format!(
-        "{}: right with probability {confidence}{}. Click to look at it.",
-        frame.name(),
-        neighbours.map(|text| format!(", {text}")).unwrap_or_default()
-    );
+    let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
+    let is = if row.gone { "" } else { "right with probability " };
+    let tip = format!("{}: {is}{confidence}{neighbours}. Click to look at it.", frame.name());
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(row.frame));
     }

@@ -4,8 +4,8 @@ mod list;
 
 use super::symbol::{self, Symbol};
 use super::{Panel, inspector, theme};
-use crate::app::guidance::without_answer;
 use crate::app::review::{ReviewOrder, percent};
+use crate::app::where_to_label::where_to_label;
 use crate::app::{Action, Command};
 use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
@@ -35,8 +35,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(RichText::new("Review").heading().color(theme::STRONG));
-            let review = panel.app.review();
-            let count = review.rows.len() + review.hidden.len();
+            let count = panel.app.review().count();
             let said = if count == 1 { "1 suggestion".to_owned() } else { format!("{count} suggestions") };
             ui.label(RichText::new(said).color(theme::WEAK));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -76,9 +75,9 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(theme::SPACE);
 }
 
-/// Below the list: the frames without an answer as one row, what is accepted together, and the shown frame's button.
+/// Below the list: what has no answer to rely on as one row, what is accepted together, and the shown frame's button.
 fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
-    unanswered(panel, ui);
+    label_next(panel, ui);
     if !panel.app.review().rows.is_empty() {
         together(panel, ui);
         ui.add_space(theme::SPACE);
@@ -86,8 +85,9 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
     inspector::accept(panel, ui);
 }
 
-fn unanswered(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(text) = without_answer(&panel.app.review().unanswered) else { return };
+fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let advice = panel.app.review().advice;
+    let Some(text) = where_to_label(&advice) else { return };
     let galley = egui::WidgetText::from(RichText::new(&text)).into_galley(
         ui,
         Some(egui::TextWrapMode::Wrap),
@@ -95,14 +95,15 @@ fn unanswered(panel: &mut Panel<'_>, ui: &mut Ui) {
         egui::TextStyle::Body,
     );
     let size = vec2(ui.available_width(), galley.size().y.max(theme::LIST_ROW));
-    let (row, response) = ui.allocate_exact_size(size, Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &text));
-    let lit = response.hovered() || response.has_focus();
+    let leads = advice.next.is_some();
+    let (row, response) = ui.allocate_exact_size(size, if leads { Sense::click() } else { Sense::hover() });
+    response.widget_info(|| WidgetInfo::labeled(if leads { Role::Button } else { Role::Label }, true, &text));
+    let lit = leads && (response.hovered() || response.has_focus());
     let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
     symbol::paint(ui.painter(), Symbol::Info, sign, theme::ACCENT);
     let left = row.left_center() + vec2(22.0, -galley.size().y / 2.0);
     ui.painter().galley(left, galley, if lit { theme::STRONG } else { theme::TEXT });
-    if response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
+    if leads && response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
         panel.actions.push(Action::Command(Command::NextUnanswered));
     }
 }

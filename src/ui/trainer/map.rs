@@ -1,6 +1,6 @@
 //! Where references look, over pan and tilt.
 
-use crate::app::guidance::whole_degrees;
+use crate::app::where_to_label::whole_degrees;
 use crate::camera::PtzCamera;
 use crate::geometry::ImageSize;
 use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
@@ -16,12 +16,18 @@ const MISSING: Color32 = Color32::from_rgb(96, 46, 40);
 /// What is not the field and no reference sees.
 const OUTSIDE: Color32 = Color32::from_rgb(20, 22, 25);
 
+/// The map of the shown frame's camera; none where it has no reference.
+pub fn of_shown<'a>(panel: &Panel<'_>, maps: &'a [Coverage]) -> Option<&'a Coverage> {
+    let frame = panel.app.frame()?;
+    maps.iter().find(|map| map.camera == frame.camera)
+}
+
 /// Shows the map: the more references see a place, the brighter; the field where none looks in red; the references that were
-/// left out and asked for as dots; the shown frame as an outline.
+/// left out and asked for as dots; the shown frame as an outline; where a label helps most as a pointer from above.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option<&Quality>) {
-    let missing = coverage.missing_pan_deg.map(|pan_deg| {
-        format!("No reference sees the field near pan {}: label a frame there.", whole_degrees(pan_deg))
-    });
+    let missing = coverage
+        .missing_pan_deg
+        .map(|pan_deg| format!("No reference sees the field near pan\u{a0}{}.", whole_degrees(pan_deg)));
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let told = missing.clone().unwrap_or_else(|| "References see all of the field.".to_owned());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("Map of pan and tilt. {told}")));
@@ -35,9 +41,12 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
     for asked in quality.into_iter().flat_map(|quality| &quality.asked) {
         chart.dot(&painter, asked);
     }
+    if let Some(pan_deg) = label_next(panel, coverage) {
+        chart.pointer(&painter, pan_deg);
+    }
     let tip = "Pan to the right, tilt upwards. Blue: seen by references, the brighter the more. Red: field that none sees. \
                Dots: references that were left out and found again (green), found wrong (red) or not found (ring). Outline: \
-               the shown frame.";
+               the shown frame. Pointer from above: where a label helps most.";
     response.on_hover_text(tip);
     ui.horizontal(|ui| {
         let border = |degrees: f64| egui::RichText::new(whole_degrees(degrees)).small().color(theme::WEAK);
@@ -47,6 +56,13 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
         });
     });
     ui.add(Label::new(told).wrap());
+}
+
+/// Where a label of this camera helps most, degrees of pan.
+fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
+    let next = panel.app.review().advice.next?;
+    let frame = panel.app.open()?.frame(next.frame)?;
+    next.pan_deg.filter(|_| frame.camera == coverage.camera)
 }
 
 struct Chart<'a> {
@@ -92,6 +108,13 @@ impl Chart<'_> {
         }
     }
 
+    fn pointer(&self, painter: &Painter, pan_deg: f64) {
+        let x = self.at(pan_deg, 0.0).x.clamp(self.rect.left() + 6.0, self.rect.right() - 6.0);
+        let tip = pos2(x, self.rect.top() + 9.0);
+        let corners = vec![tip, tip + vec2(-5.0, -8.0), tip + vec2(5.0, -8.0)];
+        painter.add(Shape::convex_polygon(corners, theme::STRONG, Stroke::new(1.0, theme::BACKDROP)));
+    }
+
     fn dot(&self, painter: &Painter, asked: &LeftOut) {
         let at = self.at(asked.pan_deg, asked.tilt_deg);
         match asked.found {
@@ -110,6 +133,7 @@ mod tests {
     #[test]
     fn pan_runs_to_the_right_and_tilt_upwards() {
         let coverage = Coverage {
+            camera: "main".into(),
             pan_deg: -50.0..=50.0,
             tilt_deg: -20.0..=0.0,
             columns: 2,

@@ -6,7 +6,7 @@ mod worth;
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
-use crate::app::guidance::without_answer;
+use crate::app::where_to_label::where_to_label;
 use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus};
 use crate::proposals::Suspect;
 use egui::{
@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 forest(ui, facts);
                 proposals(panel, ui, &status);
             }
-            if let Some(coverage) = &status.coverage {
+            if let Some(coverage) = map::of_shown(panel, &status.coverage) {
                 section(ui, "WHERE REFERENCES LOOK");
                 map::show(panel, ui, coverage, status.quality.as_deref());
             }
@@ -192,10 +192,11 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
             panel.actions.push(Action::Command(Command::ReviewPanel));
         }
     });
-    if let Some(text) = without_answer(&panel.app.review().unanswered) {
+    let advice = &panel.app.review().advice;
+    if let Some(text) = where_to_label(advice) {
         ui.add(Label::new(text).wrap());
         let tip = panel.app.settings.keys.tooltip(Command::NextUnanswered);
-        if ui.add(Button::new("Go there").small()).on_hover_text(tip).clicked() {
+        if advice.next.is_some() && ui.add(Button::new("Go there").small()).on_hover_text(tip).clicked() {
             panel.actions.push(Action::Command(Command::NextUnanswered));
         }
     }

@@ -1,7 +1,7 @@
 //! What the forest is worth: references that were left out and asked for.
 
 use crate::app::Action;
-use crate::app::guidance::whole_degrees;
+use crate::app::where_to_label::whole_degrees;
 use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};

@@ -1,68 +1,22 @@
-//! What waits to be looked at: the suggested frames in an order, and those without an answer.
+//! What waits to be looked at: the suggested frames in an order, and what has no answer.
+//!
+//! Suggestions come while a person looks through them. While the list is held, because the pointer is over it, no row moves:
+//! one that is accepted or withdrawn stays in its place and new ones come last. Let go of, the list is in order again.
+
+mod choice;
+mod held;
+
+pub use choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
-use crate::project::{Disagreement, Frame, FrameStatus, Unanswered, disagreements, unanswered};
+use crate::project::{Disagreement, Frame, FrameStatus, disagreements};
+use crate::proposals::{Coverage, LabelAdvice, label_advice};
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 /// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
-
-/// What the list of suggestions begins with.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ReviewOrder {
-    /// The most certain.
-    #[default]
-    Confidence,
-    /// The one farthest from its neighbours' way.
-    Disagreement,
-    /// The first in the document.
-    Time,
-}
-
-impl ReviewOrder {
-    /// Every order, as the panel lists them.
-    pub const ALL: [Self; 3] = [Self::Confidence, Self::Disagreement, Self::Time];
-
-    /// What the panel calls it.
-    #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Confidence => "Confidence",
-            Self::Disagreement => "Disagreement",
-            Self::Time => "Time",
-        }
-    }
-
-    /// What it is good for.
-    #[must_use]
-    pub const fn about(self) -> &'static str {
-        match self {
-            Self::Confidence => "The most certain first: what lies above a line can be accepted at once.",
-            Self::Disagreement => "Those first that lie farthest from the way between the frames before and after.",
-            Self::Time => "In the order of the frames.",
-        }
-    }
-}
-
-/// What a person chose in the review panel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ReviewChoice {
-    /// The order of the list.
-    pub order: ReviewOrder,
-    /// Suggestions of at least this probability are accepted together.
-    pub threshold: f64,
-    /// Also those that disagree with their neighbours.
-    pub with_disagreeing: bool,
-    /// The list has one suggestion a shot.
-    pub one_per_shot: bool,
-}
-
-impl Default for ReviewChoice {
-    fn default() -> Self {
-        Self { order: ReviewOrder::default(), threshold: 0.95, with_disagreeing: false, one_per_shot: false }
-    }
-}
 
 /// A suggested frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,6 +27,8 @@ pub struct ReviewRow {
     pub confidence: Option<f64>,
     /// How it lies to the frames before and after; none where there are none.
     pub disagreement: Option<Disagreement>,
+    /// It waits for nobody any more: accepted, rejected, corrected or withdrawn while the list was held.
+    pub gone: bool,
 }
 
 /// Whether a frame is to be looked at by itself: it lies off its neighbours' way by more than they are apart, since between
@@ -108,15 +64,30 @@ pub struct BulkAccept {
 /// What waits to be looked at: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Review {
-    /// The suggested frames of the list, in the chosen order.
+    /// The frames of the list, in the chosen order as far as it is not held.
     pub rows: Vec<ReviewRow>,
+    /// So many of the last rows have come since the list is held.
+    pub late: usize,
     /// Suggested frames of shots that the list shows by another one.
     pub hidden: Vec<ReviewRow>,
     /// The suggested frames are of several shots.
     pub several_shots: bool,
-    /// Frames without an answer.
-    pub unanswered: Unanswered,
-    derived_from: Option<(u64, ReviewOrder, bool, bool)>,
+    /// What has no answer to rely on, and the frame to label next.
+    pub advice: LabelAdvice,
+    derived_from: Option<Source>,
+    /// Where references look, as the advice knows it.
+    coverage: Arc<[Coverage]>,
+}
+
+/// What the list is derived from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Source {
+    revision: u64,
+    order: ReviewOrder,
+    one_per_shot: bool,
+    /// Neighbours are compared only while somebody looks at the result.
+    with_neighbours: bool,
+    held: bool,
 }
 
 impl Review {
@@ -126,17 +97,36 @@ impl Review {
             *self = Self::default();
             return;
         };
-        // Neighbours are compared only while somebody looks at the result.
-        let shown = session.panel == Panel::Review || session.dialog == Some(Dialog::AcceptAll);
         let choice = &session.review;
-        let from = (open.revision, choice.order, choice.one_per_shot, shown);
-        if self.derived_from != Some(from) {
-            *self = Self::derive(open, choice, shown);
-            self.derived_from = Some(from);
+        let listed = session.panel == Panel::Review;
+        let source = Source {
+            revision: open.revision,
+            order: choice.order,
+            one_per_shot: choice.one_per_shot,
+            with_neighbours: listed || session.dialog == Some(Dialog::AcceptAll),
+            held: choice.held && listed,
+        };
+        let before = self.derived_from.replace(source);
+        if before != Some(source) {
+            let now = Self::list(open, choice, source.with_neighbours);
+            let is_same_list =
+                |before: Source| Source { revision: source.revision, held: source.held, ..before } == source;
+            if source.held && !self.rows.is_empty() && before.is_some_and(is_same_list) {
+                self.keep_places(now, &open.document, choice.one_per_shot);
+            } else {
+                let Listed { rows, hidden, several_shots } = now;
+                (self.rows, self.hidden, self.several_shots, self.late) = (rows, hidden, several_shots, 0);
+            }
+        }
+        let coverage = &session.trainer.status.coverage;
+        if before.map(|before| before.revision) != Some(source.revision) || !Arc::ptr_eq(&self.coverage, coverage) {
+            self.advice = label_advice(&open.document, coverage);
+            self.coverage = Arc::clone(coverage);
         }
     }
 
-    fn derive(open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Self {
+    /// The suggested frames in the chosen order.
+    fn list(open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
         let frames = &open.document.frames;
         let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
         let mut rows: Vec<ReviewRow> = frames
@@ -144,7 +134,12 @@ impl Review {
             .map(|frame| &**frame)
             .enumerate()
             .filter(suggested)
-            .map(|(index, frame)| ReviewRow { frame: index, confidence: confidence(frame), disagreement: None })
+            .map(|(index, frame)| ReviewRow {
+                frame: index,
+                confidence: confidence(frame),
+                disagreement: None,
+                gone: false,
+            })
             .collect();
         if with_neighbours && !rows.is_empty() {
             let found = disagreements(&open.document);
@@ -173,13 +168,18 @@ impl Review {
             .collect();
         let mut first = first_of_shot.into_iter();
         let (rows, hidden) = rows.into_iter().partition(|_| first.next() == Some(true) || !choice.one_per_shot);
-        Self {
-            rows,
-            hidden,
-            several_shots: shots.len() > 1,
-            unanswered: unanswered(&open.document),
-            derived_from: None,
-        }
+        Listed { rows, hidden, several_shots: shots.len() > 1 }
+    }
+
+    /// The suggestions that wait, whether the list shows them or not.
+    fn waiting(&self) -> impl Iterator<Item = &ReviewRow> {
+        self.rows.iter().chain(&self.hidden).filter(|row| !row.gone)
+    }
+
+    /// How many suggestions wait.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.waiting().count()
     }
 
     /// How many suggestions are accepted together by a choice, how many are left out, and the least certain one's
@@ -187,7 +187,7 @@ impl Review {
     #[must_use]
     pub fn bulk_size(&self, choice: &ReviewChoice) -> (usize, usize, Option<f64>) {
         let (mut taken, mut left_out, mut lowest) = (0, 0, None);
-        for row in self.rows.iter().chain(&self.hidden) {
+        for row in self.waiting() {
             let Some(confidence) = row.confidence.filter(|confidence| *confidence >= choice.threshold) else {
                 continue;
             };
@@ -205,12 +205,8 @@ impl Review {
     #[must_use]
     pub fn bulk(&self, choice: &ReviewChoice) -> BulkAccept {
         let certain = |row: &&ReviewRow| row.confidence.is_some_and(|confidence| confidence >= choice.threshold);
-        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) = self
-            .rows
-            .iter()
-            .chain(&self.hidden)
-            .filter(certain)
-            .partition(|row| row.disagrees() && !choice.with_disagreeing);
+        let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
+            self.waiting().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
         rows.sort_by(|a, b| a.confidence.unwrap_or(0.0).total_cmp(&b.confidence.unwrap_or(0.0)));
         BulkAccept { rows, left_out: disagreeing.len() }
     }
@@ -218,16 +214,23 @@ impl Review {
     /// The suggestion after a frame, or before it, in the list's order, round and round; none where there is no other.
     #[must_use]
     pub fn next(&self, frame: usize, forward: bool) -> Option<usize> {
-        let count = self.rows.len();
         let here = self.rows.iter().position(|row| row.frame == frame);
-        let next = match (here, forward) {
-            (Some(here), true) => (here + 1) % count,
-            (Some(here), false) => (here + count - 1) % count,
-            (None, true) => 0,
-            (None, false) => count.checked_sub(1)?,
+        let (before, after) = match here {
+            Some(here) => (&self.rows[..here], &self.rows[here + 1..]),
+            None => (&self.rows[..], &self.rows[..0]),
         };
-        self.rows.get(next).map(|row| row.frame).filter(|next| *next != frame)
+        let waits = |row: &&ReviewRow| !row.gone;
+        let next =
+            if forward { after.iter().chain(before).find(waits) } else { after.iter().chain(before).rfind(waits) };
+        next.map(|row| row.frame)
     }
+}
+
+/// The list in its order.
+struct Listed {
+    rows: Vec<ReviewRow>,
+    hidden: Vec<ReviewRow>,
+    several_shots: bool,
 }
 
 /// The probability that a frame's suggestion is right.
@@ -263,9 +266,16 @@ mod tests {
         OpenProject::new(Opened::new(document, "/match/project.json"))
     }
 
+    fn review_of(open: &OpenProject, choice: ReviewChoice) -> Review {
+        let mut session = Session::default();
+        (session.panel, session.review) = (Panel::Review, choice);
+        let mut review = Review::default();
+        review.refresh(Some(open), &session);
+        review
+    }
+
     fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
-        let open = opened(confidences);
-        Review::derive(&open, &ReviewChoice { order, ..ReviewChoice::default() }, true)
+        review_of(&opened(confidences), ReviewChoice { order, ..ReviewChoice::default() })
     }
 
     #[test]
@@ -275,7 +285,7 @@ mod tests {
             frame.clip = Some(Clip::Number(shot));
         }
         let choice = ReviewChoice { one_per_shot: true, threshold: 0.5, ..ReviewChoice::default() };
-        let review = Review::derive(&open, &choice, false);
+        let review = review_of(&open, choice);
         assert!(review.several_shots);
         assert_eq!((frames(&review), review.hidden.len()), (vec![1, 2], 2));
         assert_eq!(review.bulk(&choice).rows.len(), 4, "what is accepted together is all of them");

@@ -1,0 +1,327 @@
+//! Where a person labels next: the one place that every panel, the status row and the command line ask.
+//!
+//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer. A label helps the frames whose
+//! views overlap with its own, and most where few references look: of several at one place each tells less than the one
+//! before. Where a frame without an answer looks, its neighbours in the shot tell; where these do not, a label in the shot
+//! with most such frames helps.
+
+use super::Coverage;
+use crate::geometry::Angle;
+use crate::project::{CameraId, Document, Frame, FrameStatus, shots};
+use std::collections::BTreeMap;
+
+/// An answer that is right with this probability needs no further reference.
+pub const SURE: f64 = 0.9;
+
+/// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
+const BESIDE: usize = 2;
+
+/// Places for a label are this far apart in pan, degrees.
+const STEP_DEG: f64 = 1.0;
+
+/// The share of the view that frames of a shot have in common where nothing tells where they look.
+const BLIND_OVERLAP: f64 = 0.5;
+
+/// What the forest cannot answer, and what a person does about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LabelAdvice {
+    /// Frames without an answer.
+    pub unanswered: usize,
+    /// Suggestions that the forest is not sure of: see [`SURE`].
+    pub uncertain: usize,
+    /// The frame to label next; none where every frame has its answer, or none of the others has a picture.
+    pub next: Option<LabelNext>,
+}
+
+/// A frame whose label helps many.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LabelNext {
+    /// Its place in the document.
+    pub frame: usize,
+    /// Where it looks, by its own uncertain answer or the frames around it, degrees; none where these do not tell.
+    pub pan_deg: Option<f64>,
+    /// How many of those without a sure answer look there: they share half of its view or more, or its shot where nothing
+    /// tells where they look.
+    pub shared_by: usize,
+    /// The middle of the widest part of the field that no reference of its camera sees, degrees of pan; none where all is
+    /// seen or nothing is known of it.
+    pub missing_pan_deg: Option<f64>,
+}
+
+/// A frame that needs a label somewhere near where it looks.
+#[derive(Clone, Copy)]
+struct Needing {
+    frame: usize,
+    pan_deg: f64,
+    half_view_deg: f64,
+    /// From 0 to 1: how unsure its answer is.
+    need: f64,
+}
+
+/// How a solved frame looks.
+#[derive(Clone, Copy)]
+struct Look {
+    frame: usize,
+    pan_deg: f64,
+    half_view_deg: f64,
+}
+
+/// Looks through a document for frames that the forest cannot answer. `coverage` has where the references of its cameras look;
+/// of a camera that it lacks nothing is known.
+#[must_use]
+pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
+    let mut advice = LabelAdvice::default();
+    for frame in &document.frames {
+        advice.unanswered += usize::from(frame.is_unanswered());
+        advice.uncertain += usize::from(doubt(frame).is_some());
+    }
+    if (advice.unanswered, advice.uncertain) == (0, 0) {
+        return advice;
+    }
+    let mut seen: BTreeMap<&CameraId, Vec<Needing>> = BTreeMap::new();
+    let mut blind: Vec<usize> = Vec::new();
+    for shot in shots(document) {
+        let looks: Vec<Look> = shot.iter().filter_map(|&index| look(document, index)).collect();
+        let mut unknown = Vec::new();
+        for index in shot {
+            let frame = &*document.frames[index];
+            let found = if can_be_labelled(frame) {
+                between(&looks, index).map(|look| (look, 1.0))
+            } else {
+                doubt(frame).and_then(|doubt| Some((look(document, index)?, doubt)))
+            };
+            match found {
+                Some((Look { pan_deg, half_view_deg, .. }, need)) => {
+                    seen.entry(&frame.camera).or_default().push(Needing { frame: index, pan_deg, half_view_deg, need });
+                }
+                None if can_be_labelled(frame) => unknown.push(index),
+                None => {}
+            }
+        }
+        if unknown.len() > blind.len() {
+            blind = unknown;
+        }
+    }
+    let of_camera = |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
+    let places = seen.iter().filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
+    // Of places as good as each other that of the first camera by name: nothing depends on the order of the frames.
+    let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
+    let blind_gain = BLIND_OVERLAP * blind.len() as f64;
+    advice.next = match place {
+        Some((gain, next)) if gain >= blind_gain => Some(next),
+        _ => blind.get(blind.len() / 2).map(|&frame| LabelNext {
+            frame,
+            pan_deg: None,
+            shared_by: blind.len(),
+            missing_pan_deg: None,
+        }),
+    };
+    if let Some(next) = &mut advice.next {
+        let coverage = of_camera(&document.frames[next.frame].camera);
+        next.missing_pan_deg = coverage.and_then(|coverage| coverage.missing_pan_deg);
+    }
+    advice
+}
+
+/// Whether it has no answer and its picture can be read.
+fn can_be_labelled(frame: &Frame) -> bool {
+    let mut warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
+    frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
+}
+
+/// The probability that its suggestion is wrong; none where that is sure, or nobody says.
+fn doubt(frame: &Frame) -> Option<f64> {
+    let confidence = frame.solution.as_ref().filter(|_| frame.status == FrameStatus::Suggested)?.confidence?;
+    (confidence < SURE).then_some(1.0 - confidence.max(0.0))
+}
+
+/// How a solved frame looks.
+fn look(document: &Document, index: usize) -> Option<Look> {
+    let frame = &*document.frames[index];
+    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
+    let half_view = (f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px);
+    let pan_deg = Angle::from_degrees(ptz.pan_deg).wrapped().degrees();
+    Some(Look { frame: index, pan_deg, half_view_deg: half_view.to_degrees() })
+}
+
+/// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
+fn between(looks: &[Look], index: usize) -> Option<Look> {
+    let next = looks.partition_point(|look| look.frame < index);
+    let before = next.checked_sub(1).and_then(|before| looks.get(before));
+    match (before, looks.get(next)) {
+        (Some(from), Some(to)) => {
+            let share = (index - from.frame) as f64 / (to.frame - from.frame) as f64;
+            let turn = Angle::from_degrees(to.pan_deg - from.pan_deg).wrapped().degrees();
+            Some(Look {
+                frame: index,
+                pan_deg: Angle::from_degrees(from.pan_deg + share * turn).wrapped().degrees(),
+                half_view_deg: from.half_view_deg + share * (to.half_view_deg - from.half_view_deg),
+            })
+        }
+        (Some(beside), None) | (None, Some(beside)) => (beside.frame.abs_diff(index) <= BESIDE).then_some(*beside),
+        (None, None) => None,
+    }
+}
+
+/// Where a label helps most of the frames of a camera, and how much: one for each frame that it answers alone. None where all
+/// of them look past the field.
+fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
+    let step = |pan_deg: f64| (pan_deg / STEP_DEG).round() as i64;
+    let mut steps: BTreeMap<i64, f64> = BTreeMap::new();
+    let (mut whole, mut half_view_deg) = (0.0, 0.0);
+    for Needing { pan_deg, half_view_deg: half, need, .. } in needing {
+        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(pan_deg - half..=pan_deg + half));
+        let Some(weight) = novelty.map(|novelty| novelty * need) else { continue };
+        *steps.entry(step(*pan_deg)).or_default() += weight;
+        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half);
+    }
+    let view_deg = (2.0 * half_view_deg / whole).max(STEP_DEG);
+    let gain = |at: i64| -> f64 {
+        let reach = (view_deg / STEP_DEG).ceil() as i64;
+        let overlap = |other: i64| 1.0 - (other - at).abs() as f64 * STEP_DEG / view_deg;
+        steps.range(at - reach..=at + reach).map(|(&other, weight)| weight * overlap(other).max(0.0)).sum()
+    };
+    // Of equals the leftmost.
+    let gains = steps.keys().map(|&at| (gain(at), at));
+    let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.pan_deg) == at).collect();
+    here.sort_by(|a, b| b.need.total_cmp(&a.need).then(a.frame.cmp(&b.frame)));
+    let most = here.iter().take_while(|needing| needing.need == here[0].need).count();
+    let chosen = here[most / 2];
+    let shares = |other: &&Needing| (other.pan_deg - chosen.pan_deg).abs() <= view_deg / 2.0;
+    let next = LabelNext {
+        frame: chosen.frame,
+        pan_deg: Some(chosen.pan_deg),
+        shared_by: needing.iter().filter(shares).count(),
+        missing_pan_deg: None,
+    };
+    Some((gain, next))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::geometry::ImageSize;
+    use crate::project::{Clip, FieldSpec, FramePtz, Solution, SolutionSource, SolutionWarning};
+    use crate::proposals::Cell;
+
+    const SURELY: f64 = 0.99;
+
+    /// A pan and how sure it is.
+    type Answer = Option<(f64, f64)>;
+
+    /// Frames of shots: solved at a pan with a probability, or asked for in vain. Views are 20° wide.
+    fn document(frames: &[(i64, Answer)]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for &(clip, answer) in frames {
+            let mut frame = Frame::from_image("x.jpg", "main".into(), ImageSize::new(1280, 720));
+            frame.clip = Some(Clip::Number(clip));
+            let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+            match answer {
+                Some((pan_deg, confidence)) => {
+                    frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 3630.0), None));
+                    frame.status = FrameStatus::Suggested;
+                    solution.confidence = Some(confidence);
+                }
+                None => solution.warnings.push(SolutionWarning::new("coverage", "3 of 30.".to_owned())),
+            }
+            frame.solution = Some(solution);
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    /// A map of 10 columns from -50° to 50° with so many references in each.
+    fn seen(references: [u32; 10]) -> Coverage {
+        Coverage {
+            camera: "main".into(),
+            pan_deg: -50.0..=50.0,
+            tilt_deg: -20.0..=0.0,
+            columns: 10,
+            cells: references.map(|references| Cell { references, field: true }).to_vec(),
+            missing_pan_deg: Some(45.0),
+        }
+    }
+
+    fn next(document: &Document, coverage: &[Coverage]) -> LabelNext {
+        label_advice(document, coverage).next.unwrap()
+    }
+
+    #[test]
+    fn the_place_that_most_frames_wait_for_is_named_by_its_pan() {
+        let frames = [
+            (1, Some((-30.0, SURELY))),
+            (1, None),
+            (1, Some((-28.0, SURELY))),
+            (2, Some((37.0, SURELY))),
+            (2, None),
+            (2, None),
+            (2, Some((43.0, SURELY))),
+        ];
+        let found = label_advice(&document(&frames), &[]);
+        assert_eq!((found.unanswered, found.uncertain), (3, 0));
+        let next = found.next.unwrap();
+        assert_eq!((next.frame, next.shared_by, next.missing_pan_deg), (4, 2, None));
+        assert!((next.pan_deg.unwrap() - 39.0).abs() < 1e-9, "{next:?}");
+    }
+
+    #[test]
+    fn fewer_frames_where_no_reference_looks_come_before_more_where_many_do() {
+        let mut frames = vec![(1, Some((-30.0, SURELY)))];
+        frames.extend([(1, None); 4]);
+        frames.extend([
+            (1, Some((-30.0, SURELY))),
+            (2, Some((30.0, SURELY))),
+            (2, None),
+            (2, None),
+            (2, Some((30.0, SURELY))),
+        ]);
+        let document = document(&frames);
+        assert_eq!(next(&document, &[]).pan_deg.map(f64::round), Some(-30.0), "nothing is known of references");
+        let found = next(&document, &[seen([5, 5, 5, 5, 5, 1, 0, 0, 0, 0])]);
+        assert_eq!((found.frame, found.pan_deg.map(f64::round), found.shared_by), (8, Some(30.0), 2));
+        assert_eq!(found.missing_pan_deg, Some(45.0));
+    }
+
+    #[test]
+    fn uncertain_answers_count_by_their_doubt() {
+        let frames = [(1, Some((0.0, 0.6))), (1, Some((1.0, 0.7))), (1, Some((2.0, SURELY))), (2, Some((40.0, 0.5)))];
+        let found = label_advice(&document(&frames), &[]);
+        assert_eq!((found.unanswered, found.uncertain), (0, 3));
+        let next = found.next.unwrap();
+        assert_eq!((next.frame, next.pan_deg, next.shared_by), (0, Some(0.0), 2));
+        let all_sure = [(1, Some((0.0, SURELY))), (1, Some((3.0, SURE)))];
+        assert_eq!(label_advice(&document(&all_sure), &[]), LabelAdvice::default());
+    }
+
+    #[test]
+    fn far_from_the_only_solved_frame_nobody_knows_where_a_frame_looks() {
+        let mut frames = vec![(1, Some((5.0, SURELY)))];
+        frames.extend([(1, None); 9]);
+        let blind = next(&document(&frames), &[seen([1; 10])]);
+        assert_eq!((blind.frame, blind.pan_deg, blind.shared_by), (6, None, 7));
+        assert_eq!(blind.missing_pan_deg, Some(45.0), "somewhere else than the references, perhaps here");
+        assert_eq!(next(&document(&frames[..3]), &[]).pan_deg, Some(5.0));
+    }
+
+    #[test]
+    fn what_nobody_can_label_is_not_named() {
+        let mut document = document(&[(1, Some((0.0, SURELY))), (2, None), (2, None), (2, None)]);
+        assert_eq!(next(&document, &[]).frame, 2, "the middle of a shot without any answer");
+        for frame in &mut document.frames[1..] {
+            frame.solution.as_mut().unwrap().warnings[0].code = "picture".to_owned();
+        }
+        assert_eq!(label_advice(&document, &[]), LabelAdvice { unanswered: 3, ..LabelAdvice::default() });
+        document.frames[1].status = FrameStatus::Rejected;
+        document.frames[2].status = FrameStatus::Draft;
+        document.frames[3].solution = None;
+        assert_eq!(label_advice(&document, &[]), LabelAdvice::default());
+    }
+
+    #[test]
+    fn pan_has_no_seam_between_neighbours() {
+        let found = next(&document(&[(1, Some((178.0, SURELY))), (1, None), (1, Some((-176.0, SURELY)))]), &[]);
+        assert!((found.pan_deg.unwrap() + 179.0).abs() < 1e-9, "{found:?}");
+    }
+}
