@@ -2,7 +2,7 @@
 
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
-use crate::project::{Document, FrameStatus, OwnNoise, choose_gold};
+use crate::project::{Document, FrameStatus, OwnNoise, can_choose_gold};
 use std::path::Path;
 
 /// What a round asks for next.
@@ -98,8 +98,8 @@ impl Reclick {
 pub struct GoldWork {
     /// Gold references.
     pub frames: usize,
-    /// The references that the program would make gold.
-    pub offered: Vec<usize>,
+    /// The program could make more references gold.
+    pub can_choose: bool,
     /// What the repeats say of the annotator's hand.
     pub own: OwnNoise,
 }
@@ -109,7 +109,7 @@ impl GoldWork {
         let gold = document.frames.iter().filter(|frame| frame.is_gold() && frame.status == FrameStatus::Reference);
         Self {
             frames: gold.count(),
-            offered: choose_gold(document),
+            can_choose: can_choose_gold(document),
             // A field that is not valid is told of elsewhere.
             own: OwnNoise::of(document, folder).unwrap_or_default(),
         }

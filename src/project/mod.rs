@@ -75,7 +75,7 @@ pub use lock::ReadOnly;
 pub use own_noise::{ENOUGH_REPEATS, Hand, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use proposed::Proposed;
 pub use read::{ReadError, document_from_bytes};
-pub use repeats::{Repeat, choose_gold};
+pub use repeats::{Repeat, can_choose_gold, choose_gold};
 pub use shared::Shared;
 pub use shots::shots;
 pub use size_fit::size_words;

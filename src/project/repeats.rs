@@ -162,6 +162,13 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     chosen
 }
 
+/// Whether [`choose_gold`] chooses any; quicker than asking it.
+#[must_use]
+pub fn can_choose_gold(document: &Document) -> bool {
+    let gold = document.frames.iter().filter(|frame| frame.is_gold()).take(CHOSEN).count();
+    gold < CHOSEN && document.frames.iter().any(|frame| !frame.is_gold() && frame.why_not_gold().is_none())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,5 +241,10 @@ mod tests {
         document.frames[3].set_gold(true);
         assert!(!choose_gold(&document).contains(&2));
         assert_eq!(choose_gold(&document).len(), CHOSEN - 2);
+        for index in choose_gold(&document) {
+            assert!(can_choose_gold(&document));
+            document.frames[index].set_gold(true);
+        }
+        assert!(!can_choose_gold(&document) && choose_gold(&document).is_empty());
     }
 }

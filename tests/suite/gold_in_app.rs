@@ -3,10 +3,11 @@
 use crate::bench::{Bench, SIZE, base, landmark_in};
 use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
-use touchline::app::{Action, Command, Effect};
+use std::path::Path;
+use touchline::app::{Action, Command, Compared, Comparison, Effect, Question};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::geometry::{ImagePoint, Vec2};
-use touchline::project::{Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Frame, FrameStatus, Target};
+use touchline::project::{Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Frame, FrameStatus, Target, agreement};
 
 const LANDMARKS: [&str; 3] = ["centre_mark", "halfway_far", "centre_circle_halfway_near"];
 
@@ -112,6 +113,38 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     // After the round each click is a step of its own.
     bench.command(Command::Undo);
     assert_eq!(bench.document().frames[3].repeats.len(), 2);
+}
+
+#[test]
+fn another_document_is_compared_on_the_quality_page() {
+    let mut rng = rng("another_document_is_compared_on_the_quality_page");
+    let mut bench = accepted(3, 0.5, &mut rng);
+    bench.effects.clear();
+    bench.command(Command::CompareAnnotators);
+    assert_eq!(bench.effects.pop(), Some(Effect::Ask(Question::CompareWith)));
+    bench.act(Action::Answer(Question::CompareWith, "/other/project.json".into()));
+    assert!(bench.app.session.quality.open && bench.app.session.comparison == Comparison::UnderWay);
+    let Some(Effect::Compare { document, with, revision, .. }) = bench.effects.pop() else {
+        panic!("nothing is compared")
+    };
+    assert_eq!((&document, with.as_path()), (bench.document(), Path::new("/other/project.json")));
+    assert!(bench.app.why_not(Command::CompareAnnotators).is_some(), "one at a time");
+    bench.act(Action::Failed("no such file".to_owned()));
+    assert_eq!(bench.app.session.comparison, Comparison::None);
+
+    let mut other = document.clone();
+    for frame in &mut other.frames {
+        for click in &mut frame.clicks {
+            click.image = moved(click.image, 1.0, &mut rng);
+        }
+    }
+    let agreement = agreement((&document, Path::new("/a")), (&other, Path::new("/b"))).unwrap();
+    bench.act(Action::Compared(Box::new(Compared { file: with, revision, agreement })));
+    let Comparison::Made(made) = &bench.app.session.comparison else { panic!("it was made") };
+    assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));
+    let pair = made.agreement.frames[2].clicks[1].clicks[0];
+    bench.act(Action::LookAt { frame: 2, click: Some(pair) });
+    assert_eq!((bench.app.session.frame, bench.app.session.selected), (2, Some(pair)));
 }
 
 #[test]

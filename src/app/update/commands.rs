@@ -62,7 +62,7 @@ impl App {
             C::CompareAnnotators if self.session.comparison == Comparison::UnderWay => {
                 Some("A comparison is under way.")
             }
-            C::ChooseGold if self.gold().offered.is_empty() => {
+            C::ChooseGold if !self.gold().can_choose => {
                 Some("Every reference that helps is gold; accept more frames first.")
             }
             C::UseOwnNoise => self.why_not_own_noise(),

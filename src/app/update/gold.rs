@@ -6,7 +6,7 @@ use crate::app::reclick::{Asked, GoldWork, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
 use crate::geometry::ImagePoint;
-use crate::project::{ENOUGH_REPEATS, Hand, Repeat, Step};
+use crate::project::{ENOUGH_REPEATS, Hand, Repeat, Step, choose_gold};
 
 /// What is said of everything that would show the label, or lead away from it.
 pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
@@ -117,7 +117,8 @@ impl App {
 
     /// Makes the references gold that the program chose: one step of undo.
     pub(super) fn choose_gold(&mut self) {
-        let chosen = self.gold.offered.clone();
+        let Some(open) = &self.open else { return };
+        let chosen = choose_gold(&open.document);
         let told = match chosen.len() {
             1 => "1 frame is gold now".to_owned(),
             count => format!("{count} frames are gold now"),
