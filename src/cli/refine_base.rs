@@ -67,6 +67,9 @@ fn crown(text: &str) -> Result<Crown, String> {
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
+    if let Some(hand) = document.hand_in_use() {
+        messages.note(&hand.words());
+    }
     let options = BaseOptions {
         lens: match args.distortion {
             Distortion::Auto => None,

@@ -205,6 +205,16 @@ impl Hand {
         stated_px * (1.0 - HAND_SHARE + HAND_SHARE * factor * factor).sqrt()
     }
 
+    /// What the clicks are weighed by, in a sentence.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let [low, high] = self.sigma_interval_95_px;
+        format!(
+            "points are weighed by their annotator's own click noise: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks",
+            self.sigma_px, self.repeats
+        )
+    }
+
     /// Whether its factors can be those of a hand.
     #[must_use]
     pub fn is_plausible(&self) -> bool {

@@ -238,6 +238,49 @@ fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
 }
 
 #[test]
+fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
+    let mut rng = rng("the_interval_of_a_round_holds_the_truth_as_often_as_it_says");
+    let truth = clicked(5, 0.0, &mut rng);
+    let (rounds, sigma_px) = (200, 0.7);
+    let mut held = 0;
+    for _ in 0..rounds {
+        let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
+        repeat(&mut document, &truth, 5, sigma_px, &mut rng);
+        let found = own(&document);
+        assert!(found.repeats >= ENOUGH_REPEATS && found.hand.is_some(), "{found:?}");
+        let [low, high] = found.noise.unwrap().interval_95;
+        held += usize::from(low <= 2.0 * sigma_px && 2.0 * sigma_px <= high);
+    }
+    let share = held as f64 / f64::from(rounds);
+    assert!((0.92..=0.99).contains(&share), "{share}");
+}
+
+#[test]
+fn the_commands_weigh_clicks_as_the_document_says() {
+    let mut rng = rng("the_commands_weigh_clicks_as_the_document_says");
+    let truth = clicked(8, 0.0, &mut rng);
+    let mut document = by_another(&truth, &truth, 0.2, &mut rng);
+    repeat(&mut document, &truth, 8, 0.2, &mut rng);
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, document: &Document| {
+        write_document(&Location::for_new_document(&folder.path().join(name)).unwrap(), document, false).unwrap();
+    };
+    write("usual.json", &document);
+    document.set_hand(&own(&document).hand.unwrap()).unwrap();
+    write("own.json", &document);
+    for command in ["solve", "refine-base --distortion none --crown 0"] {
+        let sigma = |name: &str| {
+            let ran = touchline(folder.path(), &format!("{command} {name}"));
+            let solved = document_from_bytes(ran.stdout.as_bytes()).unwrap();
+            let sigmas = solved.frames[4].solution.as_ref().unwrap().worst_corner_sigma_px.unwrap();
+            (sigmas, ran.stderr.contains("weighed by their annotator's own click noise"))
+        };
+        let ((usual, silent), (own, said)) = (sigma("usual.json"), sigma("own.json"));
+        assert!(own < 0.95 * usual && !silent && said, "{command}: {own} of {usual}");
+    }
+}
+
+#[test]
 fn check_names_what_is_wrong_with_repeats_and_hand() {
     let mut rng = rng("check_names_what_is_wrong_with_repeats_and_hand");
     let mut document = clicked(2, 0.0, &mut rng);

@@ -3,7 +3,7 @@
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
 use crate::app::{Action, Command, Compared, Comparison};
-use crate::project::{Agreement, ClickPair, FrameAgreement, Target};
+use crate::project::{Agreement, ClickPair, FrameAgreement, NameDispute, Target};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// More rows than this are not listed.
 const SHOWN: usize = 9;
+/// A frame farther apart than so many times the median stands out.
+const STANDS_OUT: f64 = 4.0;
 /// The width of a column, points.
 const COLUMN: f32 = 330.0;
 
@@ -105,7 +107,7 @@ fn words(ui: &mut Ui, agreement: &Agreement) {
     let there = agreement.lone.len() - here;
     if here + there > 0 {
         // Writing to a string cannot fail.
-        let _ = write!(text, " Labelled only here: {here} frames; only there: {there}.");
+        let _ = write!(text, " Frames labelled only here: {here}, only there: {there}.");
     }
     ui.add(Label::new(text).wrap())
         .on_hover_text("px at 1920 px width. The rings are one and two σ of the way between the two.");
@@ -135,20 +137,25 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     }
 }
 
-/// Points that the two call differently.
+/// Points that the two call differently, a row a frame.
 fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
-    let disputes = || agreement.frames.iter().flat_map(|frame| frame.names.iter().map(move |dispute| (frame, dispute)));
-    let count = disputes().count();
+    let count: usize = agreement.frames.iter().map(|frame| frame.names.len()).sum();
     if count == 0 {
         return;
     }
     theme::title(ui, &format!("CALLED DIFFERENTLY  {count}"));
-    for (frame, dispute) in disputes().take(SHOWN) {
-        let [here, there] = dispute.names.clone().map(|id| panel.app.label(&Target::Landmark(id)));
-        let text = format!("{}: {here} is {there} there", file_name(&frame.name));
+    for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()).take(SHOWN) {
+        let said = |dispute: &NameDispute| {
+            let [here, there] = dispute.names.clone().map(|id| panel.app.label(&Target::Landmark(id)));
+            format!("{here} is {there} there")
+        };
+        let points =
+            if frame.names.len() == 1 { "1 point".to_owned() } else { format!("{} points", frame.names.len()) };
+        let text = format!("{}: {points}, {}", file_name(&frame.name), said(&frame.names[0]));
+        let all: Vec<String> = frame.names.iter().map(said).collect();
         let row = ui.add(Button::new(RichText::new(text).color(theme::CAUTION)).frame(false).truncate());
-        if row.on_hover_text("Click to look at it.").clicked() {
-            panel.actions.push(look_at(frame, dispute.clicks[0]));
+        if row.on_hover_text(format!("{}\nClick to look at it.", all.join("\n"))).clicked() {
+            panel.actions.push(look_at(frame, frame.names[0].clicks[0]));
         }
     }
     ui.add_space(theme::SPACE);
@@ -167,15 +174,23 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let by_camera = sorted.iter().any(|frame| frame.cameras.is_some());
     theme::title(ui, if by_camera { "FRAMES, WORST CORNER" } else { "FRAMES, FARTHEST CLICK" });
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    let largest = sorted.iter().map(|frame| apart(frame)).filter(|px| px.is_finite()).fold(1e-9, f64::max);
+    // What stands out does not make all others look alike.
+    let usual = apart(sorted[sorted.len() / 2]);
+    let largest = apart(sorted[0]).min(STANDS_OUT * usual).max(1e-9);
     for frame in sorted.into_iter().take(SHOWN) {
         let name = file_name(&frame.name);
         let px = apart(frame);
         let value = if px.is_finite() { format!("{px:.1} px") } else { "elsewhere".to_owned() };
         let selected = panel.app.session.frame == frame.frames[0];
-        let (_, response) =
-            Bar { name: &name, value: &value, share: px / largest, colour: theme::ACCENT, selected, tail: 0.0 }
-                .show(ui);
+        let (_, response) = Bar {
+            name: &name,
+            value: &value,
+            share: px / largest,
+            colour: if px > largest { theme::CAUTION } else { theme::ACCENT },
+            selected,
+            tail: 0.0,
+        }
+        .show(ui);
         if response.on_hover_text(tip(frame)).clicked() {
             panel.actions.push(Action::LookAt { frame: frame.frames[0], click: None });
         }
