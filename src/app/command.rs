@@ -160,13 +160,6 @@ rows! {
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
     AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion that is certain enough, after a look at what they are; one step of undo.", ["Ctrl+Enter"];
     Teaches, "teaches", Frame, "This reference teaches", "The forest learns from this reference. Accepted suggestions do not teach unless you say so.", [];
-    MarkGold, "mark_gold", Frame, "Gold frame", "This reference is clicked again later, without a look at its label: that shows how far your hand scatters.", [];
-    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Make a few references gold, spread over pan and landmarks; one step of undo.", [];
-    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: the points of the gold frames are asked for one after another, their labels and lines hidden. Labels stay as they are.", [];
-    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
-    UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
-    UseUsualNoise, "use_usual_noise", Frame, "Weigh points by everybody's click noise", "The field template's click noise is used again; yours stays in the project.", [];
-    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and see on the quality page how far you agree.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
@@ -188,6 +181,7 @@ rows! {
     ShowFeatures, "show_features", View, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
     ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
     QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where references look.", ["F5"];
+    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and see on the quality page how far you agree.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];
@@ -198,6 +192,12 @@ rows! {
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Length and width are right; until then they are assumed, and the dataset says so.", [];
     FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Find length and width together with the base, within what the rules allow; with few frames they are unsure.", [];
     SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot; Shift or Ctrl and a click on the filmstrip select single ones.", [];
+    MarkGold, "mark_gold", Frame, "Gold frame", "This reference is clicked again later, without a look at its label: that shows how far your hand scatters.", [];
+    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Make a few references gold, spread over pan and landmarks; one step of undo.", [];
+    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: the points of the gold frames are asked for one after another, their labels and lines hidden. Labels stay as they are.", [];
+    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
+    UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
+    UseUsualNoise, "use_usual_noise", Frame, "Weigh points by everybody's click noise", "The field template's click noise is used again; yours stays in the project.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];
