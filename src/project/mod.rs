@@ -7,6 +7,7 @@
 
 mod agreement;
 mod atomic;
+pub(crate) mod authors_mat;
 mod base_change;
 mod base_estimation;
 mod calibration;
@@ -49,6 +50,9 @@ pub use agreement::{
     Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame, NameDispute, agreement,
 };
 pub use atomic::write_atomically;
+pub use authors_mat::{
+    AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder, read_authors_sequence,
+};
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
     BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, mirrored_words,

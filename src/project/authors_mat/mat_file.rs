@@ -1,0 +1,300 @@
+//! MATLAB's files of level 5 (saved with `-v6` or `-v7`), as far as they hold numbers, words, cells and structures.
+//!
+//! Format: `MathWorks`, "MAT-File Format", 2023, chapter 1. A file is a header and a row of elements; an element is a tag (type,
+//! number of bytes) and its bytes. Whatever a damaged file says, nothing is read beyond it and nothing is reserved that its
+//! bytes cannot fill.
+
+use super::mat_value::MatValue;
+use flate2::read::ZlibDecoder;
+use std::io::Read as _;
+use thiserror::Error;
+
+/// The header: text, an offset, the version and the order of bytes.
+const HEADER: usize = 128;
+/// What compressed elements may unfold to, bytes: far beyond any annotation, far below the memory of a machine.
+const MOST_UNFOLDED: u64 = 1 << 28;
+/// Structures and cells within each other.
+const MOST_NESTED: u32 = 16;
+
+/// Why a MAT file cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum MatError {
+    /// It has another format.
+    #[error("it is not a MATLAB file of level 5")]
+    NotMat,
+    /// It was saved with `-v7.3`.
+    #[error("it is a MATLAB 7.3 file (HDF5); save it with -v7 in MATLAB")]
+    Hdf5,
+    /// It ends within an element.
+    #[error("it is cut short or damaged: {wanted} bytes are wanted at byte {at}, where {left} are left")]
+    Short {
+        /// Where, counted within its element if that is compressed.
+        at: usize,
+        /// Bytes that the element claims.
+        wanted: usize,
+        /// Bytes that there are.
+        left: usize,
+    },
+    /// An element makes no sense.
+    #[error("it is damaged at byte {at}: {what}")]
+    Damaged {
+        /// Where, counted within its element if that is compressed.
+        at: usize,
+        /// What is wrong.
+        what: &'static str,
+    },
+    /// A compressed element cannot be unfolded.
+    #[error("a compressed part of it cannot be unfolded: {0}")]
+    Compressed(String),
+}
+
+/// The variables of a MAT file, in their order.
+///
+/// # Errors
+/// It is no MAT file of level 5, or it is damaged.
+pub fn read_mat(bytes: &[u8]) -> Result<Vec<(String, MatValue)>, MatError> {
+    // An HDF5 file begins with 0x89 "HDF", after MATLAB's own 512 bytes of text or at once.
+    if bytes.starts_with(b"\x89HDF") || bytes.starts_with(b"MATLAB 7.3") {
+        return Err(MatError::Hdf5);
+    }
+    let big_endian = match bytes.get(HEADER - 2..HEADER) {
+        Some(b"IM") => false,
+        Some(b"MI") => true,
+        _ => return Err(MatError::NotMat),
+    };
+    let mut reader = Reader { bytes, at: HEADER, big_endian };
+    let mut variables = Vec::new();
+    while !reader.is_at_end() {
+        let element = reader.element()?;
+        match element.kind {
+            Kind::MATRIX => variables.push(element.inside(big_endian).matrix(0)?),
+            Kind::COMPRESSED => {
+                let unfolded = unfold(element.bytes)?;
+                let mut inner = Reader { bytes: &unfolded, at: 0, big_endian };
+                let element = inner.element()?;
+                if element.kind == Kind::MATRIX {
+                    variables.push(element.inside(big_endian).matrix(0)?);
+                }
+            }
+            // Other top-level elements are not variables.
+            _ => {}
+        }
+    }
+    Ok(variables)
+}
+
+fn unfold(bytes: &[u8]) -> Result<Vec<u8>, MatError> {
+    let mut unfolded = Vec::new();
+    let read = ZlibDecoder::new(bytes).take(MOST_UNFOLDED + 1).read_to_end(&mut unfolded);
+    read.map_err(|error| MatError::Compressed(error.to_string()))?;
+    if unfolded.len() as u64 > MOST_UNFOLDED {
+        return Err(MatError::Compressed(format!("it unfolds to more than {} MiB", MOST_UNFOLDED >> 20)));
+    }
+    Ok(unfolded)
+}
+
+/// The type of an element.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kind(u32);
+
+impl Kind {
+    const INT8: Self = Self(1);
+    const UINT8: Self = Self(2);
+    const INT16: Self = Self(3);
+    const UINT16: Self = Self(4);
+    const INT32: Self = Self(5);
+    const UINT32: Self = Self(6);
+    const SINGLE: Self = Self(7);
+    const DOUBLE: Self = Self(9);
+    const INT64: Self = Self(12);
+    const UINT64: Self = Self(13);
+    const MATRIX: Self = Self(14);
+    const COMPRESSED: Self = Self(15);
+    const UTF8: Self = Self(16);
+    const UTF16: Self = Self(17);
+    const UTF32: Self = Self(18);
+
+    /// Bytes of one number; none for what holds no numbers.
+    const fn width(self) -> Option<usize> {
+        match self {
+            Self::INT8 | Self::UINT8 | Self::UTF8 => Some(1),
+            Self::INT16 | Self::UINT16 | Self::UTF16 => Some(2),
+            Self::INT32 | Self::UINT32 | Self::SINGLE | Self::UTF32 => Some(4),
+            Self::DOUBLE | Self::INT64 | Self::UINT64 => Some(8),
+            _ => None,
+        }
+    }
+}
+
+/// An element: its type, its bytes and where they begin.
+struct Element<'a> {
+    kind: Kind,
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Element<'a> {
+    fn inside(&self, big_endian: bool) -> Reader<'a> {
+        Reader { bytes: self.bytes, at: 0, big_endian }
+    }
+}
+
+/// A place in some bytes.
+struct Reader<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Reader<'a> {
+    const fn is_at_end(&self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
+    fn take(&mut self, wanted: usize) -> Result<&'a [u8], MatError> {
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let taken = rest.get(..wanted).ok_or(MatError::Short { at: self.at, wanted, left: rest.len() })?;
+        self.at += wanted;
+        Ok(taken)
+    }
+
+    fn word(&mut self) -> Result<u32, MatError> {
+        let at = self.at;
+        let bytes: [u8; 4] =
+            self.take(4)?.try_into().map_err(|_| MatError::Damaged { at, what: "a number is cut short" })?;
+        Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    /// The next element with its padding.
+    fn element(&mut self) -> Result<Element<'a>, MatError> {
+        let first = self.word()?;
+        if first >> 16 != 0 {
+            // A small one: type and length share a word, and at most four bytes follow.
+            let (kind, length) = (Kind(first & 0xffff), (first >> 16) as usize);
+            let at = self.at;
+            let bytes = self.take(4)?;
+            let bytes = bytes.get(..length).ok_or(MatError::Damaged { at, what: "a small element is not small" })?;
+            return Ok(Element { kind, bytes, at });
+        }
+        let (kind, length) = (Kind(first), self.word()? as usize);
+        let at = self.at;
+        let bytes = self.take(length)?;
+        if kind != Kind::COMPRESSED {
+            // Some programs leave out the padding at the very end.
+            self.at = (at + length).next_multiple_of(8).min(self.bytes.len());
+        }
+        Ok(Element { kind, bytes, at })
+    }
+
+    /// The numbers of the next element.
+    fn numbers(&mut self) -> Result<Vec<f64>, MatError> {
+        let Element { kind, bytes, at } = self.element()?;
+        let width = kind.width().ok_or(MatError::Damaged { at, what: "numbers are expected" })?;
+        if bytes.len() % width != 0 {
+            return Err(MatError::Damaged { at, what: "a number is cut short" });
+        }
+        Ok(bytes.chunks_exact(width).map(|number| self.number(kind, number)).collect())
+    }
+
+    fn number(&self, kind: Kind, bytes: &[u8]) -> f64 {
+        let mut low_first = [0u8; 8];
+        for (place, byte) in low_first.iter_mut().zip(bytes) {
+            *place = *byte;
+        }
+        if self.big_endian {
+            low_first[..bytes.len()].reverse();
+        }
+        let bits = u64::from_le_bytes(low_first);
+        match kind {
+            Kind::INT8 => f64::from(bits as u8 as i8),
+            Kind::INT16 => f64::from(bits as u16 as i16),
+            Kind::INT32 => f64::from(bits as u32 as i32),
+            Kind::INT64 => bits as i64 as f64,
+            Kind::SINGLE => f64::from(f32::from_bits(bits as u32)),
+            Kind::DOUBLE => f64::from_bits(bits),
+            _ => bits as f64,
+        }
+    }
+
+    /// The inside of a `MATRIX` element: its name and what it holds.
+    fn matrix(&mut self, depth: u32) -> Result<(String, MatValue), MatError> {
+        if self.bytes.is_empty() {
+            return Ok((String::new(), MatValue::Numbers(Vec::new())));
+        }
+        if depth > MOST_NESTED {
+            return Err(MatError::Damaged { at: self.at, what: "structures lie too deep within each other" });
+        }
+        let Element { bytes: flags, at, .. } = self.element()?;
+        let class = if self.big_endian { flags.get(3) } else { flags.first() };
+        let class = *class.ok_or(MatError::Damaged { at, what: "an array has no class" })?;
+        let at = self.at;
+        let sizes = self.numbers()?;
+        let count = sizes.iter().try_fold(1usize, |count, size| {
+            let size = if *size >= 0.0 && *size <= f64::from(u32::MAX) { *size as usize } else { usize::MAX };
+            count.checked_mul(size)
+        });
+        let count = count.ok_or(MatError::Damaged { at, what: "an array has no size" })?;
+        let name = words(&self.numbers()?);
+        let value = match class {
+            1 => MatValue::Cells(self.matrices(count, depth)?),
+            2 => self.structures(count, depth)?,
+            4 => MatValue::Words(self.letters(sizes.first().copied())?),
+            6..=15 => MatValue::Numbers(self.numbers()?),
+            _ => MatValue::Other,
+        };
+        Ok((name, value))
+    }
+
+    /// So many `MATRIX` elements.
+    fn matrices(&mut self, count: usize, depth: u32) -> Result<Vec<MatValue>, MatError> {
+        // Each takes eight bytes at least.
+        let left = (self.bytes.len().saturating_sub(self.at)) / 8;
+        if count > left {
+            return Err(MatError::Short { at: self.at, wanted: count.saturating_mul(8), left: left * 8 });
+        }
+        (0..count)
+            .map(|_| {
+                let element = self.element()?;
+                if element.kind != Kind::MATRIX {
+                    return Err(MatError::Damaged { at: element.at, what: "an array is expected" });
+                }
+                element.inside(self.big_endian).matrix(depth + 1).map(|(_, value)| value)
+            })
+            .collect()
+    }
+
+    fn structures(&mut self, count: usize, depth: u32) -> Result<MatValue, MatError> {
+        let at = self.at;
+        let length = self.numbers()?.first().copied().unwrap_or(0.0);
+        let names = self.numbers()?;
+        if !(1.0..=1024.0).contains(&length) {
+            return Err(MatError::Damaged { at, what: "a structure's field names have no length" });
+        }
+        let names: Vec<String> = names.chunks(length as usize).map(words).collect();
+        let total = count.checked_mul(names.len()).ok_or(MatError::Damaged { at, what: "an array has no size" })?;
+        let mut values = self.matrices(total, depth)?.into_iter();
+        let element = |_| names.iter().cloned().zip(values.by_ref().take(names.len())).collect();
+        // Without fields there is nothing to tell elements apart by.
+        let count = if names.is_empty() { 0 } else { count };
+        Ok(MatValue::Structures((0..count).map(element).collect()))
+    }
+
+    /// The letters of an array of characters, whose columns stand one after the other: those of its first row.
+    fn letters(&mut self, rows: Option<f64>) -> Result<String, MatError> {
+        let Element { kind, bytes, at } = self.element()?;
+        if kind == Kind::UTF8 {
+            return Ok(String::from_utf8_lossy(bytes).into_owned());
+        }
+        let width = kind.width().ok_or(MatError::Damaged { at, what: "letters are expected" })?;
+        let rows = rows.unwrap_or(1.0).max(1.0) as usize;
+        let numbers: Vec<f64> =
+            bytes.chunks_exact(width).step_by(rows).map(|number| self.number(kind, number)).collect();
+        Ok(words(&numbers))
+    }
+}
+
+/// Letters by their numbers, up to the first 0.
+fn words(numbers: &[f64]) -> String {
+    let letters = numbers.iter().take_while(|number| **number != 0.0);
+    letters.map(|number| char::from_u32(*number as u32).unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}

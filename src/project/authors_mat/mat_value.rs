@@ -1,0 +1,51 @@
+//! What a MATLAB variable holds.
+
+/// A MATLAB variable, or an entry of one. Sizes are left out: what is read here is rows of numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MatValue {
+    /// Numbers, column after column; imaginary parts are left out.
+    Numbers(Vec<f64>),
+    /// Characters: the first row.
+    Words(String),
+    /// A cell array.
+    Cells(Vec<MatValue>),
+    /// An array of structures: their fields by name, in order.
+    Structures(Vec<Vec<(String, MatValue)>>),
+    /// Something else: objects, functions, sparse matrices.
+    Other,
+}
+
+impl MatValue {
+    /// The numbers; none for anything else.
+    pub fn numbers(&self) -> Option<&[f64]> {
+        match self {
+            Self::Numbers(numbers) => Some(numbers),
+            _ => None,
+        }
+    }
+
+    /// The words, also where they lie in a cell of their own; none for anything else.
+    pub fn words(&self) -> Option<&str> {
+        match self {
+            Self::Words(words) => Some(words),
+            Self::Cells(cells) => match cells.as_slice() {
+                [one] => one.words(),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    /// The structures; none for anything else.
+    pub fn structures(&self) -> Option<&[Vec<(String, Self)>]> {
+        match self {
+            Self::Structures(structures) => Some(structures),
+            _ => None,
+        }
+    }
+}
+
+/// A field or variable by its name.
+pub fn named<'a>(fields: &'a [(String, MatValue)], name: &str) -> Option<&'a MatValue> {
+    fields.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+}
