@@ -1,6 +1,6 @@
 //! The part of the field that a picture shows, seen from above.
 
-use super::polygon::{Ring, shared};
+use super::polygon::{Ring, cut, shared};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec2, Vec3};
@@ -68,22 +68,6 @@ fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
         }
     }
     border
-}
-
-/// The part of a convex polygon where `side` is not negative (Sutherland and Hodgman 1974).
-fn cut(polygon: &[Vec3], side: &dyn Fn(&Vec3) -> f64) -> Vec<Vec3> {
-    let mut kept = Vec::with_capacity(polygon.len() + 1);
-    for (i, here) in polygon.iter().enumerate() {
-        let next = &polygon[(i + 1) % polygon.len()];
-        let (at_here, at_next) = (side(here), side(next));
-        if at_here >= 0.0 {
-            kept.push(*here);
-        }
-        if (at_here >= 0.0) != (at_next >= 0.0) {
-            kept.push(here + (next - here) * (at_here / (at_here - at_next)));
-        }
-    }
-    kept
 }
 
 /// Where the ray of a point of the ideal plane meets z = 0.

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | rotation, pan, tilt, focal length, position | [`camera_error`] |
 //! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
+//! | the same of a homography of the ground | [`PlaneView`] |
 //! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
 //! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
 //! | whether stated sigmas keep their word | [`Coverage`] |
@@ -17,6 +18,7 @@ mod ground;
 mod landmarks;
 mod marking_match;
 mod overlap;
+mod plane;
 mod polygon;
 mod statistics;
 mod view;
@@ -28,5 +30,6 @@ pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::{AnnotatedLine, JACCARD_WIDTH_PX, MarkingMatch, annotated_lines};
 pub use overlap::{iou_part, iou_whole};
+pub use plane::PlaneView;
 pub use statistics::{Summary, median, quantile};
 pub use view::FieldView;

@@ -45,7 +45,7 @@ fn carry(truth: &PtzCamera, estimate: &PtzCamera, ground: Vec2) -> Option<Vec2> 
     (distance > 0.0 && distance.is_finite()).then(|| (position + direction * distance).xy())
 }
 
-fn intersection_over_union(one: &[Ring], other: &[Ring]) -> Option<f64> {
+pub(super) fn intersection_over_union(one: &[Ring], other: &[Ring]) -> Option<f64> {
     let both = area(&shared(one, other));
     let union = area(one) + area(other) - both;
     (union > 0.0).then(|| (both / union).clamp(0.0, 1.0))

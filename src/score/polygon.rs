@@ -7,6 +7,7 @@ use crate::geometry::Vec2;
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::float::single::SingleFloatOverlay as _;
+use nalgebra::SVector;
 
 /// A closed polygon, its last point joined to its first. Its points may run either way.
 pub(super) type Ring = Vec<Vec2>;
@@ -36,6 +37,25 @@ pub(super) fn shared(one: &[Ring], other: &[Ring]) -> Vec<Ring> {
     let shapes = one.overlay_as::<i64>(&other, OverlayRule::Intersect, FillRule::NonZero);
     let outer = shapes.into_iter().filter_map(|shape| shape.into_iter().next());
     outer.map(|ring| ring.into_iter().map(|[x, y]| Vec2::new(x, y)).collect()).collect()
+}
+
+/// The part of a convex polygon where `side` is not negative (Sutherland and Hodgman 1974).
+pub(super) fn cut<const D: usize>(
+    polygon: &[SVector<f64, D>],
+    side: &dyn Fn(&SVector<f64, D>) -> f64,
+) -> Vec<SVector<f64, D>> {
+    let mut kept = Vec::with_capacity(polygon.len() + 1);
+    for (i, here) in polygon.iter().enumerate() {
+        let next = &polygon[(i + 1) % polygon.len()];
+        let (at_here, at_next) = (side(here), side(next));
+        if at_here >= 0.0 {
+            kept.push(*here);
+        }
+        if (at_here >= 0.0) != (at_next >= 0.0) {
+            kept.push(here + (next - here) * (at_here / (at_here - at_next)));
+        }
+    }
+    kept
 }
 
 #[cfg(test)]
