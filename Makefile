@@ -8,10 +8,10 @@ RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 lib
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench demo experiments build-packages run-packages
+.PHONY: help run test check bench demo experiments experiments-real build-packages run-packages
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 16
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
 
 run: run-packages ## build and open the demo match (a copy of it in target/demo)
 	cargo build --release
@@ -46,8 +46,24 @@ experiments: build-packages ## measure the paper's tables and figures again, int
 	cargo build --release
 	rm -rf target/experiments
 	cargo run --release --quiet -- experiment all -o target/experiments
-	rm -rf tests/experiments && mkdir -p tests/experiments
+	mkdir -p tests/experiments && rm -f tests/experiments/*.*
 	cd target/experiments && cp README.md *-sheet.png $$(ls *.svg | grep -v times) ../../tests/experiments/
+	printf '\n%s\n' 'Real frames and real cameras, measured: [real/README.md](real/README.md).' >> tests/experiments/README.md
+
+# DATA holds folders with a clicks.json each (frames of one fixed camera, clicked, in clips) and the published data that
+# `touchline experiment --help` names. No picture of it is kept.
+experiments-real: build-packages ## the same on real data, into tests/experiments/real: make experiments-real DATA=DIR
+	@test -n "$(DATA)" || { echo "give the folder of the data: make experiments-real DATA=DIR"; exit 2; }
+	cargo build --release
+	rm -rf target/real && mkdir -p target/real
+	for clicks in $(DATA)/*/clicks.json; do \
+	    cargo run --release --quiet -- refine-base $$clicks -o target/real/$$(basename $$(dirname $$clicks)).json || exit 1; \
+	done
+	cargo run --release --quiet -- experiment all --data $(DATA) -o target/real/report \
+	    $$(for document in target/real/*.json; do echo --train $$document; done)
+	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
+	cd target/real/report && cp $$(ls *.svg | grep -v times) ../../../tests/experiments/real/
+	sed '/-sheet\.png/,+2d' target/real/report/README.md > tests/experiments/real/README.md
 
 build-packages:
 	@.ci/packages $(BUILD_PACKAGES)

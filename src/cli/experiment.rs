@@ -4,17 +4,24 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::experiments::{Experiment, ExperimentOptions, OwnDocuments, Report, Workshop};
+use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, Report, Workshop};
 use anyhow::{Context as _, ensure};
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a report in Markdown.
 ///
 /// The same seed gives the same bytes; what depends on the machine stands apart, in files whose names end with `times`.
+///
+/// Frames are drawn unless others are given: the authors' published data (--data), or documents of your own (--train), whose
+/// solved frames are the truth. --data DIR is searched, with the folders in it, for the published sequences (MATLAB files
+/// such as `highlights/seq1_anno.mat` with their images in `highlights/seq1`), for homographies (`train_val.json` or
+/// `N.homographyMatrix`) and for a published motion (`soccer_ground_truth.json`).
 #[derive(clap::Args, Debug)]
 pub struct ExperimentArgs {
-    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose, or all.
+    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose, those
+    /// that need --data: homographies, motion; or all.
     #[arg(value_name = "NAME", value_parser = named)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.
@@ -26,10 +33,14 @@ pub struct ExperimentArgs {
     /// Where chance starts.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
-    /// A document of your own whose solved frames teach, in place of drawn frames.
-    #[arg(long, value_name = "DOC", requires = "test")]
-    train: Option<PathBuf>,
-    /// A document of your own whose solved frames are asked; its cameras are the truth.
+    /// A folder of published data.
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// A document of your own whose solved frames teach, in place of drawn frames. Without --test each of its clips is asked of
+    /// the other clips of its camera; several documents may be given then.
+    #[arg(long, value_name = "DOC")]
+    train: Vec<PathBuf>,
+    /// A document of your own whose solved frames are asked of those of --train; its cameras are the truth.
     #[arg(long, value_name = "DOC", requires = "train")]
     test: Option<PathBuf>,
     /// Replace files that exist; files of other names stay.
@@ -63,11 +74,13 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     refuse_existing(&args.output, args.force)?;
     let folder = &args.output;
     ensure!(folder.is_dir() || !folder.exists(), "{} is a file; give a folder for the results", folder.display());
+    if let Some(data) = &args.data {
+        ensure!(data.is_dir(), "{} is no folder; give the folder of the data", data.display());
+    }
     let own = own_documents(args, messages)?;
-    let chosen: Vec<Experiment> =
-        args.experiments.0.iter().copied().filter(|experiment| own.is_none() || experiment.takes_frames()).collect();
-    ensure!(!chosen.is_empty(), "this experiment does not look at frames of your own; leave --train and --test away");
-    let workshop = Workshop::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own);
+    let has_own = own.is_some();
+    let workshop = Workshop::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own, args.data.as_deref());
+    let (chosen, left_out) = chosen(args, &workshop, has_own)?;
     let mut reports = Vec::new();
     for experiment in chosen {
         let bar = messages.progress(1, experiment.name());
@@ -83,9 +96,35 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
         reports.push(report);
     }
     if reports.len() > 1 {
-        write_file(&folder.join(REPORT_FILE), together(&reports, args).as_bytes(), args.force)?;
+        write_file(&folder.join(REPORT_FILE), together(&reports, &left_out, args).as_bytes(), args.force)?;
     }
     Ok(Outcome::Done)
+}
+
+/// What is to be run, and what of all experiments is left out for want of data.
+fn chosen(
+    args: &ExperimentArgs,
+    workshop: &Workshop,
+    has_own: bool,
+) -> anyhow::Result<(Vec<Experiment>, Vec<Experiment>)> {
+    if let [one] = args.experiments.0[..] {
+        ensure!(
+            !has_own || one.takes_frames(),
+            "this experiment does not look at frames of your own; leave --train and --test away"
+        );
+        if one.needs_data() || (args.data.is_some() && !has_own) {
+            workshop.given_for(one)?;
+        }
+        return Ok((vec![one], Vec::new()));
+    }
+    let wanted = |experiment: &Experiment| match experiment {
+        Experiment::Homographies | Experiment::Motion => true,
+        // Own frames are no World Cup: they are told of once.
+        Experiment::Worldcup => !has_own,
+        experiment => !has_own || experiment.takes_frames(),
+    };
+    let all = args.experiments.0.iter().copied().filter(wanted);
+    Ok(all.partition(|experiment| !experiment.needs_data() || workshop.given_for(*experiment).is_ok()))
 }
 
 /// Writes the files of a report into a folder, which is made.
@@ -101,22 +140,49 @@ pub(super) fn write_report(report: &Report, folder: &Path, force: bool) -> anyho
 }
 
 fn own_documents(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Option<OwnDocuments>> {
-    let (Some(train), Some(test)) = (&args.train, &args.test) else { return Ok(None) };
+    if args.train.is_empty() {
+        return Ok(None);
+    }
+    ensure!(args.test.is_none() || args.train.len() == 1, "--test goes with one --train; leave one of them away");
     let read = |path: &PathBuf| -> anyhow::Result<_> {
         let Loaded { location, document } = DocumentArg { document: path.clone() }.load(messages)?;
-        Ok((document, location.folder().to_path_buf()))
+        let name = location.name();
+        let name = name.strip_suffix(".json").unwrap_or(&name).to_owned();
+        Ok(OwnDocument { name, document, folder: location.folder().to_path_buf() })
     };
-    Ok(Some(OwnDocuments { train: read(train)?, test: read(test)? }))
+    let train = args.train.iter().map(read).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(Some(OwnDocuments { train, test: args.test.as_ref().map(read).transpose()? }))
 }
 
 /// All reports one after the other.
-fn together(reports: &[Report], args: &ExperimentArgs) -> String {
+fn together(reports: &[Report], left_out: &[Experiment], args: &ExperimentArgs) -> String {
     let quick = if args.quick { " --quick" } else { "" };
     let seed = if args.seed == 0 { String::new() } else { format!(" --seed {}", args.seed) };
+    let given = |flag: &str, path: &Path| {
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        format!(" {flag} {name}")
+    };
+    let given: String = args
+        .train
+        .iter()
+        .map(|path| given("--train", path))
+        .chain(args.test.iter().map(|path| given("--test", path)))
+        .chain(args.data.iter().map(|path| given("--data", path)))
+        .collect();
+    let (title, frames) = if args.train.is_empty() {
+        ("The paper, measured again", "Sequences are drawn where it does not say otherwise.")
+    } else {
+        ("Real frames and real cameras, measured", "Each heading says whose frames it is about.")
+    };
     let mut text = format!(
-        "# The paper, measured again\n\nMade by `touchline experiment all{quick}{seed}`. The paper: Chen, Zhu, Little, \"A Two-point \
-         Method for PTZ Camera Calibration in Sports\", WACV 2018. Sequences are drawn where it does not say otherwise.\n"
+        "# {title}\n\nMade by `touchline experiment all{quick}{seed}{given}`. The paper: Chen, Zhu, Little, \"A Two-point \
+         Method for PTZ Camera Calibration in Sports\", WACV 2018. {frames}\n"
     );
+    if !left_out.is_empty() {
+        let names: Vec<&str> = left_out.iter().map(|experiment| experiment.name()).collect();
+        // Writing to a string cannot fail.
+        let _ = write!(text, "\nLeft out for want of data (`--data`): {}.\n", names.join(", "));
+    }
     for report in reports {
         text.push('\n');
         text.push_str(&report.to_markdown());

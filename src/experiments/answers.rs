@@ -164,11 +164,10 @@ pub fn tally_table(heading: (&str, &str), tallies: &[(Cell, Tally)]) -> Table {
     table
 }
 
-/// By split, and all together.
-pub fn by_split(set: &FrameSet, asked: &[AskedFrame]) -> Vec<(Cell, Tally)> {
-    let of = |number: usize| Tally::of(asked.iter().filter(|asked| asked.split == number));
-    let mut tallies: Vec<(Cell, Tally)> =
-        set.splits.iter().enumerate().map(|(number, split)| (split.name.as_str().into(), of(number))).collect();
-    tallies.push(("all".into(), Tally::of(asked.iter())));
-    tallies
+/// The frames asked by the name of their split, and all together.
+pub fn by_name<'a>(set: &'a FrameSet, asked: &'a [AskedFrame]) -> Vec<(&'a str, Vec<&'a AskedFrame>)> {
+    let of = |name: &str| asked.iter().filter(|asked| set.splits[asked.split].name == name).collect();
+    let mut parts: Vec<(&str, Vec<&AskedFrame>)> = set.names().into_iter().map(|name| (name, of(name))).collect();
+    parts.push(("all", asked.iter().collect()));
+    parts
 }

@@ -36,14 +36,14 @@ const METHODS: [&str; 3] = ["nearest reference, homography", "nearest neighbours
 /// The frames cannot be had.
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.highlights(progress)?;
-    let mut report = Report::new("baselines", "Baselines: over the number of references");
+    let mut report = Report::new("baselines", &set.heading("Baselines: over the number of references"));
     let most = set.splits.iter().map(|split| split.teachers.len()).max().unwrap_or(0);
     let wanted: &[usize] = if workshop.options.quick { &[3, 10] } else { &[5, 10, 20, 40, 87] };
     let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(most)).collect();
     counts.dedup();
     let stride = workshop.options.sized(4, 2);
     report.say(&format!(
-        "Frames: {}. References are drawn at random from the teachers of a sequence; every {stride}. frame is asked. \
+        "Frames: {}. References are drawn at random from the teachers of a sequence; one frame in {stride} is asked. \
          The first method is the one that the paper compares with: the reference with most matches (ratio test), four-point \
          RANSAC, a homography, and the camera of it; it does not use the base. The second takes each feature's nearest \
          neighbour among all references as its ray.",

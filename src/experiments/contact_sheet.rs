@@ -1,12 +1,14 @@
 //! A sheet of frames to look at: the picture with the lines as the answer has them, the field from above, the `IoU`.
 
+use super::ExperimentError;
 use super::answers::AskedFrame;
-use super::figure::{Anchor, Drawing, FigureError, Rgb, SCALE, Shape, painted};
+use super::figure::{Anchor, Drawing, Rgb, SCALE, Shape, painted};
 use super::sets::{FrameSet, KnownFrame};
 use crate::camera::PtzCamera;
 use crate::field::{Curve, FieldModel};
 use crate::geometry::Vec2;
 use crate::markings::{MarkingOptions, project_lines};
+use crate::media::FrameReader;
 use crate::score::seen_field;
 use image::imageops::{FilterType, replace, resize};
 
@@ -25,12 +27,12 @@ const TRUE: Rgb = [0, 114, 178];
 const FOUND: Rgb = [213, 94, 0];
 const FIELD_LINE: Rgb = [190, 190, 190];
 
-/// Six of the frames asked, from the worst to the best; none where the set holds no pictures.
+/// Six of the frames asked, from the worst to the best; none where none was asked.
 ///
 /// # Errors
-/// The program's typeface cannot be read, or the PNG cannot be encoded.
-pub fn contact_sheet(set: &FrameSet, asked: &[AskedFrame]) -> Result<Option<Vec<u8>>, FigureError> {
-    let mut order: Vec<&AskedFrame> = asked.iter().filter(|asked| set.frames[asked.frame].jpeg.is_some()).collect();
+/// A picture cannot be read, the program's typeface cannot be read, or the PNG cannot be encoded.
+pub fn contact_sheet(set: &FrameSet, asked: &[AskedFrame]) -> Result<Option<Vec<u8>>, ExperimentError> {
+    let mut order: Vec<&AskedFrame> = asked.iter().collect();
     let iou = |asked: &AskedFrame| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
     order.sort_by(|a, b| iou(a).total_cmp(&iou(b)));
     let tiles = (COLUMNS * ROWS).min(order.len());
@@ -46,16 +48,16 @@ pub fn contact_sheet(set: &FrameSet, asked: &[AskedFrame]) -> Result<Option<Vec<
     let rows = tiles.div_ceil(COLUMNS);
     let mut drawing = Drawing { width: WIDTH, height: GAP + row_height * rows as f64, shapes: Vec::new() };
     let mut pictures = Vec::with_capacity(tiles);
+    let mut reader = FrameReader::new();
     for (tile, asked) in chosen.enumerate() {
         let left = GAP + (TILE + GAP) * (tile % COLUMNS) as f64;
         let top = GAP + row_height * (tile / COLUMNS) as f64;
         let known = &set.frames[asked.frame];
         let estimate = asked.found.map(|found| found.camera);
-        if let Some(picture) = known.picture() {
-            let pixels = |length: f64| (length * SCALE).round() as u32;
-            let small = resize(&picture, pixels(TILE), pixels(picture_height), FilterType::Triangle);
-            pictures.push((small, [pixels(left), pixels(top)]));
-        }
+        let picture = known.picture(&mut reader)?;
+        let pixels = |length: f64| (length * SCALE).round() as u32;
+        let small = resize(&picture, pixels(TILE), pixels(picture_height), FilterType::Triangle);
+        pictures.push((small, [pixels(left), pixels(top)]));
         if let Some(camera) = &estimate {
             lines_over_picture(&mut drawing.shapes, known, camera, [left, top]);
         }
@@ -67,12 +69,12 @@ pub fn contact_sheet(set: &FrameSet, asked: &[AskedFrame]) -> Result<Option<Vec<
         drawing.shapes.push(Shape::Text { words, at, size: WORDS, anchor: Anchor::Middle, upright: false });
         from_above(&mut drawing.shapes, known, estimate.as_ref(), [left, top + picture_height + CAPTION]);
     }
-    painted(&drawing, |canvas| {
+    let png = painted(&drawing, |canvas| {
         for (small, [x, y]) in &pictures {
             replace(canvas, small, i64::from(*x), i64::from(*y));
         }
-    })
-    .map(Some)
+    })?;
+    Ok(Some(png))
 }
 
 /// The field's lines as a camera has them.

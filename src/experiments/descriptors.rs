@@ -1,11 +1,12 @@
 //! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is its ray, then the pose.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
-use super::sets::{FrameSet, Split, as_picture};
+use super::sets::{FrameSet, KnownFrame, Split, as_picture};
 use super::workshop::Progress;
 use super::{Cell, ExperimentError, Report, Workshop};
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::{BinaryDescriptor, BinaryKind, Descriptor, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
+use crate::media::FrameReader;
 use crate::relocalize::{PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates};
 use crate::score::horizontal_view;
 use rayon::prelude::*;
@@ -16,6 +17,9 @@ const MOST_FEATURES: usize = 1000;
 const GATE: f32 = 0.1;
 /// The same for bits: unrelated descriptors differ in half of them.
 const BINARY_GATE: f32 = 0.15;
+
+/// Pictures that lie in memory at a time.
+const BATCH: usize = 16;
 
 /// The features of all frames of one kind.
 struct Described<D> {
@@ -28,10 +32,10 @@ struct Described<D> {
 /// Runs the experiment.
 ///
 /// # Errors
-/// The frames cannot be had, or they have no pictures.
+/// The frames or their pictures cannot be had.
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.highlights(progress)?;
-    let mut report = Report::new("descriptors", "Descriptors: SIFT, ORB, AKAZE");
+    let mut report = Report::new("descriptors", &set.heading("Descriptors: SIFT, ORB, AKAZE"));
     report.say(&format!(
         "Frames: {}. At most {MOST_FEATURES} features a picture, OpenCV's own settings; every feature's nearest neighbour among \
          all references' features is its ray, then the pose from two points. No forest: a forest splits numbers, not bits.",
@@ -59,13 +63,18 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
 }
 
 fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described<BinaryDescriptor>, ExperimentError> {
-    let of_frame = |index: usize| {
-        let known = &set.frames[index];
-        let picture = known.picture().ok_or(ExperimentError::NoPictures)?;
-        let found = extract_binary(&as_picture(picture)?, &known.masks, kind, MOST_FEATURES)?;
-        Ok((found.keypoints, found.descriptors))
-    };
-    let frames = (0..set.frames.len()).into_par_iter().map(of_frame).collect::<Result<Vec<_>, ExperimentError>>()?;
+    let mut reader = FrameReader::new();
+    let mut frames = Vec::with_capacity(set.frames.len());
+    for batch in set.frames.chunks(BATCH) {
+        // Read one after the other: a video's decoder stands at one place at a time.
+        let pictures: Vec<_> = batch.iter().map(|known| known.picture(&mut reader)).collect::<Result<_, _>>()?;
+        let of_frame = |(known, picture): (&KnownFrame, _)| {
+            let found = extract_binary(&as_picture(picture)?, &known.masks, kind, MOST_FEATURES)?;
+            Ok((found.keypoints, found.descriptors))
+        };
+        let found = batch.par_iter().zip(pictures).map(of_frame);
+        frames.extend(found.collect::<Result<Vec<_>, ExperimentError>>()?);
+    }
     let distance: fn(&BinaryDescriptor, &BinaryDescriptor) -> f32 = match kind {
         BinaryKind::Orb => |a, b| a.distance(b) as f32 / BinaryKind::Orb.bits() as f32,
         BinaryKind::Akaze => |a, b| a.distance(b) as f32 / BinaryKind::Akaze.bits() as f32,

@@ -19,6 +19,9 @@ mod contact_sheet;
 mod descriptors;
 mod evaluation;
 pub mod figure;
+mod given;
+mod homographies;
+mod motion;
 mod options;
 mod pose;
 mod ransac;
@@ -34,6 +37,6 @@ pub use agreement::{agreement_by_frame, agreement_by_landmark, agreement_json, a
 pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
 pub use options::{Experiment, ExperimentError, ExperimentOptions, UnknownExperiment};
 pub use report::{Block, Report, ReportFile};
-pub use sets::OwnDocuments;
+pub use sets::{OwnDocument, OwnDocuments};
 pub use table::{Cell, Column, Table};
 pub use workshop::{Progress, Workshop};

@@ -2,12 +2,14 @@
 
 use super::figure::FigureError;
 use super::workshop::{Progress, Workshop};
-use super::{Report, baselines, descriptors, pose, ransac, relocalization, synthetic};
+use super::{Report, baselines, descriptors, homographies, motion, pose, ransac, relocalization, synthetic};
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::media::MediaError;
+use crate::project::{AuthorsError, EvaluationError};
 use crate::proposals::PictureError;
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -36,11 +38,15 @@ pub enum Experiment {
     Descriptors,
     /// With and without distortion in the optimisation.
     Pose,
+    /// Published homographies: our camera fitted to them, and how many frames share a base. Needs data.
+    Homographies,
+    /// The motion of a real broadcast camera, drawn. Needs data.
+    Motion,
 }
 
 impl Experiment {
     /// All of them, in the order of the report.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Synthetic,
         Self::Ransac,
         Self::Highlights,
@@ -52,6 +58,8 @@ impl Experiment {
         Self::Baselines,
         Self::Descriptors,
         Self::Pose,
+        Self::Homographies,
+        Self::Motion,
     ];
 
     /// Its name on the command line and in files.
@@ -69,13 +77,21 @@ impl Experiment {
             Self::Baselines => "baselines",
             Self::Descriptors => "descriptors",
             Self::Pose => "pose",
+            Self::Homographies => "homographies",
+            Self::Motion => "motion",
         }
     }
 
     /// Whether it looks at frames that may be a user's own.
     #[must_use]
     pub const fn takes_frames(self) -> bool {
-        !matches!(self, Self::Synthetic | Self::Ransac | Self::Descriptors)
+        !matches!(self, Self::Synthetic | Self::Ransac | Self::Homographies | Self::Motion)
+    }
+
+    /// Whether it is about data that the program does not have.
+    #[must_use]
+    pub const fn needs_data(self) -> bool {
+        matches!(self, Self::Homographies | Self::Motion)
     }
 
     /// Runs it.
@@ -95,6 +111,8 @@ impl Experiment {
             Self::Baselines => baselines::run(workshop, progress),
             Self::Descriptors => descriptors::run(workshop, progress),
             Self::Pose => pose::run(workshop, progress),
+            Self::Homographies => homographies::run(workshop, &workshop.given_for(self)?, progress),
+            Self::Motion => motion::run(workshop, &workshop.given_for(self)?, progress),
         }
     }
 }
@@ -151,7 +169,7 @@ pub enum ExperimentError {
     /// Features cannot be found.
     #[error(transparent)]
     Features(#[from] FeatureError),
-    /// A drawn picture cannot be made.
+    /// A picture cannot be made or read.
     #[error(transparent)]
     Media(#[from] MediaError),
     /// A drawn picture cannot be encoded.
@@ -165,12 +183,51 @@ pub enum ExperimentError {
         /// What is wrong.
         source: PictureError,
     },
-    /// Frames of a user's own have no drawn pictures to look for other features in.
-    #[error("this experiment looks at drawn frames only; leave --train and --test away")]
-    NoPictures,
     /// The two documents share no camera with solved frames.
     #[error(
         "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"
     )]
     NothingInCommon,
+    /// No document has two clips of a camera, and there is no second document.
+    #[error(
+        "no camera has solved frames in two clips (`clip` of a frame): give a second document whose frames are to be asked"
+    )]
+    OneClip,
+    /// The authors' files cannot be read.
+    #[error(transparent)]
+    Published(#[from] AuthorsError),
+    /// A file of the given data cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Given {
+        /// The file or folder.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The given data is not there, or not what the experiment is about.
+    #[error("{}", not_given(*experiment, folder.as_deref()))]
+    NotGiven {
+        /// The experiment.
+        experiment: Experiment,
+        /// The folder that was given.
+        folder: Option<PathBuf>,
+    },
+    /// The answers cannot be evaluated.
+    #[error(transparent)]
+    Evaluation(#[from] EvaluationError),
+}
+
+/// What an experiment wants of a folder of data.
+fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
+    let wanted = match experiment {
+        Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
+        Experiment::Motion => "soccer_ground_truth.json",
+        Experiment::Worldcup => "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup",
+        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; leave --data away"),
+        _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
+    };
+    match folder {
+        Some(folder) => format!("{experiment} wants {wanted}; {} has none", folder.display()),
+        None => format!("{experiment} is about given data: --data DIR, a folder with {wanted}"),
+    }
 }

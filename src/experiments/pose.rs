@@ -12,7 +12,7 @@ use crate::relocalize::{RelocalizeOptions, TrainOptions};
 /// The frames cannot be had.
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.distorted(progress)?;
-    let mut report = Report::new("pose", "Pose: with and without k1");
+    let mut report = Report::new("pose", &set.heading("Pose: with and without k1"));
     report.say(&format!(
         "Frames: {}. The lens bends strongly, and more at long focal lengths; low sun, motion blur, defocus and noise besides. \
          The rays that the forest has learnt are right in both cases; only the optimisation differs.",

@@ -1,18 +1,25 @@
 //! What several experiments need, made once.
 
-use super::sets::{FrameSet, OwnDocuments, highlights, of_documents, worldcup};
-use super::{ExperimentError, ExperimentOptions};
+use super::given::folder_with;
+use super::homographies::holds_homographies;
+use super::sets::{
+    FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, highlights, of_own, published, published_folder, worldcup,
+};
+use super::{Experiment, ExperimentError, ExperimentOptions};
 use crate::synthetic::Preset;
+use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// How experiments are run, and what they share: frames are drawn, and their features found, once.
+/// How experiments are run, and what they share: frames are drawn or read, and their features found, once.
 #[derive(Debug, Default)]
 pub struct Workshop {
     /// How they are run.
     pub options: ExperimentOptions,
     /// A user's own frames in place of drawn ones.
-    pub own: Option<OwnDocuments>,
+    own: Option<OwnDocuments>,
+    /// A folder of published data.
+    data: Option<PathBuf>,
     highlights: OnceLock<FrameSet>,
     distorted: OnceLock<FrameSet>,
     worldcup: OnceLock<FrameSet>,
@@ -22,21 +29,38 @@ pub struct Workshop {
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 impl Workshop {
-    /// A workshop for these options, with a user's own frames if they are given.
+    /// A workshop for these options, with a user's own frames and a folder of published data if they are given.
     #[must_use]
-    pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>) -> Self {
-        Self { options, own, ..Self::default() }
+    pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>, data: Option<&Path>) -> Self {
+        Self { options, own, data: data.map(Path::to_path_buf), ..Self::default() }
     }
 
-    /// Sequences like the paper's highlights, or the user's own frames.
+    /// The folder with what an experiment is about, in the given data.
+    ///
+    /// # Errors
+    /// No data was given, or it holds nothing for this experiment.
+    pub fn given_for(&self, experiment: Experiment) -> Result<PathBuf, ExperimentError> {
+        let data = self.data.as_deref();
+        let found = data.and_then(|data| match experiment {
+            Experiment::Homographies => folder_with(data, holds_homographies),
+            Experiment::Motion => folder_with(data, |folder| folder.join(MOTION_FILE).is_file()),
+            Experiment::Worldcup => published_folder(data, PublishedKind::WorldCup),
+            Experiment::Synthetic | Experiment::Ransac => None,
+            _ => published_folder(data, PublishedKind::Highlights),
+        });
+        found.ok_or_else(|| ExperimentError::NotGiven { experiment, folder: self.data.clone() })
+    }
+
+    /// The published sequences, sequences like them, or the user's own frames.
     pub(super) fn highlights(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
-        once(&self.highlights, || match &self.own {
-            Some(own) => self.own_frames(own, progress),
-            None => highlights(&self.options, Preset::Paper, &counted(self.options.sized(116, 15), progress)),
+        once(&self.highlights, || match (&self.own, self.given_for(Experiment::Highlights)) {
+            (Some(own), _) => self.own_frames(own, progress),
+            (None, Ok(folder)) => published(&folder, PublishedKind::Highlights, progress),
+            (None, Err(_)) => highlights(&self.options, Preset::Paper, &counted(self.options.sized(116, 15), progress)),
         })
     }
 
-    /// The same through a lens with strong distortion, or the user's own frames.
+    /// Sequences like the highlights through a lens with strong distortion, or the user's own frames.
     pub(super) fn distorted(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
         once(&self.distorted, || match &self.own {
             Some(own) => self.own_frames(own, progress),
@@ -44,11 +68,12 @@ impl Workshop {
         })
     }
 
-    /// Games like the paper's World Cup set, or the user's own frames.
+    /// The published World Cup games, games like them, or the user's own frames.
     pub(super) fn worldcup(&self, progress: Progress) -> Result<&FrameSet, ExperimentError> {
-        once(&self.worldcup, || match &self.own {
-            Some(own) => self.own_frames(own, progress),
-            None => worldcup(&self.options, &counted(self.options.sized(75, 14), progress)),
+        once(&self.worldcup, || match (&self.own, self.given_for(Experiment::Worldcup)) {
+            (Some(own), _) => self.own_frames(own, progress),
+            (None, Ok(folder)) => published(&folder, PublishedKind::WorldCup, progress),
+            (None, Err(_)) => worldcup(&self.options, &counted(self.options.sized(75, 14), progress)),
         })
     }
 
@@ -56,8 +81,7 @@ impl Workshop {
         if let Some(set) = [&self.highlights, &self.distorted, &self.worldcup].into_iter().find_map(OnceLock::get) {
             return Ok(set.clone());
         }
-        let frames = own.train.0.frames.len() + own.test.0.frames.len();
-        of_documents(own, &counted(frames, progress))
+        of_own(own, &counted(own.frame_count(), progress))
     }
 }
 
@@ -74,7 +98,7 @@ fn once(
 }
 
 /// Progress for work that only says when it has done one more.
-fn counted(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
+pub(super) fn counted(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
     let done = AtomicUsize::new(0);
     move || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total)
 }

@@ -4,6 +4,8 @@
 //! (degrees, metres, px), so that a number that is read is written back to the last digit; the doors to the mathematics
 //! are [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+//!
+//! The annotations that the method's authors published are read as a document, too: [`read_authors_folder`].
 
 mod agreement;
 mod atomic;

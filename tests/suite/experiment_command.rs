@@ -46,7 +46,7 @@ fn wrong_orders_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, named) in [
         ("experiment nothing -o out", "no experiment is called \"nothing\"; there are synthetic, ransac,"),
-        ("experiment synthetic -o out --train a.json", "--test"),
+        ("experiment highlights -o out --test b.json", "--train"),
         ("experiment highlights -o out --train a.json --test b.json", "a.json"),
     ] {
         let ran = touchline(folder.path(), arguments);

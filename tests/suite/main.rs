@@ -27,6 +27,7 @@ mod features;
 mod fields;
 mod fields_command;
 mod forest;
+mod given_data;
 mod gold_in_app;
 mod headless;
 mod identity;

@@ -1,31 +1,66 @@
-//! A user's own frames: a document that teaches, and one that is asked.
+//! A user's own frames: documents that teach, and one that is asked, or whose clips are asked of each other.
 
-use super::{FrameSet, KnownFrame, Split};
+use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
 use crate::experiments::ExperimentError;
 use crate::features::FeatureOptions;
+use crate::geometry::PixelBox;
 use crate::media::FrameReader;
-use crate::project::{Document, FrameStatus};
+use crate::project::{Document, Frame, FrameStatus, Solution};
 use crate::proposals::{FeatureStore, FramePictures};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
-/// Two documents with the folders that their paths start from.
+/// A document with the folder that its paths start from.
 #[derive(Clone, Debug)]
-pub struct OwnDocuments {
-    /// Its solved frames teach.
-    pub train: (Document, PathBuf),
-    /// Its solved frames are asked; what they hold is the truth.
-    pub test: (Document, PathBuf),
+pub struct OwnDocument {
+    /// What people call it.
+    pub name: String,
+    /// The document; what its solved frames hold is the truth.
+    pub document: Document,
+    /// Where its relative paths start.
+    pub folder: PathBuf,
 }
 
-/// The frames of both, split by camera: frames of a camera are asked of those of the camera of the same name.
+/// A user's own documents.
+#[derive(Clone, Debug)]
+pub struct OwnDocuments {
+    /// Their solved frames teach.
+    pub train: Vec<OwnDocument>,
+    /// Its solved frames are asked; none: the clips of each document are asked of its other clips.
+    pub test: Option<OwnDocument>,
+}
+
+impl OwnDocuments {
+    /// How many frames they hold.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.train.iter().chain(&self.test).map(|own| own.document.frames.len()).sum()
+    }
+}
+
+/// The frames of all documents, split by camera.
 ///
 /// # Errors
-/// A field is not valid, or a picture cannot be read.
-pub fn of_documents(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> {
-    let (mut frames, mut cameras) = (Vec::new(), Vec::new());
-    let mut taught = 0;
-    for (document, folder) in [&own.train, &own.test] {
+/// A field is not valid, a picture cannot be read, or no frame could be asked of another.
+pub fn of_own(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> {
+    match &own.test {
+        Some(test) => of_two(&own.train, test, progress),
+        None => of_clips(&own.train, progress),
+    }
+}
+
+/// The solved frames of a document, and of each its camera and its clip.
+#[derive(Default)]
+pub(super) struct Gathered {
+    pub frames: Vec<KnownFrame>,
+    cameras: Vec<String>,
+    clips: Vec<String>,
+}
+
+impl Gathered {
+    /// Adds the solved frames of a document with their features; where they stand.
+    pub fn add(&mut self, own: &OwnDocument, progress: &(dyn Fn() + Sync)) -> Result<Range<usize>, ExperimentError> {
+        let OwnDocument { document, folder, .. } = own;
         let store = FeatureStore::in_memory();
         let pictures = FramePictures { document, folder, options: FeatureOptions::default(), store: &store };
         let solved: Vec<usize> = (0..document.frames.len())
@@ -38,36 +73,129 @@ pub fn of_documents(own: &OwnDocuments, progress: &(dyn Fn() + Sync)) -> Result<
             progress();
             ControlFlow::Continue((index, features))
         });
+        let begin = self.frames.len();
         for (index, features) in found.unwrap_or_default() {
             let frame = &*document.frames[index];
-            let Some(truth) = document.pointed(frame) else { continue };
+            let (Some(truth), Some(source)) = (document.pointed(frame), frame.picture_source(folder)) else { continue };
             let features = features.map_err(|source| ExperimentError::Picture { frame: frame.name(), source })?;
-            let field = document.field_of(frame).model(folder)?;
-            let features = (*features.features).clone();
-            frames.push(KnownFrame { truth, features, field, jpeg: None, masks: Vec::new() });
-            cameras.push(frame.camera.as_str().to_owned());
+            let warnings = frame.solution.iter().flat_map(Solution::warnings_of_frame);
+            let warnings: Vec<&str> = warnings.map(|warning| warning.code.as_str()).collect();
+            self.frames.push(KnownFrame {
+                name: frame.name(),
+                warnings: warnings.join(", "),
+                truth,
+                features: (*features.features).clone(),
+                field: document.field_of(frame).model(folder)?,
+                picture: KnownPicture::File(source),
+                masks: masks(document, frame),
+            });
+            self.cameras.push(frame.camera.as_str().to_owned());
+            self.clips.push(frame.clip.as_ref().map(ToString::to_string).unwrap_or_default());
         }
-        if taught == 0 {
-            taught = frames.len();
+        Ok(begin..self.frames.len())
+    }
+
+    /// The cameras of some frames, each once, in their order.
+    pub fn cameras(&self, range: Range<usize>) -> Vec<&str> {
+        each_once(range.map(|index| self.cameras[index].as_str()))
+    }
+
+    /// The clips of a camera's frames, each once, in their order.
+    pub fn clips(&self, range: Range<usize>, camera: &str) -> Vec<&str> {
+        let of_camera = range.filter(|&index| self.cameras[index] == camera);
+        each_once(of_camera.map(|index| self.clips[index].as_str()))
+    }
+
+    /// The frames of a camera, of these clips or not of them.
+    pub fn of_camera(&self, range: Range<usize>, camera: &str, clip: impl Fn(&str) -> bool) -> Vec<usize> {
+        range.filter(|&index| self.cameras[index] == camera && clip(&self.clips[index])).collect()
+    }
+}
+
+fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut found: Vec<&str> = Vec::new();
+    for name in names {
+        if !found.contains(&name) {
+            found.push(name);
         }
     }
-    let mut names = cameras.clone();
-    names.sort();
-    names.dedup();
-    let of_camera = |name: &String, range: std::ops::Range<usize>| range.filter(|&i| cameras[i] == *name).collect();
-    let splits: Vec<Split> = names
-        .iter()
-        .map(|name| Split {
-            name: format!("camera {name}"),
-            teachers: of_camera(name, 0..taught),
-            asked: of_camera(name, taught..frames.len()),
-        })
-        .filter(|split: &Split| !split.teachers.is_empty() && !split.asked.is_empty())
-        .collect();
+    found
+}
+
+/// What gives no features in a frame: the boxes of its camera and its own.
+fn masks(document: &Document, frame: &Frame) -> Vec<PixelBox> {
+    let of_camera = document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
+    of_camera.iter().chain(&frame.masks).copied().collect()
+}
+
+/// One document is asked of others.
+fn of_two(
+    train: &[OwnDocument],
+    test: &OwnDocument,
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
+    let mut gathered = Gathered::default();
+    for own in train {
+        gathered.add(own, progress)?;
+    }
+    let taught = gathered.frames.len();
+    let asked = gathered.add(test, progress)?;
+    let splits = gathered.cameras(asked.clone()).into_iter().map(|camera| Split {
+        name: format!("camera {camera}"),
+        teachers: gathered.of_camera(0..taught, camera, |_| true),
+        asked: gathered.of_camera(asked.clone(), camera, |_| true),
+    });
+    let splits: Vec<Split> = splits.filter(|split| !split.teachers.is_empty() && !split.asked.is_empty()).collect();
     if splits.is_empty() {
         return Err(ExperimentError::NothingInCommon);
     }
-    let title = format!("own frames, {taught} that teach and {} that are asked", frames.len() - taught);
-    let teaching = "The frames of one document are asked of those of the other, camera by camera.";
-    Ok(FrameSet { title, teaching, frames, splits })
+    Ok(FrameSet {
+        kind: SetKind::Own,
+        title: format!("own frames, {taught} that teach and {} that are asked", asked.len()),
+        teaching: "The frames of one document are asked of those of the other, camera by camera.".to_owned(),
+        splits,
+        frames: gathered.frames,
+    })
+}
+
+/// Each clip is asked of the others of its camera.
+fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<FrameSet, ExperimentError> {
+    let mut gathered = Gathered::default();
+    let mut splits = Vec::new();
+    for own in documents {
+        let range = gathered.add(own, progress)?;
+        let cameras = gathered.cameras(range.clone());
+        for camera in &cameras {
+            let clips = gathered.clips(range.clone(), camera);
+            if clips.len() < 2 {
+                continue;
+            }
+            for clip in clips {
+                let mut name = if documents.len() > 1 { own.name.clone() } else { format!("clip {clip}") };
+                if cameras.len() > 1 {
+                    name = format!("{name}, camera {camera}");
+                }
+                splits.push(Split {
+                    name,
+                    teachers: gathered.of_camera(range.clone(), camera, |other| other != clip),
+                    asked: gathered.of_camera(range.clone(), camera, |other| other == clip),
+                });
+            }
+        }
+    }
+    if splits.is_empty() {
+        return Err(ExperimentError::OneClip);
+    }
+    let asked: usize = splits.iter().map(|split| split.asked.len()).sum();
+    let documents = if documents.len() > 1 { format!("of {} documents, ", documents.len()) } else { String::new() };
+    Ok(FrameSet {
+        kind: SetKind::Own,
+        title: format!("own frames, {documents}{asked} in {} clips", splits.len()),
+        teaching:
+            "Each clip is asked of the other clips of its camera; the truth is the camera that the document holds for \
+                   the frame, with the errors of the clicks that it was fitted to."
+                .to_owned(),
+        frames: gathered.frames,
+        splits,
+    })
 }

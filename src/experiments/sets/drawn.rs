@@ -1,12 +1,12 @@
 //! Drawn sequences like the paper's two sets.
 
-use super::{FrameSet, KnownFrame, Split};
+use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
 use crate::camera::PtzCamera;
 use crate::experiments::{ExperimentError, ExperimentOptions};
 use crate::features::{FeatureOptions, Features, extract};
-use crate::field::{FieldModel, builtin};
+use crate::field::builtin;
 use crate::geometry::{ImageSize, PixelBox};
-use crate::media::{MediaError, Picture};
+use crate::media::{FrameReader, MediaError, Picture};
 use crate::synthetic::{PathStep, Preset, ShootOptions, Stadium, StadiumOptions, camera_path, stadium};
 use image::codecs::jpeg::JpegEncoder;
 use image::{DynamicImage, RgbImage};
@@ -19,14 +19,14 @@ const HIGHLIGHTS_EVERY_S: f64 = 90.0;
 const WORLDCUP_STEP_S: f64 = 7.0;
 
 /// A picture and everything about it that is known.
-struct Order<'a> {
-    scene: &'a Stadium,
-    camera: PtzCamera,
-    step: PathStep,
-    number: usize,
-    shoot: &'a ShootOptions,
-    size: ImageSize,
-    seed: u64,
+pub(super) struct Order<'a> {
+    pub scene: &'a Stadium,
+    pub camera: PtzCamera,
+    pub step: PathStep,
+    pub number: usize,
+    pub shoot: &'a ShootOptions,
+    pub size: ImageSize,
+    pub seed: u64,
 }
 
 /// Four sequences of 29 frames of one match from one camera; each is asked of the other three.
@@ -65,8 +65,9 @@ pub fn highlights(
         asked: frames_of(sequence).collect(),
     };
     Ok(FrameSet {
+        kind: SetKind::Drawn,
         title: format!("drawn, {sequences} sequences of {frames} frames, {} × {} px", size.width, size.height),
-        teaching: "A sequence is asked of the frames of all others.",
+        teaching: "A sequence is asked of the frames of all others.".to_owned(),
         frames: take(&orders, progress)?,
         splits: (0..sequences).map(split).collect(),
     })
@@ -81,11 +82,12 @@ pub fn worldcup(options: &ExperimentOptions, progress: &(dyn Fn() + Sync)) -> Re
     let size = picture_size(options);
     let shoot = ShootOptions { step_s: WORLDCUP_STEP_S, ..Preset::Paper.shoot() };
     let mut set = FrameSet {
+        kind: SetKind::Drawn,
         title: format!(
             "drawn, two games of {} and {} frames, {} × {} px",
             counts[0], counts[1], size.width, size.height
         ),
-        teaching: "Every other frame of a game teaches the rest; frames are seconds apart.",
+        teaching: "Every other frame of a game teaches the rest; frames are seconds apart.".to_owned(),
         frames: Vec::new(),
         splits: Vec::new(),
     };
@@ -115,18 +117,18 @@ pub fn worldcup(options: &ExperimentOptions, progress: &(dyn Fn() + Sync)) -> Re
     Ok(set)
 }
 
-fn picture_size(options: &ExperimentOptions) -> ImageSize {
+pub(super) fn picture_size(options: &ExperimentOptions) -> ImageSize {
     if options.quick { ImageSize::new(640, 360) } else { ImageSize::new(1280, 720) }
 }
 
 fn drawn_stadium(shoot: &ShootOptions, seed: u64) -> Result<Stadium, ExperimentError> {
-    let field: FieldModel = builtin("soccer")?.default_model()?;
+    let field = builtin("soccer")?.default_model()?;
     Ok(stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed) }))
 }
 
 /// Draws the pictures, and finds their features: outside players and the score graphic, as a detector of players would leave
 /// them out.
-fn take(orders: &[Order<'_>], progress: &(dyn Fn() + Sync)) -> Result<Vec<KnownFrame>, ExperimentError> {
+pub(super) fn take(orders: &[Order<'_>], progress: &(dyn Fn() + Sync)) -> Result<Vec<KnownFrame>, ExperimentError> {
     let one = |order: &Order<'_>| {
         let options = order.shoot.frame(order.number, &order.step, order.size, order.seed);
         let drawn = order.scene.render(&order.camera, order.size, &options);
@@ -134,11 +136,19 @@ fn take(orders: &[Order<'_>], progress: &(dyn Fn() + Sync)) -> Result<Vec<KnownF
         let mut jpeg = Vec::new();
         JpegEncoder::new_with_quality(&mut jpeg, order.shoot.jpeg_quality).encode_image(&drawn.image)?;
         let field = order.scene.field().clone();
-        let features = Features::default();
-        let mut known = KnownFrame { truth: order.camera, features, field, jpeg: Some(jpeg), masks };
-        if let Some(picture) = known.picture() {
-            known.features = extract(&as_picture(picture)?, &known.masks, &FeatureOptions::default())?;
-        }
+        let picture = KnownPicture::Drawn(jpeg);
+        let mut known = KnownFrame {
+            name: format!("drawn frame {}", order.number),
+            warnings: String::new(),
+            truth: order.camera,
+            features: Features::default(),
+            field,
+            picture,
+            masks,
+        };
+        // Features are those of the JPEG file, as a user's would be.
+        let decoded = as_picture(known.picture(&mut FrameReader::new())?)?;
+        known.features = extract(&decoded, &known.masks, &FeatureOptions::default())?;
         progress();
         Ok(known)
     };

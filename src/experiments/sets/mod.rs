@@ -2,57 +2,113 @@
 
 mod documents;
 mod drawn;
+mod motion;
+mod published;
 
-pub use documents::{OwnDocuments, of_documents};
+pub use documents::{OwnDocument, OwnDocuments, of_own};
 pub use drawn::{as_picture, highlights, worldcup};
+pub use motion::{MOTION_FILE, RealMotion, motion};
+pub use published::{PublishedKind, published, published_folder};
 
+use super::ExperimentError;
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::Features;
 use crate::field::FieldModel;
 use crate::geometry::PixelBox;
+use crate::media::{FrameReader, FrameRef};
 use crate::relocalize::{Samples, SeenRange};
 use image::{ImageFormat, RgbImage};
 
 /// A frame whose camera is known.
 #[derive(Clone, Debug)]
 pub struct KnownFrame {
+    /// What people call it.
+    pub name: String,
+    /// What its document warns of: the codes.
+    pub warnings: String,
     /// Its true camera.
     pub truth: PtzCamera,
     /// Its features, outside players and graphics.
     pub features: Features,
     /// Its field.
     pub field: FieldModel,
-    /// Its picture as a JPEG file, where it was drawn.
-    pub jpeg: Option<Vec<u8>>,
+    /// Where its picture is.
+    pub picture: KnownPicture,
     /// Where players and graphics are, px.
     pub masks: Vec<PixelBox>,
 }
 
+/// Where the picture of a frame is.
+#[derive(Clone, Debug)]
+pub enum KnownPicture {
+    /// Here: a JPEG file that was drawn.
+    Drawn(Vec<u8>),
+    /// In an image file or a video of the user's own.
+    File(FrameRef),
+}
+
 impl KnownFrame {
-    /// Its picture, where it was drawn.
-    pub fn picture(&self) -> Option<RgbImage> {
-        let decoded = image::load_from_memory_with_format(self.jpeg.as_ref()?, ImageFormat::Jpeg).ok()?;
-        Some(decoded.into_rgb8())
+    /// Its picture.
+    ///
+    /// # Errors
+    /// It cannot be read or decoded.
+    pub fn picture(&self, reader: &mut FrameReader) -> Result<RgbImage, ExperimentError> {
+        match &self.picture {
+            KnownPicture::Drawn(jpeg) => Ok(image::load_from_memory_with_format(jpeg, ImageFormat::Jpeg)?.into_rgb8()),
+            KnownPicture::File(source) => {
+                let picture = reader.read(source)?;
+                let size = picture.size();
+                Ok(RgbImage::from_fn(size.width, size.height, |x, y| {
+                    let at = 4 * (y as usize * size.width as usize + x as usize);
+                    let rgba = picture.rgba();
+                    image::Rgb([rgba[at], rgba[at + 1], rgba[at + 2]])
+                }))
+            }
+        }
     }
 }
 
 /// Frames, and how they are split.
 #[derive(Clone, Debug)]
 pub struct FrameSet {
+    /// What kind of frames they are.
+    pub kind: SetKind,
     /// What it is, in words: "drawn, …" where it is drawn.
     pub title: String,
     /// Who teaches whom, in words.
-    pub teaching: &'static str,
+    pub teaching: String,
     /// The frames.
     pub frames: Vec<KnownFrame>,
     /// Who teaches whom; the frames of one split are of one camera.
     pub splits: Vec<Split>,
 }
 
+/// What kind of frames a set holds: tables of different kinds never share a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SetKind {
+    /// Drawn by this program; the truth is exact.
+    Drawn,
+    /// The authors' published frames and cameras.
+    Published,
+    /// A user's own frames; the truth is what the documents hold.
+    Own,
+}
+
+impl SetKind {
+    /// What stands in headings.
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Drawn => "drawn",
+            Self::Published => "the authors' published data",
+            Self::Own => "own frames",
+        }
+    }
+}
+
 /// Frames that teach and frames that are asked.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// Its name: that of what is asked.
+    /// Its name: that of what is asked. Splits of one name are told of together.
     pub name: String,
     /// Frames that teach.
     pub teachers: Vec<usize>,
@@ -61,6 +117,11 @@ pub struct Split {
 }
 
 impl FrameSet {
+    /// A heading that says what kind of frames it is about, so that nobody takes a drawn set for a real one.
+    pub fn heading(&self, words: &str) -> String {
+        format!("{words} ({})", self.kind.words())
+    }
+
     /// What some frames teach, and where they looked; none without features.
     pub fn lessons(&self, frames: &[usize]) -> Option<(Samples, SeenRange)> {
         let mut samples = Samples::new();
@@ -71,5 +132,16 @@ impl FrameSet {
         }
         let seen: Vec<Ptz> = frames.iter().map(|&frame| self.frames[frame].truth.ptz()).collect();
         Some((samples, SeenRange::of(&seen)?))
+    }
+
+    /// The names of the splits, each once, in their order.
+    pub fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for split in &self.splits {
+            if !names.contains(&split.name.as_str()) {
+                names.push(&split.name);
+            }
+        }
+        names
     }
 }

@@ -1,0 +1,256 @@
+//! Our seven-parameter camera fitted to a homography, and bases that several frames share.
+
+use super::read::SIZE;
+use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use crate::field::FieldModel;
+use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
+use crate::score::{PlaneView, median};
+use crate::solve::base::{AdjustOptions, BaseModel, BasePriors, CrownModel, FrameClicks, LensModel, adjust_base};
+use crate::solve::{Loss, Observation, Target, pose_from_plane, refine};
+use rayon::prelude::*;
+
+/// Points of the picture that are compared, along its sides.
+const GRID: [u32; 2] = [16, 9];
+/// With fewer points of the pitch in view a homography says too little.
+const FEWEST_POINTS: usize = 12;
+/// A base is tried on frames whose own position is at most so far from it, m: what a homography says of a camera's place is
+/// soft along the view.
+const NEIGHBOURS_M: f64 = 12.0;
+/// How often a group's base is fitted again to the frames that agree with it.
+const ROUNDS: usize = 3;
+
+/// A frame's homography, seen through points of the pitch.
+#[derive(Clone, Debug)]
+pub struct Sampled {
+    /// Points of the pitch and their pixels, over all that the picture shows of the pitch.
+    points: Vec<(Vec2, ImagePoint)>,
+}
+
+/// A camera fitted to a frame's homography.
+#[derive(Clone, Copy, Debug)]
+pub struct Fitted {
+    /// The camera: its base is its own, level but for the roll that it needs.
+    pub camera: PtzCamera,
+    /// Root mean square distance from the homography over the visible pitch, px.
+    pub rms_px: f64,
+}
+
+impl Sampled {
+    /// The points of the picture's grid that show the pitch; none with too few of them.
+    pub fn new(view: &PlaneView, field: &FieldModel) -> Option<Self> {
+        let [columns, rows] = GRID.map(f64::from);
+        let (width, height) = (f64::from(SIZE.width), f64::from(SIZE.height));
+        let grid = (0..GRID[0]).flat_map(|column| (0..GRID[1]).map(move |row| (f64::from(column), f64::from(row))));
+        let pixels =
+            grid.map(|(column, row)| ImagePoint::new((column + 0.5) / columns * width, (row + 0.5) / rows * height));
+        let [half_length, half_width] = [0.5 * field.length_m, 0.5 * field.width_m];
+        let points: Vec<(Vec2, ImagePoint)> = pixels
+            .filter_map(|pixel| Some((view.ground_from_image(pixel)?, pixel)))
+            .filter(|(ground, _)| ground.x.abs() <= half_length && ground.y.abs() <= half_width)
+            .collect();
+        (points.len() >= FEWEST_POINTS).then_some(Self { points })
+    }
+
+    /// The same points of the pitch where a camera shows them.
+    pub fn as_seen_by(&self, camera: &PtzCamera) -> Self {
+        let shown = |(ground, _): &(Vec2, ImagePoint)| {
+            Some((*ground, camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0)).ok()?))
+        };
+        Self { points: self.points.iter().filter_map(shown).collect() }
+    }
+
+    fn observations(&self) -> Vec<Observation> {
+        let landmark = |(click, (ground, image)): (usize, &(Vec2, ImagePoint))| Observation {
+            image: *image,
+            sigma_px: 1.0,
+            target: Target::Landmark(Vec3::new(ground.x, ground.y, 0.0)),
+            click,
+            check: false,
+        };
+        self.points.iter().enumerate().map(landmark).collect()
+    }
+
+    /// How far a camera is from the homography, px; infinite where it does not see a point.
+    fn rms_px(&self, camera: &PtzCamera) -> f64 {
+        let squares = self.points.iter().map(|(ground, image)| {
+            let shown = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0));
+            shown.map_or(f64::INFINITY, |shown| shown.offset_from(*image).norm_squared())
+        });
+        (squares.sum::<f64>() / self.points.len() as f64).sqrt()
+    }
+
+    /// Position, rotation and focal length: square pixels, principal point in the middle. None where no camera sees the
+    /// ground so.
+    pub fn fitted(&self, field: &FieldModel) -> Option<Fitted> {
+        let principal = SIZE.centre();
+        let pose = pose_from_plane(&self.points, principal).ok()?;
+        if !(pose.position_m.z > 0.0) {
+            return None;
+        }
+        let (base, ptz) = without_roll(&pose.cam_from_world, pose.position_m, principal, pose.focal_px);
+        let loose = BasePriors {
+            pitch: Angle::from_degrees(1000.0),
+            roll: Angle::from_degrees(1000.0),
+            ..BasePriors::default()
+        };
+        let options = AdjustOptions { loss: Loss::Squared, priors: loose, ..AdjustOptions::default() };
+        let frames = [FrameClicks { observations: self.observations(), start: None }];
+        let adjusted = adjust_base(field, &frames, &base, &[Some(ptz)], SIZE.width, &PINHOLE, &options);
+        let camera = PtzCamera::new(adjusted.base, adjusted.ptz.first().copied().flatten()?);
+        Some(Fitted { camera, rms_px: self.rms_px(&camera) })
+    }
+
+    /// The best pan, tilt and focal length under a base, from a start.
+    fn pointed(&self, base: &CameraBase, start: Ptz) -> Fitted {
+        let refined = refine(base, start, &self.observations(), Loss::Squared, None);
+        let camera = PtzCamera::new(*base, refined.ptz);
+        Fitted { camera, rms_px: self.rms_px(&camera) }
+    }
+}
+
+/// A flat pitch and a lens without distortion: what a homography can say.
+const PINHOLE: BaseModel = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+
+/// A camera as a base whose pan axis is as upright as its horizontal axis allows, and pan and tilt about that.
+fn without_roll(cam_from_world: &Mat3, position_m: Vec3, principal: ImagePoint, focal_px: f64) -> (CameraBase, Ptz) {
+    let right = cam_from_world.row(0).transpose();
+    let up = (Vec3::z() - right * right.z).normalize();
+    let level_right = Vec3::y().cross(&up).normalize();
+    let base_from_world =
+        Mat3::from_rows(&[level_right.transpose(), -up.transpose(), up.cross(&level_right).transpose()]);
+    let turned = cam_from_world * base_from_world.transpose();
+    let pan = Angle::from_radians((-turned[(0, 2)]).atan2(turned[(0, 0)]));
+    let tilt = Angle::from_radians(turned[(1, 2)].atan2(turned[(1, 1)]));
+    (CameraBase::new(position_m, base_from_world, principal), Ptz { pan, tilt, focal_px })
+}
+
+/// Frames that one base explains.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// The base.
+    pub base: CameraBase,
+    /// Which frames.
+    pub frames: Vec<usize>,
+}
+
+/// Groups of frames within `within_px` of one base each, greedily, the largest first; every frame is in one group at most.
+///
+/// Every frame's own position, with a level head and with one that leans as this frame does, is tried as the base of its
+/// neighbours; the one that most frames agree with is fitted again to them, they are taken out, and so on until no two frames
+/// agree.
+pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within_px: f64) -> Vec<Group> {
+    let level = BaseAngles::default().base_from_world();
+    let start_bases = |frame: usize| {
+        let own = *fitted[frame].camera.base();
+        [CameraBase { base_from_world: level, ..own }, own]
+    };
+    let agrees = |base: &CameraBase, frame: usize| {
+        let own = fitted[frame].camera;
+        if (own.base().position_m - base.position_m).norm() > NEIGHBOURS_M {
+            return false;
+        }
+        sampled[frame].pointed(base, level_ptz(&own)).rms_px <= within_px
+    };
+    let mut left: Vec<usize> = (0..sampled.len()).collect();
+    let try_base = |base: CameraBase| {
+        let frames = left.iter().copied().filter(|&frame| agrees(&base, frame)).collect();
+        Group { base, frames }
+    };
+    let mut tried: Vec<Group> = left.par_iter().flat_map_iter(|&frame| start_bases(frame).map(try_base)).collect();
+    let mut found = Vec::new();
+    // The first of equals, so that the order decides nothing else.
+    while let Some((_, largest)) =
+        tried.iter().enumerate().max_by_key(|(index, group)| (group.frames.len(), std::cmp::Reverse(*index)))
+    {
+        if largest.frames.len() < 2 {
+            break;
+        }
+        let mut group = largest.clone();
+        for _ in 0..ROUNDS {
+            let base = together(field, sampled, fitted, &group);
+            let frames: Vec<usize> = left.iter().copied().filter(|&frame| agrees(&base, frame)).collect();
+            if frames.len() < group.frames.len() {
+                break;
+            }
+            group = Group { base, frames };
+        }
+        left.retain(|frame| !group.frames.contains(frame));
+        for other in &mut tried {
+            other.frames.retain(|frame| left.contains(frame));
+        }
+        found.push(group);
+    }
+    found.sort_by_key(|group| std::cmp::Reverse(group.frames.len()));
+    found
+}
+
+/// A group's base, adjusted to all of its frames.
+fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &Group) -> CameraBase {
+    let clicks = |&frame: &usize| FrameClicks { observations: sampled[frame].observations(), start: None };
+    let frames: Vec<FrameClicks> = group.frames.iter().map(clicks).collect();
+    let start: Vec<Option<Ptz>> = group.frames.iter().map(|&frame| Some(level_ptz(&fitted[frame].camera))).collect();
+    let options = AdjustOptions { loss: Loss::Squared, ..AdjustOptions::default() };
+    adjust_base(field, &frames, &group.base, &start, SIZE.width, &PINHOLE, &options).base
+}
+
+/// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and focal length its own.
+pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
+    let middle = Vec3::from_fn(|axis, _| {
+        median(fitted.iter().map(|fitted| fitted.camera.base().position_m[axis]).collect()).unwrap_or(f64::NAN)
+    });
+    let base = CameraBase::new(middle, BaseAngles::default().base_from_world(), SIZE.centre());
+    let of = |(sampled, fitted): (&Sampled, &Fitted)| sampled.pointed(&base, level_ptz(&fitted.camera)).rms_px;
+    sampled.par_iter().zip(fitted).map(of).collect()
+}
+
+/// Where a camera looks, as pan and tilt of a level base: a start for any base that leans little.
+fn level_ptz(camera: &PtzCamera) -> Ptz {
+    let forward = camera.cam_from_world().row(2).transpose();
+    Ptz {
+        pan: Angle::from_radians(forward.x.atan2(forward.y)),
+        tilt: Angle::from_radians(forward.z.atan2(forward.x.hypot(forward.y))),
+        focal_px: camera.ptz().focal_px,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+
+    fn seen(place: [f64; 3], pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+        let rolled = BaseAngles { roll: Angle::from_degrees(0.2), ..BaseAngles::default() };
+        let base = CameraBase::new(Vec3::from(place), rolled.base_from_world(), SIZE.centre());
+        PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    }
+
+    #[test]
+    fn a_cameras_own_homography_is_fitted_exactly_and_bases_are_told_apart() {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let (one, other) = ([2.0, -62.0, 14.0], [-1.0, -70.0, 19.0]);
+        let cameras = [
+            seen(one, -25.0, -11.0, 2000.0),
+            seen(other, 3.0, -13.0, 2600.0),
+            seen(one, 4.0, -12.0, 1700.0),
+            seen(one, 28.0, -12.0, 3000.0),
+            seen(other, -22.0, -12.0, 2300.0),
+            seen([30.0, -55.0, 8.0], -10.0, -8.0, 1600.0),
+        ];
+        let sampled: Vec<Sampled> = cameras
+            .iter()
+            .map(|camera| Sampled::new(&PlaneView::of_camera(camera, SIZE).unwrap(), &field).unwrap())
+            .collect();
+        let fitted: Vec<Fitted> = sampled.iter().map(|sampled| sampled.fitted(&field).unwrap()).collect();
+        for (camera, fitted) in cameras.iter().zip(&fitted) {
+            assert!(fitted.rms_px < 1e-4, "{}", fitted.rms_px);
+            assert!((fitted.camera.base().position_m - camera.base().position_m).norm() < 1e-2, "{fitted:?}");
+            assert!((fitted.camera.ptz().focal_px - camera.ptz().focal_px).abs() < 0.5, "{fitted:?}");
+        }
+        let found = groups(&field, &sampled, &fitted, 1.0);
+        let frames: Vec<&[usize]> = found.iter().map(|group| group.frames.as_slice()).collect();
+        assert_eq!(frames, [&[0, 2, 3][..], &[1, 4]]);
+        assert!((found[0].base.position_m - Vec3::from(one)).norm() < 0.05, "{:?}", found[0].base);
+        let apart = under_one_base(&sampled, &fitted);
+        assert!(apart.iter().any(|rms_px| *rms_px > 2.0), "{apart:?}");
+    }
+}

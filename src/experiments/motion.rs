@@ -1,0 +1,126 @@
+//! A real broadcast camera's motion, drawn: a few of its frames teach, all others are asked.
+
+use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, tally_table};
+use super::figure::{Axis, Figure, Line, Mark, Series};
+use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
+use super::workshop::{Progress, counted};
+use super::{ExperimentError, Report, Table, Workshop, evaluation_tables};
+use crate::camera::Ptz;
+use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, evaluate};
+use crate::relocalize::{RelocalizeOptions, TrainOptions};
+use std::path::Path;
+
+/// Runs the experiment on the motion that a folder holds.
+///
+/// # Errors
+/// The motion cannot be read, or the frames cannot be drawn.
+pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
+    let real = RealMotion::read(&folder.join(MOTION_FILE))?;
+    let options = &workshop.options;
+    let stride = options.sized(1, 22);
+    let every = options.sized(30, 3);
+    let drawn = real.ptz.len().div_ceil(stride);
+    let set = motion(&real, [stride, every], options, &counted(drawn, progress))?;
+    let training = TrainOptions { seed: options.seed, ..TrainOptions::default() };
+    let mut asking = RelocalizeOptions::default();
+    asking.pose.seed = options.seed;
+    let mut asked = ask_plainly(&set, &training, &asking);
+    asked.sort_by_key(|asked| asked.frame);
+
+    let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
+    let place = real.base.position_m;
+    report.say(&format!(
+        "Frames: {}. {} The camera and its pan, tilt and focal length are those of {} consecutive frames published with \
+         \"Pan-tilt-zoom SLAM for Sports Videos\" (Lu, Chen, Little, BMVC 2019); it stands low behind a corner, {:.1} m along \
+         and {:.1} m across from the centre mark, {:.1} m up. The pictures are drawn: their truth is exact, and what is found \
+         in them says nothing of how real pictures look.",
+        set.title,
+        set.teaching,
+        real.ptz.len(),
+        place.x,
+        place.y,
+        place.z
+    ));
+    report.table("path", "The motion.", path_table(&real.ptz));
+    report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
+    report.say(&evaluated(&set, &asked)?);
+    let number = |frame: usize| (frame * stride) as f64;
+    for (stem, label, of) in [
+        ("pan", "pan (°)", (|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64),
+        ("tilt", "tilt (°)", |ptz| ptz.tilt.degrees()),
+        ("focal", "focal length (px)", |ptz| ptz.focal_px),
+    ] {
+        let truth = set.frames.iter().enumerate().map(|(frame, known)| [number(frame), of(&known.truth.ptz())]);
+        let taught = set.splits[0].teachers.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
+        let answers = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
+        // A mark at every tenth answer: so many side by side would hide the curve.
+        let answers = answers.step_by(options.sized(10, 1));
+        let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
+            .with(Series::new("truth", 0, truth.collect()).marked(Mark::None))
+            .with(Series::new("teaches", 3, taught.collect()).lined(Line::None).marked(Mark::Square))
+            .with(Series::new("answer", 2, answers.collect()).lined(Line::None).marked(Mark::Cross));
+        let caption = format!("The {label} of the drawn frames, and the answers (of many, one in ten is shown).");
+        report.figure(stem, &caption, figure);
+    }
+    for (stem, label, of) in [
+        (
+            "rotation",
+            "rotation error (°)",
+            (|found| Some(found.error.rotation.degrees())) as fn(&FoundCamera) -> Option<f64>,
+        ),
+        ("focal-error", "focal length error (px)", |found| Some(found.error.focal_px.abs())),
+        ("iou", "1 − IoU", |found| Some(1.0 - found.iou?)),
+    ] {
+        let points = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?)?]));
+        let figure = Figure::new("", Axis::linear("frame"), Axis::log(label))
+            .with(Series::new("", 1, points.collect()).marked(Mark::None));
+        report.figure(stem, &format!("Drawn frames: {label} over time."), figure);
+    }
+    Ok(report)
+}
+
+/// What the motion is like.
+fn path_table(ptz: &[Ptz]) -> Table {
+    let mut table = Table::new(&[
+        ("parameter", "parameter"),
+        ("least", "least"),
+        ("greatest", "greatest"),
+        ("step", "largest change between frames"),
+    ]);
+    for (name, of) in [
+        ("pan (°)", (|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64),
+        ("tilt (°)", |ptz| ptz.tilt.degrees()),
+        ("focal length (px)", |ptz| ptz.focal_px),
+    ] {
+        let values: Vec<f64> = ptz.iter().map(of).collect();
+        let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let step = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        table.push(vec![name.into(), least.into(), greatest.into(), step.into()]);
+    }
+    table
+}
+
+/// The answers as `touchline evaluate` measures them.
+fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentError> {
+    let Some(known) = set.frames.first() else { return Ok(String::new()) };
+    let mut field = FieldSpec::new("soccer");
+    field.params.extend([("length_m".to_owned(), known.field.length_m), ("width_m".to_owned(), known.field.width_m)]);
+    let size = known.features.image_size;
+    let mut camera = Camera::new("drawn".into(), size);
+    camera.set_base(known.truth.base());
+    let mut documents = [(); 2].map(|()| Document::new(field.clone()));
+    for document in &mut documents {
+        document.cameras.push(camera.clone().into());
+    }
+    let [truth, estimate] = &mut documents;
+    for asked in asked {
+        let frame = Frame::from_image(&format!("{}.jpg", asked.frame), camera.id.clone(), size);
+        let pointed = |ptz: Ptz| Frame { ptz: Some(FramePtz::new(ptz, None)), ..frame.clone() };
+        truth.frames.push(pointed(set.frames[asked.frame].truth.ptz()).into());
+        estimate.frames.extend(asked.found.map(|found| pointed(found.camera.ptz()).into()));
+    }
+    let evaluation = evaluate((truth, Path::new("")), (estimate, Path::new("")))?;
+    let tables = evaluation_tables(&evaluation.groups(0)[..1], Table::to_markdown);
+    Ok(format!("As `touchline evaluate` measures it: {tables}"))
+}

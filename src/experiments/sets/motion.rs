@@ -1,0 +1,148 @@
+//! The motion of a real broadcast camera through the drawn stadium.
+
+use super::drawn::{Order, picture_size, take};
+use super::{FrameSet, SetKind, Split};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::experiments::{ExperimentError, ExperimentOptions};
+use crate::field::builtin;
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::synthetic::{CameraMotion, PathStep, Preset, StadiumOptions, stadium};
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+/// The name of the file with the published motion.
+pub const MOTION_FILE: &str = "soccer_ground_truth.json";
+/// The size of the published pictures, px; their field is 118 × 70 yards, its origin in a corner.
+const PUBLISHED_SIZE: ImageSize = ImageSize::new(1280, 720);
+const FIELD_M: [f64; 2] = [118.0 * 0.9144, 70.0 * 0.9144];
+/// From their principal point, which counts from the first pixel's centre, to corner coordinates, px.
+const CORNER_FROM_CENTRE: f64 = 0.5;
+/// Frames a second: television's, which the file does not state. Only the drawn players and the blur depend on it.
+const FRAMES_A_SECOND: f64 = 25.0;
+
+/// A camera and where it pointed, frame after frame.
+#[derive(Clone, Debug)]
+pub struct RealMotion {
+    /// The camera, in pictures of 1280 × 720 px.
+    pub base: CameraBase,
+    /// Where it pointed.
+    pub ptz: Vec<Ptz>,
+}
+
+/// The published file.
+#[derive(Deserialize)]
+struct MotionFile {
+    principal_point_px: [f64; 2],
+    #[serde(rename = "C_m")]
+    position_m: [f64; 3],
+    base_rotation: [[f64; 3]; 3],
+    frames: Vec<MotionFrame>,
+}
+
+#[derive(Deserialize)]
+struct MotionFrame {
+    pan_deg: f64,
+    tilt_deg: f64,
+    f_px: f64,
+}
+
+impl RealMotion {
+    /// Reads the published file.
+    ///
+    /// # Errors
+    /// It cannot be read, or holds something else.
+    pub fn read(path: &Path) -> Result<Self, ExperimentError> {
+        let wrong = |reason: String| ExperimentError::Given { path: path.to_path_buf(), reason };
+        let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        let file: MotionFile = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
+        if file.frames.is_empty() || file.frames.iter().any(|frame| !(frame.f_px > 0.0)) {
+            return Err(wrong("frames with focal lengths above 0 are wanted".to_owned()));
+        }
+        let [x, y] = file.principal_point_px.map(|at| at + CORNER_FROM_CENTRE);
+        let corner_m = Vec3::new(0.5 * FIELD_M[0], 0.5 * FIELD_M[1], 0.0);
+        let rotation = Mat3::from_fn(|row, column| file.base_rotation[row][column]);
+        Ok(Self {
+            base: CameraBase::new(Vec3::from(file.position_m) - corner_m, rotation, ImagePoint::new(x, y)),
+            ptz: file.frames.iter().map(|f| Ptz::from_degrees(f.pan_deg, f.tilt_deg, f.f_px)).collect(),
+        })
+    }
+
+    /// The same in pictures of another width.
+    fn scaled(&self, size: ImageSize) -> Self {
+        let scale = f64::from(size.width) / f64::from(PUBLISHED_SIZE.width);
+        let principal = self.base.principal_point;
+        let principal_point = ImagePoint::new(principal.x * scale, principal.y * scale);
+        let ptz = self.ptz.iter().map(|ptz| Ptz { focal_px: ptz.focal_px * scale, ..*ptz });
+        Self { base: CameraBase { principal_point, ..self.base }, ptz: ptz.collect() }
+    }
+
+    /// How it moves at a frame, per second.
+    fn motion_at(&self, index: usize) -> CameraMotion {
+        let last = self.ptz.len() - 1;
+        let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
+        let per_s = FRAMES_A_SECOND / (after - before).max(1) as f64;
+        let (from, to) = (self.ptz[before], self.ptz[after]);
+        CameraMotion {
+            pan_per_s: (to.pan - from.pan) * per_s,
+            tilt_per_s: (to.tilt - from.tilt) * per_s,
+            zoom_per_s: (to.focal_px / from.focal_px).ln() * per_s,
+        }
+    }
+}
+
+/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th teaches the rest.
+///
+/// # Errors
+/// This program was built without OpenCV, or a picture cannot be encoded.
+pub fn motion(
+    real: &RealMotion,
+    [stride, every]: [usize; 2],
+    options: &ExperimentOptions,
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
+    let size = picture_size(options);
+    let scaled = real.scaled(size);
+    let shoot = Preset::Paper.shoot();
+    let [length_m, width_m] = FIELD_M;
+    let sides = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    let field = builtin("soccer")?.model(&sides, 0.0)?;
+    let seed = options.seed;
+    let scene =
+        stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed.wrapping_add(37)) });
+    let orders: Vec<Order<'_>> = (0..scaled.ptz.len())
+        .step_by(stride)
+        .map(|number| Order {
+            scene: &scene,
+            camera: PtzCamera::new(scaled.base, scaled.ptz[number]),
+            step: PathStep {
+                time_s: number as f64 / FRAMES_A_SECOND,
+                ptz: scaled.ptz[number],
+                motion: scaled.motion_at(number),
+            },
+            number,
+            shoot: &shoot,
+            size,
+            seed,
+        })
+        .collect();
+    let frames = take(&orders, progress)?;
+    let teaches = |index: &usize| index.is_multiple_of(every);
+    Ok(FrameSet {
+        kind: SetKind::Drawn,
+        title: format!(
+            "drawn, {} frames along the published motion of a real broadcast camera, {} × {} px",
+            frames.len(),
+            size.width,
+            size.height
+        ),
+        teaching: format!("One frame in {every} teaches, all others are asked."),
+        splits: vec![Split {
+            name: "motion".to_owned(),
+            teachers: (0..frames.len()).filter(teaches).collect(),
+            asked: (0..frames.len()).filter(|index| !teaches(index)).collect(),
+        }],
+        frames,
+    })
+}

@@ -1,0 +1,161 @@
+//! The authors' published frames, where a user has them.
+
+use super::documents::{Gathered, OwnDocument};
+use super::{FrameSet, SetKind, Split};
+use crate::experiments::ExperimentError;
+use crate::experiments::given::folder_with;
+use crate::experiments::workshop::{Progress, counted};
+use crate::project::read_authors_folder;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+/// Which of the two published sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PublishedKind {
+    /// Sequences of one match; each is asked of the others.
+    Highlights,
+    /// Games; every other frame of one teaches the rest.
+    WorldCup,
+}
+
+impl PublishedKind {
+    /// What the name of its folder has in it.
+    const fn in_name(self) -> &'static str {
+        match self {
+            Self::Highlights => "highlight",
+            Self::WorldCup => "world",
+        }
+    }
+
+    const fn other(self) -> Self {
+        match self {
+            Self::Highlights => Self::WorldCup,
+            Self::WorldCup => Self::Highlights,
+        }
+    }
+
+    /// Length and width of its field where no model of it is found, yards: those that the authors state.
+    const fn field_yd(self) -> [f64; 2] {
+        match self {
+            Self::Highlights => [118.0, 70.0],
+            Self::WorldCup => [115.0, 74.0],
+        }
+    }
+}
+
+/// The folder of one of the sets: the given one unless its name is the other set's, or one in it that is named after the set.
+pub fn published_folder(data: &Path, kind: PublishedKind) -> Option<PathBuf> {
+    let name = |folder: &Path| folder.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let holds_annotations = |folder: &Path| {
+        let mut entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.any(|entry| entry.file_name().to_string_lossy().to_lowercase().ends_with("_anno.mat"))
+    };
+    folder_with(data, |folder| {
+        let named = if folder == data {
+            !name(folder).contains(kind.other().in_name())
+        } else {
+            name(folder).contains(kind.in_name())
+        };
+        named && holds_annotations(folder)
+    })
+}
+
+/// The published frames with their features.
+///
+/// # Errors
+/// An annotation or a picture cannot be read.
+pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Result<FrameSet, ExperimentError> {
+    let read = read_authors_folder(folder, kind.field_yd())?;
+    let own = OwnDocument { name: String::new(), document: read.document, folder: folder.to_path_buf() };
+    let mut gathered = Gathered::default();
+    let range = gathered.add(&own, &counted(own.document.frames.len(), progress))?;
+    let (splits, whole) = splits(&gathered, &range, kind);
+    let [length, width] = read.field_yd;
+    let source =
+        if read.field_model.is_some() { "its own model" } else { "no model found, the size that the paper states" };
+    let teaching = match (kind, whole) {
+        (PublishedKind::Highlights, true) => "A sequence is asked of the frames of all others.",
+        (PublishedKind::Highlights, false) => {
+            "A sequence is asked of the frames of all others from its camera; where there is none, every other frame teaches the \
+             rest."
+        }
+        (PublishedKind::WorldCup, _) => "Every other frame of a game teaches the rest.",
+    };
+    Ok(FrameSet {
+        kind: SetKind::Published,
+        title: format!(
+            "the authors' published data, {} frames in {} sequences; field {length} × {width} yards ({source}); frames and full \
+             cameras agree within {:.4}°",
+            gathered.frames.len(),
+            splits.len(),
+            read.worst_turn.degrees(),
+        ),
+        teaching: teaching.to_owned(),
+        frames: gathered.frames,
+        splits,
+    })
+}
+
+/// The splits, and whether every sequence could be asked of others.
+fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Vec<Split>, bool) {
+    let mut splits = Vec::new();
+    let mut whole = true;
+    for camera in gathered.cameras(range.clone()) {
+        let clips = gathered.clips(range.clone(), camera);
+        let apart = kind == PublishedKind::Highlights && clips.len() > 1;
+        whole &= apart;
+        for clip in clips {
+            let of_clip = gathered.of_camera(range.clone(), camera, |other| other == clip);
+            let (teachers, asked) = if apart {
+                (gathered.of_camera(range.clone(), camera, |other| other != clip), of_clip)
+            } else {
+                (of_clip.iter().copied().step_by(2).collect(), of_clip.iter().copied().skip(1).step_by(2).collect())
+            };
+            splits.push(Split { name: clip.to_owned(), teachers, asked });
+        }
+    }
+    splits.retain(|split: &Split| !split.teachers.is_empty() && !split.asked.is_empty());
+    (splits, whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::project::authors_mat::writer::{CAMERA, frame, sequence};
+    use std::fs;
+
+    /// Two sequences of three frames each, their images beside them.
+    fn annotated(folder: &Path) {
+        for name in ["seq1", "seq2"] {
+            fs::create_dir_all(folder.join(name)).unwrap();
+            for image in ["1.png", "2.png", "3.png"] {
+                image::RgbImage::new(64, 36).save(folder.join(name).join(image)).unwrap();
+            }
+            let frames = ["1.png", "2.png", "3.png"].map(|image| frame(image, CAMERA)).into();
+            fs::write(folder.join(format!("{name}_anno.mat")), sequence(frames, true)).unwrap();
+        }
+    }
+
+    #[test]
+    fn folders_are_found_by_name_and_sequences_are_split() {
+        let root = tempfile::tempdir().unwrap();
+        let (data, highlights) = (root.path(), root.path().join("highlights"));
+        annotated(&highlights);
+        let found = |data: &Path, kind| published_folder(data, kind);
+        assert_eq!(found(data, PublishedKind::Highlights), Some(highlights.clone()));
+        assert_eq!(found(data, PublishedKind::WorldCup), None);
+        assert_eq!(found(&highlights, PublishedKind::Highlights), Some(highlights.clone()));
+        assert_eq!(found(&highlights, PublishedKind::WorldCup), None);
+
+        let set = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap();
+        assert_eq!((set.kind, set.names()), (SetKind::Published, vec!["seq1", "seq2"]));
+        assert!(set.title.starts_with("the authors' published data, 6 frames in 2 sequences; field 118 × 70 yards"));
+        assert_eq!((&set.splits[0].teachers[..], &set.splits[0].asked[..]), (&[3, 4, 5][..], &[0, 1, 2][..]));
+        let set = published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
+        assert_eq!((&set.splits[1].teachers[..], &set.splits[1].asked[..]), (&[3, 5][..], &[4][..]));
+
+        fs::remove_file(highlights.join("seq2/2.png")).unwrap();
+        let error = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap_err().to_string();
+        assert!(error.contains("seq2/2.png"), "{error}");
+    }
+}

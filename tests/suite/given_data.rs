@@ -1,0 +1,137 @@
+//! `touchline experiment` on data that a user gives: published homographies, a published motion, documents of their own.
+
+use crate::data::shared_data;
+use crate::program::touchline;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
+}
+
+fn number(row: &Value, key: &str) -> f64 {
+    row[key].as_f64().unwrap_or_else(|| panic!("no {key} in {row}"))
+}
+
+#[test]
+fn published_homographies_are_fitted_as_well_as_seven_parameters_can() {
+    let Some(data) = shared_data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let ran = touchline(folder.path(), &format!("experiment homographies --quick --data {} -o out", data.display()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let tables = &json(&folder.path().join("out/homographies.json"))["tables"];
+    let [part, whole, distance] = [0, 1, 2].map(|row| tables["homographies-fit"][row].clone());
+    assert_eq!(number(&part, "frames"), 27.0);
+    assert!(number(&part, "median") > 0.98 && number(&whole, "median") > 0.88, "{part} {whole}");
+    // An independent least-squares fit of the same seven parameters to the same points.
+    assert!((number(&distance, "mean") - 3.6696).abs() < 2e-3, "{distance}");
+    assert!((number(&distance, "median") - 3.0786).abs() < 2e-3, "{distance}");
+    assert!((number(&distance, "worst") - 12.009).abs() < 2e-2, "{distance}");
+    assert!(folder.path().join("out/homographies-order.svg").is_file());
+}
+
+#[test]
+fn a_real_motion_is_drawn_and_found_again() {
+    let Some(data) = shared_data() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let motion = data.join("ptz-soccer-330");
+    let ran = touchline(folder.path(), &format!("experiment motion --quick --data {} -o out", motion.display()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let tables = &json(&folder.path().join("out/motion.json"))["tables"];
+    let path = tables["motion-path"].as_array().unwrap();
+    assert!((number(&path[0], "least") - 49.23).abs() < 0.01 && (number(&path[2], "greatest") - 4228.0).abs() < 1.0);
+    let all = &tables["motion-all"][0];
+    assert!(number(all, "found") >= 0.9 * number(all, "asked"), "{all}");
+    assert!(number(all, "rotation_median_deg") < 0.01 && number(all, "focal_median_px") < 1.0, "{all}");
+    let report = fs::read_to_string(folder.path().join("out/motion.md")).unwrap();
+    assert!(report.contains("Frames: drawn, 15 frames along the published motion"), "{report}");
+}
+
+/// A drawn match of two clips, and the same frames as one clip.
+fn drawn_match(folder: &Path) {
+    let ran = touchline(folder, "synth -o match --frames 8 --seed 5 --size 640x360 --step 2");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let path = folder.join("match/truth.json");
+    let mut document = json(&path);
+    for (index, frame) in document["frames"].as_array_mut().unwrap().iter_mut().enumerate() {
+        frame["clip"] = Value::from(index % 2);
+    }
+    fs::write(path, document.to_string()).unwrap();
+    for frame in document["frames"].as_array_mut().unwrap() {
+        frame["clip"] = Value::from("all");
+    }
+    fs::write(folder.join("match/one.json"), document.to_string()).unwrap();
+}
+
+#[test]
+fn clips_of_a_users_document_are_asked_of_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    drawn_match(folder.path());
+    let ran = touchline(folder.path(), "experiment highlights --quick --train match/truth.json -o out");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let tables = &json(&folder.path().join("out/highlights.json"))["tables"];
+    let names: Vec<&str> = tables["highlights-sequences"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["sequence"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["clip 0", "clip 1", "all"]);
+    let all = &tables["highlights-sequences"][2];
+    assert!(number(all, "found") >= 6.0 && number(all, "rotation_median_deg") < 0.02, "{all}");
+    assert!(number(&tables["highlights-overlay"][2], "within_5_px") >= 0.75, "{tables}");
+    assert_eq!(tables["highlights-worst"].as_array().unwrap().len(), 5);
+    let report = fs::read_to_string(folder.path().join("out/highlights.md")).unwrap();
+    assert!(report.starts_with("## Sequences: asked of other sequences (own frames)"), "{report}");
+    assert!(fs::read(folder.path().join("out/highlights-sheet.png")).unwrap().starts_with(b"\x89PNG"));
+
+    // Other features are looked for in the user's own pictures.
+    let ran = touchline(
+        folder.path(),
+        "experiment descriptors --quick --train match/truth.json --test match/truth.json -o out",
+    );
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    let ran = touchline(
+        folder.path(),
+        "experiment descriptors --quick --train match/truth.json --test match/truth.json -o features",
+    );
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let kinds = json(&folder.path().join("features/descriptors.json"))["tables"]["descriptors-kinds"].clone();
+    for (row, name) in ["SIFT", "ORB", "AKAZE"].into_iter().enumerate() {
+        assert_eq!(kinds[row]["features"], name);
+        assert!(number(&kinds[row], "found") >= 1.0, "{kinds}");
+    }
+}
+
+#[test]
+fn what_is_missing_is_named_in_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    drawn_match(folder.path());
+    fs::create_dir_all(folder.path().join("bad/highlights")).unwrap();
+    fs::write(folder.path().join("bad/highlights/seq1_anno.mat"), "no matrix").unwrap();
+    fs::write(folder.path().join("bad/train_val.json"), "{}").unwrap();
+    fs::write(folder.path().join("bad/soccer_ground_truth.json"), "[1, 2]").unwrap();
+    for (arguments, named) in [
+        ("homographies", "homographies is about given data: --data DIR"),
+        ("homographies --data match", "homographies wants train_val.json"),
+        ("homographies --data bad", "train_val.json: missing field `frames`"),
+        ("motion --data match", "motion wants soccer_ground_truth.json"),
+        ("motion --data bad", "soccer_ground_truth.json: "),
+        ("highlights --data match", "highlights wants MATLAB files such as seq1_anno.mat"),
+        ("highlights --data bad", "seq1_anno.mat: it is not a MATLAB file of level 5"),
+        ("synthetic --data bad", "synthetic needs no data; leave --data away"),
+        ("motion --data nowhere", "nowhere is no folder"),
+        ("motion --train match/truth.json", "does not look at frames of your own"),
+        ("highlights --train match/one.json", "no camera has solved frames in two clips"),
+        (
+            "highlights --train match/truth.json --train match/truth.json --test match/truth.json",
+            "--test goes with one --train",
+        ),
+    ] {
+        let ran = touchline(folder.path(), &format!("experiment {arguments} --quick -o out"));
+        let lines: Vec<&str> = ran.stderr.lines().filter(|line| !line.starts_with("touchline: note")).collect();
+        assert_eq!((ran.code, lines.len()), (2, 1), "{arguments}: {}", ran.stderr);
+        assert!(ran.stderr.contains(named), "{arguments}: {}", ran.stderr);
+    }
+}
