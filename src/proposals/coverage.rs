@@ -2,7 +2,7 @@
 
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::Vec3;
+use crate::geometry::{ImageSize, Vec3};
 use crate::project::{Camera, CameraId, Document, Frame};
 use std::ops::RangeInclusive;
 use std::path::Path;
@@ -67,11 +67,11 @@ impl Coverage {
         let outline = outline(field, &base);
         let (pan_deg, tilt_deg) =
             (around(&outline, |ray| ray.pan.degrees())?, around(&outline, |ray| ray.tilt.degrees())?);
-        let seeing: Vec<(&Frame, PtzCamera)> = teachers
+        let seeing: Vec<Sight> = teachers
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
             .filter(|frame| frame.camera == *camera)
-            .filter_map(|frame| Some((frame, document.pointed(frame)?)))
+            .filter_map(|frame| Sight::of(document, frame))
             .collect();
         let along = |range: &RangeInclusive<f64>, step: usize, steps: usize| {
             range.start() + (step as f64 + 0.5) / steps as f64 * (range.end() - range.start())
@@ -81,10 +81,9 @@ impl Coverage {
             .map(|(row, column)| {
                 let ray =
                     PanTilt::from_degrees(along(&pan_deg, column, COLUMNS), along(&tilt_deg, ROWS - 1 - row, ROWS));
-                let sees = |(frame, pointed): &&(&Frame, PtzCamera)| {
-                    pointed.image_from_ray(ray).is_ok_and(|image| frame.image_size.contains(image))
-                };
-                Cell { references: seeing.iter().filter(sees).count() as u32, field: shows_field(field, &base, ray) }
+                let direction = ray.direction();
+                let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
+                Cell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
             })
             .collect();
         let mut coverage =
@@ -121,6 +120,34 @@ impl Coverage {
         let widest = runs.rev().max_by_key(|run| run.len())?;
         let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
         Some(self.pan_deg.start() + middle * (self.pan_deg.end() - self.pan_deg.start()))
+    }
+}
+
+/// A frame that looks somewhere.
+struct Sight {
+    camera: PtzCamera,
+    image_size: ImageSize,
+    /// Where the middle of its picture looks.
+    middle: Vec3,
+    /// The cosine of the angle from there to the farthest corner: most rays are outside of it, and quickly told.
+    reach: f64,
+}
+
+impl Sight {
+    fn of(document: &Document, frame: &Frame) -> Option<Self> {
+        let camera = document.pointed(frame)?;
+        let image_size = frame.image_size;
+        let middle = camera.ray_from_image(image_size.centre()).ok()?.direction();
+        let corners = image_size.corners().into_iter();
+        let cosines =
+            corners.map(|corner| camera.ray_from_image(corner).map_or(-1.0, |ray| ray.direction().dot(&middle)));
+        let reach = cosines.fold(1.0, f64::min);
+        Some(Self { camera, image_size, middle, reach })
+    }
+
+    fn shows(&self, ray: PanTilt, direction: &Vec3) -> bool {
+        direction.dot(&self.middle) >= self.reach
+            && self.camera.image_from_ray(ray).is_ok_and(|image| self.image_size.contains(image))
     }
 }
 

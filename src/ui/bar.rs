@@ -1,34 +1,51 @@
-//! A row of a list: a name, a bar and a number.
+//! A row of a list with a bar: a name, a bar as long as a number is large, and the number.
 
 use super::theme;
 use egui::text::{LayoutJob, TextWrapping};
-use egui::{Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
-/// The height of a bar's row, points.
+/// The height of a row, points.
 const ROW: f32 = 20.0;
-/// The column of the bars, points.
-const BAR: f32 = 56.0;
 /// The column of the numbers, points.
 const NUMBER: f32 = 48.0;
 
 /// A name, a bar and a number in a row that can be clicked.
 pub struct Bar<'a> {
-    /// What the row is about.
+    /// What it is about.
     pub name: &'a str,
-    /// The number with its unit.
+    /// The number in words.
     pub value: &'a str,
     /// The bar's length, 0 to 1.
     pub share: f64,
+    /// Where a stroke across the bar marks what is expected, 0 to 1.
+    pub expected: Option<f64>,
     /// The bar's colour.
     pub colour: Color32,
     /// The row is about what is shown.
     pub selected: bool,
+    /// The column of the bars, points.
+    pub width: f32,
     /// Room for a button at the end, points.
     pub tail: f32,
 }
 
+impl Default for Bar<'_> {
+    fn default() -> Self {
+        Self {
+            name: "",
+            value: "",
+            share: 0.0,
+            expected: None,
+            colour: theme::ACCENT,
+            selected: false,
+            width: 56.0,
+            tail: 0.0,
+        }
+    }
+}
+
 impl Bar<'_> {
-    /// Shows the row: its place, and what the pointer does there.
+    /// Shows the row.
     pub fn show(&self, ui: &mut Ui) -> (Rect, Response) {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::click());
         response.widget_info(|| {
@@ -38,23 +55,28 @@ impl Bar<'_> {
             return (rect, response);
         }
         let painter = ui.painter();
-        if self.selected || response.hovered() {
-            let ground = if self.selected { theme::ACCENT_GROUND } else { theme::LINE };
+        if self.selected || response.hovered() || response.has_focus() {
+            let ground = if self.selected { theme::ACCENT_GROUND } else { ui.visuals().widgets.hovered.weak_bg_fill };
             painter.rect_filled(rect, CornerRadius::same(4), ground);
         }
         let right = rect.right() - self.tail - 2.0;
         let number = pos2(right, rect.center().y);
         painter.text(number, Align2::RIGHT_CENTER, self.value, FontId::proportional(12.0), theme::TEXT);
-        let bar_left = right - NUMBER - BAR;
+        let bar_left = right - NUMBER - self.width;
         let name = Rect::from_min_max(rect.min, pos2(bar_left - 6.0, rect.bottom()));
         let mut line = LayoutJob::simple_singleline(self.name.to_owned(), FontId::proportional(12.0), theme::TEXT);
         line.wrap = TextWrapping::truncate_at_width(name.width() - 4.0);
         let galley = painter.layout_job(line);
         painter.galley(pos2(name.left() + 4.0, name.center().y - galley.size().y / 2.0), galley, theme::TEXT);
-        let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(BAR, 6.0));
+        let track = Rect::from_min_size(pos2(bar_left, rect.center().y - 3.0), vec2(self.width, 6.0));
         painter.rect_filled(track, CornerRadius::same(2), theme::LINE);
-        let filled = Rect::from_min_size(track.min, vec2(BAR * self.share.clamp(0.0, 1.0) as f32, track.height()));
+        let along = |share: f64| self.width * share.clamp(0.0, 1.0) as f32;
+        let filled = Rect::from_min_size(track.min, vec2(along(self.share), track.height()));
         painter.rect_filled(filled, CornerRadius::same(2), self.colour);
+        if let Some(expected) = self.expected {
+            let stroke = Stroke::new(1.5, theme::STRONG);
+            painter.vline(track.left() + along(expected), track.top() - 3.0..=track.bottom() + 3.0, stroke);
+        }
         (rect, response)
     }
 }

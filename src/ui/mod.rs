@@ -6,6 +6,7 @@
 mod bar;
 mod camera_panel;
 mod canvas;
+mod coverage_map;
 mod dialogs;
 mod empty;
 mod field_map;

@@ -32,15 +32,15 @@ fn main() {
 }
 
 /// A match of shots; every frame has six points and a camera.
-fn document() -> Document {
+fn document(frames: usize) -> Document {
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let base = CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base);
     document.cameras.push(camera.into());
-    for index in 0..FRAMES {
-        let ptz = Ptz::from_degrees(-20.0 + 0.008 * index as f64, -13.0, 1900.0);
+    for index in 0..frames {
+        let ptz = Ptz::from_degrees(-20.0 + 40.0 * index as f64 / frames as f64, -13.0, 1900.0);
         let pointed = PtzCamera::new(base, ptz);
         let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), SIZE);
         frame.clip = Some(Clip::Number((index / SHOT) as i64));
@@ -70,12 +70,12 @@ struct Window {
 
 impl Window {
     fn open() -> Self {
-        Self::on(document())
+        Self::on(document(FRAMES))
     }
 
     /// Looking through suggestions of all frames of a match, with the list as it is by default.
     fn review() -> Self {
-        let mut document = document();
+        let mut document = document(FRAMES);
         document.frames.extend_from_within(..);
         for frame in &mut document.frames {
             frame.clicks.clear();
@@ -156,6 +156,28 @@ impl Window {
 fn still(bencher: Bencher<'_, '_>) {
     let mut window = Window::open();
     bencher.bench_local(|| window.frame(Vec::new()));
+}
+
+/// The quality page of 10,000 frames is drawn again, all of the time shown.
+#[divan::bench]
+fn quality_page(bencher: Bencher<'_, '_>) {
+    let mut window = Window::on(document(10_000));
+    window.app.update(Action::Command(Command::QualityPage));
+    let mut x = 0.0;
+    bencher.bench_local(|| {
+        x = (x + 3.0) % 900.0;
+        window.frame(vec![Event::PointerMoved(Pos2::new(60.0 + x, 100.0))])
+    });
+}
+
+/// What the quality page shows of 10,000 frames is derived: it is closed and opened.
+#[divan::bench]
+fn quality_page_derived(bencher: Bencher<'_, '_>) {
+    let mut window = Window::on(document(10_000));
+    bencher.bench_local(|| {
+        window.app.update(Action::Command(Command::QualityPage));
+        window.app.update(Action::Command(Command::QualityPage));
+    });
 }
 
 /// The pointer moves over the picture.

@@ -1,12 +1,19 @@
-//! What the quality page shows: how the cameras of the frames run over time, derived and never stored.
+//! What the quality page shows, derived and never stored: how the cameras of the frames run over time, how far clicks lie from
+//! what they name, where frames look.
 //!
 //! Nothing is derived while the page is closed, and only what changed is derived again. The page speaks of one camera of the
 //! document at a time.
 
 mod course;
+mod errors;
+mod seen;
+mod targets;
 mod thinned;
 
 pub use course::{Course, CoursePoint, Kind, Quantity, TimeAxis, within_whole, zoomed};
+pub use errors::{Bin, ClickError, ClickErrors, Histogram, middle_and_most};
+pub use seen::Seen;
+pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, drawn};
 
 use super::{OpenProject, session::Session};
@@ -32,6 +39,12 @@ pub struct Quality {
     pub camera: Option<CameraId>,
     /// Pan, tilt and focal length over time.
     pub course: Course,
+    /// How far clicks lie from what they name.
+    pub errors: ClickErrors,
+    /// The same by landmark and line.
+    pub targets: Vec<TargetErrors>,
+    /// Where references and suggestions look; none while the camera's base is not known.
+    pub seen: Option<Seen>,
     derived_from: Option<(u64, TimeAxis)>,
 }
 
@@ -53,9 +66,22 @@ impl Quality {
         }
     }
 
-    fn derive(open: &OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
+    fn derive(open: &mut OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
         let Some(id) = &camera else { return Self::default() };
-        Self { course: Course::of(&open.document, id, axis), camera, derived_from: None }
+        let fields = open.fields();
+        let document = &*open.document;
+        let course = Course::of(document, id, axis);
+        // Without a valid field nothing can be off.
+        let Ok(fields) = fields else { return Self { camera, course, ..Self::default() } };
+        let errors = ClickErrors::of(document, &fields, id);
+        let targets = by_target(&errors);
+        let field = document
+            .cameras
+            .iter()
+            .position(|camera| camera.id == *id)
+            .map(|place| fields.of_cameras(document).swap_remove(place));
+        let seen = field.and_then(|field| Seen::of(document, &field, id));
+        Self { course, errors, targets, seen, camera, derived_from: None }
     }
 }
 

@@ -106,6 +106,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
             colour: if px.is_some_and(|px| px > loud_px) { theme::CAUTION } else { theme::ACCENT },
             selected: index == panel.app.session.frame,
             tail: theme::SYMBOL.x,
+            ..Bar::default()
         };
         let (rect, response) = bar.show(ui);
         let response = response.on_hover_text(format!("{}: {landmarks} landmarks. Click to go there.", frame.name()));
@@ -170,8 +171,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             value: &value,
             share: fit.median_px / largest,
             colour: if loud { theme::CAUTION } else { theme::ACCENT },
-            selected: false,
-            tail: 0.0,
+            ..Bar::default()
         };
         let (_, response) = bar.show(ui);
         let tip = format!("{name}: {} points, the worst {:.1} px off. Click to go there.", fit.clicks, fit.worst_px);

@@ -3,9 +3,10 @@
 use super::section;
 use crate::app::{Action, Command};
 use crate::project::Camera;
+use crate::ui::plot::{Plot, small};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
-use egui::{Align2, Button, CornerRadius, FontId, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
+use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// The plot's height, points.
 const HEIGHT: f32 = 72.0;
@@ -64,29 +65,20 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
     let told = format!("Fit of {} frames over time, {} to {}", points.len(), first.frame + 1, last.frame + 1);
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &told));
-    let small = FontId::proportional(10.0);
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, CornerRadius::same(4), theme::BACKDROP);
-    let area = Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0));
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
-    let span = (last.frame - first.frame).max(1) as f64;
-    let x_of = |frame: usize| {
-        let share = (frame as f64 - first.frame as f64) / span;
-        area.left() + area.width() * share.clamp(0.0, 1.0) as f32
+    let plot = Plot {
+        area: Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0)),
+        x: [first.frame as f64, (last.frame as f64).max(first.frame as f64 + 1.0)],
+        y: [0.0, highest.sqrt()],
     };
-    let at = |point: &Point| -> Pos2 {
-        // By the root: a few px stay apart although others are off by fifty.
-        let share = (point.rms_px / highest).clamp(0.0, 1.0).sqrt() as f32;
-        pos2(x_of(point.frame), area.bottom() - area.height() * share)
-    };
+    let area = plot.area;
+    let x_of = |frame: usize| plot.x_of(frame as f64);
+    // By the root: a few px stay apart although others are off by fifty.
+    let at = |point: &Point| plot.at(point.frame as f64, point.rms_px.sqrt());
     painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, theme::LINE));
-    painter.text(
-        rect.left_top() + vec2(6.0, 1.0),
-        Align2::LEFT_TOP,
-        format!("{highest:.0} px"),
-        small.clone(),
-        theme::WEAK,
-    );
+    painter.text(rect.left_top() + vec2(6.0, 1.0), Align2::LEFT_TOP, format!("{highest:.0} px"), small(), theme::WEAK);
     let change = panel.app.camera_change().filter(|change| change.camera == camera.id).map(|change| change.frame);
     let shown = panel.app.session.frame;
     if (first.frame..=last.frame).contains(&shown) {
@@ -102,8 +94,8 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         painter.circle_filled(at(point), radius, colour);
     }
     let below = rect.bottom() - 1.0;
-    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, first.frame + 1, small.clone(), theme::WEAK);
-    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, last.frame + 1, small, theme::WEAK);
+    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, first.frame + 1, small(), theme::WEAK);
+    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, last.frame + 1, small(), theme::WEAK);
 
     let nearest = |pointer: Pos2| {
         points.iter().min_by(|a, b| {

@@ -4,9 +4,13 @@
 
 mod agreement;
 mod course;
+mod coverage;
+mod errors;
 mod gold;
 mod legend;
 mod scatter;
+mod targets;
+mod time;
 
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
@@ -26,6 +30,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         inside.show(ui, |ui| {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
             course::show(panel, ui);
+            ui.columns(3, |columns| {
+                if let [left, middle, right] = columns {
+                    errors::show(panel, left);
+                    targets::show(panel, middle);
+                    coverage::show(panel, right);
+                }
+            });
             gold::show(panel, ui);
             agreement::show(panel, ui);
         });

@@ -1,0 +1,260 @@
+//! How far clicks lie from what they name, as the frames' cameras show it.
+
+use crate::field::FieldModel;
+use crate::project::{CameraId, Document, Fields, Frame, FrameStatus, Target, observations};
+use crate::score::quantile;
+use crate::solve::{Observation, distance_px};
+use std::collections::BTreeMap;
+
+/// A histogram has about so many bins.
+const BINS: usize = 24;
+/// Its scale reaches a little farther than nearly all errors.
+const NEARLY_ALL: f64 = 0.95;
+const FARTHER: f64 = 1.2;
+/// The median distance of a point whose two coordinates scatter with 1-σ, and of a number that does.
+const MEDIAN_OF_POINTS: f64 = 1.177_410;
+const MEDIAN_OF_NUMBERS: f64 = 0.674_490;
+/// Unknowns of a frame: pan, tilt, focal length.
+const UNKNOWNS: usize = 3;
+
+/// A named click and how far it lies from what it names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClickError {
+    /// The frame's place in the document.
+    pub frame: usize,
+    /// Which of its clicks.
+    pub click: usize,
+    /// What it names.
+    pub target: Target,
+    /// It was held out of the solve.
+    pub check: bool,
+    /// How far off it is, px at 1920 px width; infinite where the camera does not show what it names.
+    pub error_px: f64,
+    /// What half of such clicks stay below where all names are right: from the click noise of the landmark or line, and less
+    /// for clicks that the camera was fitted to.
+    pub expected_px: f64,
+}
+
+/// The named clicks of a camera's frames.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClickErrors {
+    /// Those whose error says something, in the document's order.
+    pub clicks: Vec<ClickError>,
+    /// Frames whose clicks leave nothing to compare: as many equations as unknowns.
+    pub without_evidence: usize,
+}
+
+impl ClickErrors {
+    /// The clicks of a camera's solved frames that nobody rejected.
+    #[must_use]
+    pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
+        let mut found = Self::default();
+        for (index, frame) in document.frames.iter().enumerate() {
+            if frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty() {
+                found.add(document, index, frame, fields.of_frame(document, frame));
+            }
+        }
+        found
+    }
+
+    fn add(&mut self, document: &Document, index: usize, frame: &Frame, field: &FieldModel) {
+        let Some(camera) = document.pointed(frame) else { return };
+        // A frame that names what its field lacks has no solve to speak of either.
+        let Ok(observed) = observations(frame, field) else { return };
+        let used = || observed.iter().filter(|observation| !observation.check);
+        let equations: usize = used().map(|observation| observation.target.equations()).sum();
+        // As the verdict has it: two clicks and nothing else are no evidence.
+        let evident = equations > UNKNOWNS && used().count() > 2;
+        if !evident && used().count() > 0 {
+            self.without_evidence += 1;
+        }
+        let fitted = (equations.saturating_sub(UNKNOWNS) as f64 / equations.max(1) as f64).sqrt();
+        let scale = frame.image_size.scale_from_1920();
+        for observation in observed.iter().filter(|observation| evident || observation.check) {
+            let Some(target) = frame.clicks.get(observation.click).and_then(|click| click.target.clone()) else {
+                continue;
+            };
+            let share = if observation.check { 1.0 } else { fitted };
+            self.clicks.push(ClickError {
+                frame: index,
+                click: observation.click,
+                target,
+                check: observation.check,
+                error_px: distance_px(&camera, observation).map_or(f64::INFINITY, |px| px / scale),
+                expected_px: share * usual_px(observation) / scale,
+            });
+        }
+    }
+
+    /// The clicks that took part in solves, or those that were held out.
+    pub fn those(&self, check: bool) -> impl Iterator<Item = &ClickError> {
+        self.clicks.iter().filter(move |click| click.check == check)
+    }
+}
+
+/// The median distance of right clicks, px of the frame.
+fn usual_px(observation: &Observation) -> f64 {
+    let median = if observation.target.equations() == 2 { MEDIAN_OF_POINTS } else { MEDIAN_OF_NUMBERS };
+    median * observation.sigma_px
+}
+
+/// The share of the distances below a limit where both coordinates scatter alike and half of the distances lie below the
+/// median (Rayleigh's distribution). A point on a line has one coordinate; it counts as if it had two.
+fn share_below(limit_px: f64, median_px: f64) -> f64 {
+    if median_px > 0.0 { 1.0 - (-(limit_px / median_px).powi(2) * std::f64::consts::LN_2).exp() } else { 1.0 }
+}
+
+/// Median and nine tenths of some errors, px; none without any.
+#[must_use]
+pub fn middle_and_most(errors: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+    let mut sorted: Vec<f64> = errors.into_iter().collect();
+    sorted.sort_by(f64::total_cmp);
+    (!sorted.is_empty()).then(|| [quantile(&sorted, 0.5), quantile(&sorted, 0.9)])
+}
+
+/// How many errors are of which size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Histogram {
+    /// The width of a bin, px at 1920 px width.
+    pub step_px: f64,
+    /// The bins from 0 on; the last one holds all that is larger, too.
+    pub bins: Vec<Bin>,
+    /// How many of as many right clicks each bin would have.
+    pub expected: Vec<f64>,
+}
+
+/// Errors of about a size.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bin {
+    /// How many.
+    pub count: usize,
+    /// Frame and click of the largest one.
+    pub worst: Option<(usize, usize)>,
+    worst_px: f64,
+}
+
+impl Histogram {
+    /// The width of a bin such that nearly all errors have a bin of their own size, px: 1, 2 or 5 times a power of ten.
+    #[must_use]
+    pub fn step_for<'a>(errors: impl IntoIterator<Item = &'a ClickError>) -> f64 {
+        let mut sorted: Vec<f64> = errors.into_iter().map(|click| click.error_px).filter(|px| px.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let reach_px = if sorted.is_empty() { 0.0 } else { FARTHER * quantile(&sorted, NEARLY_ALL) };
+        let steps = (-1..4).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)));
+        steps.into_iter().find(|step| step * BINS as f64 >= reach_px).unwrap_or(1e4)
+    }
+
+    /// The histogram of some errors.
+    #[must_use]
+    pub fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
+        let mut bins = vec![Bin::default(); BINS + 1];
+        // Few noises are different: a number for each landmark and number of clicks.
+        let mut noises: BTreeMap<u64, f64> = BTreeMap::new();
+        for click in errors {
+            *noises.entry(click.expected_px.to_bits()).or_default() += 1.0;
+            let bin = &mut bins[((click.error_px / step_px) as usize).min(BINS)];
+            bin.count += 1;
+            if bin.worst.is_none() || click.error_px > bin.worst_px {
+                (bin.worst, bin.worst_px) = (Some((click.frame, click.click)), click.error_px);
+            }
+        }
+        let below = |bin: usize| -> f64 {
+            noises
+                .iter()
+                .map(|(median, count)| count * share_below(bin as f64 * step_px, f64::from_bits(*median)))
+                .sum()
+        };
+        let all: f64 = noises.values().sum();
+        let expected = (0..=BINS).map(|bin| if bin < BINS { below(bin + 1) } else { all } - below(bin)).collect();
+        Self { step_px, bins, expected }
+    }
+
+    /// How many the fullest bin has.
+    #[must_use]
+    pub fn highest(&self) -> usize {
+        self.bins.iter().map(|bin| bin.count).max().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::field::builtin;
+    use crate::geometry::{ImageSize, Vec3};
+    use crate::project::{Camera, Click, FieldSpec, FramePtz};
+    use std::path::Path;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    /// A document of frames with clicks this far to the right of where they belong, px of the frame.
+    pub fn document(frames: &[&[(&str, f64, bool)]]) -> Document {
+        let base = CameraBase::new(Vec3::new(0.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let ptz = Ptz::from_degrees(0.0, -14.0, 900.0);
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        for clicks in frames {
+            let mut frame = Frame::from_image("a.jpg", "main".into(), SIZE);
+            frame.ptz = Some(FramePtz::new(ptz, None));
+            for &(name, off_px, check) in *clicks {
+                let world = field.landmark_in_world(field.landmark(name).unwrap());
+                let mut at = PtzCamera::new(base, ptz).image_from_world(world).unwrap();
+                at.x += off_px;
+                frame.clicks.push(Click { check, ..Click::landmark(name.into(), at) });
+            }
+            document.frames.push(frame.into());
+        }
+        document
+    }
+
+    pub fn errors(document: &Document) -> ClickErrors {
+        ClickErrors::of(document, &Fields::of(document, Path::new("")).unwrap(), &"main".into())
+    }
+
+    const THREE: [(&str, f64, bool); 3] =
+        [("centre_mark", 1.0, false), ("halfway_far", 0.5, false), ("centre_circle_left", 0.0, false)];
+
+    #[test]
+    fn errors_are_told_at_1920_px_and_against_the_noise_of_clicks() {
+        let found = errors(&document(&[&THREE, &[("centre_mark", 3.0, true)]]));
+        let off: Vec<f64> = found.clicks.iter().map(|click| (click.error_px * 10.0).round() / 10.0).collect();
+        assert_eq!(off, [2.0, 1.0, 0.0, 6.0], "a picture of half the width");
+        let sigma_px =
+            builtin("soccer").unwrap().default_model().unwrap().landmark("centre_mark").unwrap().click_sigma_px;
+        assert!((found.clicks[3].expected_px - MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
+        let fitted = (3.0_f64 / 6.0).sqrt();
+        assert!((found.clicks[0].expected_px - fitted * MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
+        assert_eq!((found.those(true).count(), found.without_evidence), (1, 0));
+    }
+
+    #[test]
+    fn two_clicks_are_no_evidence_but_a_check_click_beside_them_is() {
+        let two = [("centre_mark", 0.0, false), ("halfway_far", 0.0, false), ("centre_circle_left", 2.0, true)];
+        let found = errors(&document(&[&two]));
+        assert_eq!((found.clicks.len(), found.without_evidence), (1, 1));
+        assert!(found.clicks[0].check && found.clicks[0].click == 2);
+        let mut rejected = document(&[&THREE]);
+        rejected.frames[0].status = FrameStatus::Rejected;
+        assert_eq!(errors(&rejected), ClickErrors::default());
+    }
+
+    #[test]
+    fn the_histogram_counts_every_error_and_the_last_bin_takes_the_rest() {
+        let mut clicks = errors(&document(&[&THREE, &THREE])).clicks;
+        clicks[5].error_px = f64::INFINITY;
+        let step_px = Histogram::step_for(&clicks);
+        assert_eq!(step_px, 0.1, "2.0 px and a fifth more in 24 bins");
+        let histogram = Histogram::of(&clicks, step_px);
+        assert_eq!(histogram.bins.iter().map(|bin| bin.count).sum::<usize>(), 6);
+        assert_eq!((histogram.bins[BINS].count, histogram.bins[BINS].worst), (1, Some((1, 2))));
+        assert_eq!(histogram.highest(), 2);
+        assert!((histogram.expected.iter().sum::<f64>() - 6.0).abs() < 1e-9);
+        assert!((share_below(3.0, 3.0) - 0.5).abs() < 1e-12, "half lie below the median");
+        assert_eq!(Histogram::step_for(&[]), 0.1);
+        assert_eq!(middle_and_most([4.0, 1.0, 2.0]), Some([2.0, 3.6]));
+        assert_eq!(middle_and_most([]), None);
+    }
+}

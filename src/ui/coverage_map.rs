@@ -1,0 +1,163 @@
+//! The map of pan and tilt: where references look, and where one is missing.
+
+use super::theme;
+use crate::app::where_to_label::whole_degrees;
+use crate::camera::PtzCamera;
+use crate::geometry::ImageSize;
+use crate::proposals::Coverage;
+use egui::{
+    Align, Color32, Layout, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
+
+/// So many references at a place are plenty.
+const PLENTY: f32 = 4.0;
+/// The field where no reference looks.
+pub const MISSING: Color32 = Color32::from_rgb(96, 46, 40);
+/// What is not the field and no reference sees.
+const OUTSIDE: Color32 = Color32::from_rgb(20, 22, 25);
+
+/// A map on the screen; whoever shows it draws on it what else there is.
+pub struct CoverageMap<'a> {
+    coverage: &'a Coverage,
+    rect: Rect,
+    /// The map as a control.
+    pub response: Response,
+    /// What draws within its borders.
+    pub painter: Painter,
+}
+
+/// Where no reference looks, in words.
+pub fn missing(coverage: &Coverage) -> String {
+    coverage.missing_pan_deg.map_or_else(
+        || "References see all of the field.".to_owned(),
+        |pan_deg| format!("No reference sees the field near pan\u{a0}{}.", whole_degrees(pan_deg)),
+    )
+}
+
+impl<'a> CoverageMap<'a> {
+    /// Shows a map of some height, points: the more references see a place, the brighter; the field where none looks in red.
+    pub fn show(ui: &mut Ui, coverage: &'a Coverage, height: f32, sense: Sense) -> Self {
+        let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), sense);
+        let told = format!("Map of pan and tilt. {}", missing(coverage));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
+        let map = Self { coverage, rect, response, painter: ui.painter_at(rect) };
+        map.cells();
+        map
+    }
+
+    /// The pans at the left and the right border, below the map.
+    pub fn borders(&self, ui: &mut Ui) {
+        ui.horizontal(|ui| {
+            let border = |degrees: f64| RichText::new(whole_degrees(degrees)).small().color(theme::WEAK);
+            ui.label(border(*self.coverage.pan_deg.start()));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                ui.label(border(*self.coverage.pan_deg.end()));
+            });
+        });
+    }
+
+    /// Where a pan and a tilt lie.
+    pub fn at(&self, pan_deg: f64, tilt_deg: f64) -> Pos2 {
+        place(self.coverage, self.rect, pan_deg, tilt_deg)
+    }
+
+    /// The cell under a point of the screen, and the pan and tilt there.
+    pub fn under(&self, pointer: Pos2) -> Option<(usize, [f64; 2])> {
+        let share = (pointer - self.rect.min) / self.rect.size();
+        if !(0.0..1.0).contains(&share.x) || !(0.0..1.0).contains(&share.y) {
+            return None;
+        }
+        let (columns, rows) = self.columns_and_rows();
+        let cell = (share.y * rows as f32) as usize * columns + (share.x * columns as f32) as usize;
+        let along = |range: &std::ops::RangeInclusive<f64>, share: f32| {
+            range.start() + f64::from(share) * (range.end() - range.start())
+        };
+        Some((cell, [along(&self.coverage.pan_deg, share.x), along(&self.coverage.tilt_deg, 1.0 - share.y)]))
+    }
+
+    /// The outline of what a camera sees.
+    pub fn outline(&self, camera: &PtzCamera, size: ImageSize) {
+        let corners = size.corners().into_iter().filter_map(|corner| camera.ray_from_image(corner).ok());
+        let points: Vec<Pos2> = corners.map(|ray| self.at(ray.pan.degrees(), ray.tilt.degrees())).collect();
+        if points.len() == 4 {
+            self.painter.add(Shape::closed_line(points, Stroke::new(1.5, theme::STRONG)));
+        }
+    }
+
+    /// A pointer from above at a pan.
+    pub fn pointer(&self, pan_deg: f64) {
+        let x = self.at(pan_deg, 0.0).x.clamp(self.rect.left() + 6.0, self.rect.right() - 6.0);
+        let tip = pos2(x, self.rect.top() + 9.0);
+        let corners = vec![tip, tip + vec2(-5.0, -8.0), tip + vec2(5.0, -8.0)];
+        self.painter.add(Shape::convex_polygon(corners, theme::STRONG, Stroke::new(1.0, theme::BACKDROP)));
+    }
+
+    /// A small square in the middle of each cell that others see, the larger the more.
+    pub fn dots(&self, others: &Coverage, colour: Color32) {
+        for (index, cell) in others.cells.iter().enumerate().filter(|(_, cell)| cell.references > 0) {
+            let side = 2.0 + 3.0 * (cell.references as f32 / PLENTY).min(1.0);
+            self.painter.rect_filled(Rect::from_center_size(self.cell(index).center(), vec2(side, side)), 0.0, colour);
+        }
+    }
+
+    fn columns_and_rows(&self) -> (usize, usize) {
+        let columns = self.coverage.columns.max(1);
+        (columns, (self.coverage.cells.len() / columns).max(1))
+    }
+
+    fn cell(&self, index: usize) -> Rect {
+        let (columns, rows) = self.columns_and_rows();
+        let size = self.rect.size() / vec2(columns as f32, rows as f32);
+        let place = vec2((index % columns) as f32, (index / columns) as f32);
+        Rect::from_min_size(self.rect.min + place * size, size)
+    }
+
+    fn cells(&self) {
+        for (index, cell) in self.coverage.cells.iter().enumerate() {
+            let colour = match cell.references {
+                0 if cell.field => MISSING,
+                0 => OUTSIDE,
+                references => seen_by(references),
+            };
+            // A seam between cells, so that they read as counted and not as measured.
+            self.painter.rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
+        }
+    }
+}
+
+/// The colour of what so many references see.
+pub fn seen_by(references: u32) -> Color32 {
+    let share = (references as f32 / PLENTY).min(1.0);
+    theme::ACCENT_GROUND.lerp_to_gamma(theme::ACCENT, 0.15 + 0.55 * share)
+}
+
+fn place(coverage: &Coverage, rect: Rect, pan_deg: f64, tilt_deg: f64) -> Pos2 {
+    let share = |range: &std::ops::RangeInclusive<f64>, value: f64| {
+        ((value - range.start()) / (range.end() - range.start())) as f32
+    };
+    let x = share(&coverage.pan_deg, pan_deg);
+    let y = 1.0 - share(&coverage.tilt_deg, tilt_deg);
+    pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::proposals::Cell;
+
+    #[test]
+    fn pan_runs_to_the_right_and_tilt_upwards() {
+        let coverage = Coverage {
+            camera: "main".into(),
+            pan_deg: -50.0..=50.0,
+            tilt_deg: -20.0..=0.0,
+            columns: 2,
+            cells: vec![Cell::default(); 4],
+            missing_pan_deg: None,
+        };
+        let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
+        assert_eq!(place(&coverage, rect, -50.0, 0.0), pos2(0.0, 0.0));
+        assert_eq!(place(&coverage, rect, 25.0, -15.0), pos2(150.0, 75.0));
+    }
+}

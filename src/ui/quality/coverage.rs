@@ -1,0 +1,108 @@
+//! Where references and suggestions look, over pan and tilt. A click goes to the frame that looks there.
+
+use super::{card, legend, nothing_yet};
+use crate::app::Action;
+use crate::app::quality::{CoursePoint, Kind, Seen};
+use crate::app::where_to_label::whole_degrees;
+use crate::proposals::Coverage;
+use crate::ui::coverage_map::{CoverageMap, MISSING, missing, seen_by};
+use crate::ui::menu::file_name;
+use crate::ui::{Panel, theme};
+use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
+
+/// The map's height: at least, and as a share of its width, points.
+const HEIGHT: f32 = 120.0;
+const HEIGHT_SHARE: f32 = 0.3;
+
+/// What stands there without a base.
+const NOTHING: &str =
+    "Where references look over pan and tilt appears here, once the camera's base is known and a frame is accepted.";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let seen = panel.app.quality().seen.as_ref();
+    card(
+        panel,
+        ui,
+        "WHERE FRAMES LOOK",
+        |_, _| {},
+        |panel, ui| {
+            let Some(seen) = seen else {
+                nothing_yet(ui, NOTHING);
+                return;
+            };
+            let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
+            let map = CoverageMap::show(ui, &seen.references, height, Sense::click());
+            map.dots(&seen.suggestions, theme::CAUTION);
+            if let (Some(camera), Some(frame)) = (&panel.app.current().camera, panel.app.frame())
+                && panel.app.quality().camera.as_ref() == Some(&frame.camera)
+            {
+                map.outline(camera, frame.image_size);
+            }
+            if let Some(pointer) = map.response.hover_pos() {
+                read_pointer(panel, ui, &map, seen, pointer);
+            }
+            map.borders(ui);
+            let words =
+                if is_empty(&seen.references) { NOTHING_ACCEPTED.to_owned() } else { missing(&seen.references) };
+            ui.add(Label::new(words).wrap());
+            keys(ui, seen);
+        },
+    );
+}
+
+/// What is said while nothing is accepted: the whole field is missing.
+const NOTHING_ACCEPTED: &str = "No frame of this camera is accepted yet.";
+
+fn is_empty(coverage: &Coverage) -> bool {
+    coverage.cells.iter().all(|cell| cell.references == 0)
+}
+
+/// What the colours mean.
+fn keys(ui: &mut Ui, seen: &Seen) {
+    let square = |colour: Color32, side: f32| {
+        move |painter: &Painter, at: Pos2| {
+            painter.rect_filled(Rect::from_center_size(at, vec2(side, side)), 0.0, colour);
+        }
+    };
+    ui.horizontal_wrapped(|ui| {
+        legend::entry(ui, "seen by a reference", square(seen_by(1), 9.0));
+        legend::entry(ui, "by four and more", square(seen_by(4), 9.0));
+        legend::entry(ui, "field that none sees", square(MISSING, 9.0));
+        if !is_empty(&seen.suggestions) {
+            legend::entry(ui, "a suggestion looks there", square(theme::CAUTION, 4.0));
+        }
+    });
+}
+
+/// What looks where the pointer is; a click goes to the frame whose middle is nearest.
+fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &Seen, pointer: Pos2) {
+    let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else { return };
+    let app = panel.app;
+    let on_map = |point: &CoursePoint| map.at(point.values[0], point.values[1]);
+    let looking = app.quality().course.points.iter().filter(|point| point.kind != Kind::Draft);
+    let nearest = looking.min_by(|a, b| {
+        let distance = |point: &CoursePoint| on_map(point).distance_sq(pointer);
+        distance(a).total_cmp(&distance(b))
+    });
+    let count = |coverage: &Coverage| coverage.cells.get(cell).map_or(0, |cell| cell.references as usize);
+    let seen = format!(
+        "Pan {}, tilt {}: in sight of {} and {}.",
+        whole_degrees(pan_deg),
+        whole_degrees(tilt_deg),
+        legend::counted(Kind::Reference, count(&looks.references)),
+        legend::counted(Kind::Suggested, count(&looks.suggestions))
+    );
+    let Some((point, frame)) = nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?))) else {
+        map.response.clone().on_hover_text_at_pointer(seen);
+        return;
+    };
+    map.painter.circle_stroke(on_map(point), 4.0, Stroke::new(1.5, theme::STRONG));
+    ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
+    let name = file_name(&frame.name());
+    let text = format!("{seen} The middle of {name} is nearest: a click goes there.");
+    map.response.clone().on_hover_text_at_pointer(text);
+    if map.response.clicked() {
+        panel.actions.push(Action::LookAt { frame: point.frame, click: None });
+    }
+}

@@ -1,0 +1,138 @@
+//! How large the errors at clicks are, and at check clicks. A click goes to the worst one of a bar.
+
+use super::{card, nothing_yet};
+use crate::app::Action;
+use crate::app::quality::{ClickErrors, Histogram, middle_and_most};
+use crate::experiments::figure::Ruler;
+use crate::ui::plot::Plot;
+use crate::ui::{Panel, theme};
+use egui::{
+    CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
+};
+
+/// The height of a histogram, points.
+const HEIGHT: f32 = 86.0;
+/// Room for numbers at the left and below, points.
+const NUMBERS: f32 = 30.0;
+const BELOW: f32 = 16.0;
+
+/// What stands there without an error that says something.
+const NOTHING: &str = "How far clicks lie from the lines appears here. Two clicks leave nothing to compare: place a third one on \
+                       some frames, or a check point (K).";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let errors = &panel.app.quality().errors;
+    let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
+        let tip = "The distance of a click from where the frame's camera shows what it names, scaled to a picture 1920 px wide.";
+        ui.label(RichText::new("px at 1920 px width").small().color(theme::WEAK)).on_hover_text(tip);
+    };
+    card(panel, ui, "ERRORS", unit, |panel, ui| {
+        if errors.clicks.is_empty() {
+            nothing_yet(ui, NOTHING);
+        } else {
+            let step_px = Histogram::step_for(&errors.clicks);
+            one(panel, ui, errors, false, step_px);
+            one(panel, ui, errors, true, step_px);
+        }
+        without_evidence(ui, errors);
+    });
+}
+
+/// The frames that are not counted.
+fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
+    let text = match errors.without_evidence {
+        0 => return,
+        1 => "1 frame has two clicks only: no evidence, not counted.".to_owned(),
+        count => format!("{count} frames have two clicks only: no evidence, not counted."),
+    };
+    nothing_yet(ui, &text);
+}
+
+/// The histogram of the clicks that took part, or of those held out.
+fn one(panel: &mut Panel<'_>, ui: &mut Ui, errors: &ClickErrors, check: bool, step_px: f64) {
+    let (what, about) = if check {
+        ("Check points", "Points that no camera was fitted to.")
+    } else {
+        ("Points", "Points that cameras were fitted to: their errors are a little smaller than those of other points.")
+    };
+    let Some([median, most]) = middle_and_most(errors.those(check).map(|click| click.error_px)) else {
+        nothing_yet(ui, &format!("No {}: K holds a point out of the solve.", what.to_lowercase()));
+        return;
+    };
+    let histogram = Histogram::of(errors.those(check), step_px);
+    let count = errors.those(check).count();
+    let told = format!("{what}: {count}, median {}, 90 % below {}", px(median), px(most));
+    ui.label(RichText::new(&told).small().color(theme::STRONG)).on_hover_text(about);
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {told}")));
+    let area = Rect::from_min_max(rect.min + vec2(NUMBERS, 4.0), rect.max - vec2(4.0, BELOW));
+    let highest = histogram.expected.iter().copied().fold(histogram.highest() as f64, f64::max);
+    let ruler = Ruler::around([0.0, highest.max(1.0)], 2.0);
+    let plot = Plot { area, x: [0.0, histogram.bins.len() as f64], y: ruler.range() };
+    if ui.is_rect_visible(rect) {
+        let painter = ui.painter_at(rect);
+        painter.rect_filled(area, CornerRadius::same(3), theme::BACKDROP);
+        plot.levels(&painter, &ruler);
+        bars(&painter, &plot, &histogram);
+        for (value, colour) in [(median, theme::STRONG), (most, theme::WEAK)] {
+            painter.vline(plot.x_of(value / step_px), area.y_range(), Stroke::new(1.0, colour));
+        }
+        below(&painter, &plot, step_px);
+    }
+    read_pointer(panel, ui, &plot, &histogram, response);
+}
+
+/// The bars, and the steps that right clicks would make.
+fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
+    let last = histogram.bins.len() - 1;
+    for (place, bin) in histogram.bins.iter().enumerate().filter(|(_, bin)| bin.count > 0) {
+        let (left, right) = (plot.x_of(place as f64), plot.x_of(place as f64 + 1.0));
+        let bar =
+            Rect::from_min_max(pos2(left + 0.5, plot.y_of(bin.count as f64)), pos2(right - 0.5, plot.area.bottom()));
+        painter.rect_filled(bar, 0.0, if place == last { theme::CAUTION } else { theme::ACCENT });
+    }
+    let step = |(place, count): (usize, &f64)| {
+        let y = plot.y_of(*count);
+        [pos2(plot.x_of(place as f64), y), pos2(plot.x_of(place as f64 + 1.0), y)]
+    };
+    let steps = histogram.expected.iter().take(last).enumerate().flat_map(step).collect();
+    painter.add(Shape::line(steps, Stroke::new(1.0, theme::GOOD)));
+}
+
+/// Numbers below the bars.
+fn below(painter: &Painter, plot: &Plot, step_px: f64) {
+    let last = plot.x[1] - 1.0;
+    let ruler = Ruler::within([0.0, last * step_px], f64::from(plot.area.width() / 50.0));
+    let ticks = ruler.ticks.iter().map(|(value, words)| (value / step_px, words.as_str()));
+    plot.steps(painter, ticks.filter(|(at, _)| *at < last - 1.0).chain([(last + 0.5, "more")]));
+}
+
+fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogram, response: Response) {
+    let Some(pointer) = response.hover_pos() else { return };
+    let place = (plot.x_at(pointer.x).max(0.0) as usize).min(histogram.bins.len() - 1);
+    let bin = histogram.bins[place];
+    let from = place as f64 * histogram.step_px;
+    let range = if place + 1 == histogram.bins.len() {
+        format!("{} and more", px(from))
+    } else {
+        format!("{} to {}", number(from), px(from + histogram.step_px))
+    };
+    let right = format!("{:.0} if all names and cameras were right (green)", histogram.expected[place]);
+    let there = if bin.worst.is_some() { " A click goes to the worst of them." } else { "" };
+    if let Some((frame, click)) = bin.worst {
+        ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
+        if response.clicked() {
+            panel.actions.push(Action::LookAt { frame, click: Some(click) });
+        }
+    }
+    response.on_hover_text_at_pointer(format!("{range}: {}, {right}.{there}", bin.count));
+}
+
+fn px(value: f64) -> String {
+    if value.is_finite() { format!("{} px", number(value)) } else { "out of sight".to_owned() }
+}
+
+fn number(value: f64) -> String {
+    if value < 10.0 { format!("{value:.1}") } else { format!("{value:.0}") }
+}

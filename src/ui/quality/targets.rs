@@ -1,0 +1,81 @@
+//! Which landmarks and lines are hit badly, the worst first. A click goes to the worst click on one.
+
+use super::{card, nothing_yet};
+use crate::app::Action;
+use crate::app::quality::TargetErrors;
+use crate::ui::bar::Bar;
+use crate::ui::menu::file_name;
+use crate::ui::{Panel, theme};
+use egui::{Button, Id, RichText, Ui};
+
+/// More landmarks than this are shown when asked for.
+const SHOWN: usize = 11;
+
+/// What stands there without an error that says something.
+const NOTHING: &str =
+    "Landmarks and lines appear here with how well they are hit, once some frames have three clicks or more.";
+
+/// Shows the section.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let targets = &panel.app.quality().targets;
+    let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
+        let tip = "The stroke is where the median of right clicks would lie, by what is known of how well people hit this \
+                   landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
+        let words = if targets.is_empty() { "" } else { "median; | of right clicks" };
+        ui.label(RichText::new(words).small().color(theme::WEAK)).on_hover_text(tip);
+    };
+    card(panel, ui, "ERRORS BY LANDMARK", legend, |panel, ui| {
+        if targets.is_empty() {
+            nothing_yet(ui, NOTHING);
+            return;
+        }
+        let unfolded = Id::unique("all landmarks of the quality page");
+        let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
+        let shown = if all { targets.len() } else { targets.len().min(SHOWN) };
+        // A single click far off does not make all other bars invisible.
+        let known = targets.iter().filter(|errors| errors.is_known()).map(|errors| errors.median_px);
+        let largest = known.chain(targets.iter().map(|errors| 2.0 * errors.expected_px)).fold(0.1, f64::max);
+        ui.spacing_mut().item_spacing.y = 0.0;
+        for errors in &targets[..shown] {
+            row(panel, ui, errors, largest);
+        }
+        if targets.len() > SHOWN {
+            let says = if all { "Fewer".to_owned() } else { format!("All {}", targets.len()) };
+            if ui.add(Button::new(RichText::new(says).small()).frame(false)).clicked() {
+                ui.data_mut(|data| data.insert_temp(unfolded, !all));
+            }
+        }
+    });
+}
+
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f64) {
+    let label = panel.app.label(&errors.target);
+    let clicks = if errors.clicks == 1 { "1 click".to_owned() } else { format!("{} clicks", errors.clicks) };
+    let colour = match (errors.is_known(), errors.is_bad()) {
+        (true, true) => theme::CAUTION,
+        (true, false) => theme::ACCENT,
+        (false, _) => theme::WEAK,
+    };
+    let median = if errors.median_px.is_finite() { format!("{:.1} px", errors.median_px) } else { "unseen".to_owned() };
+    let bar = Bar {
+        name: &format!("{label}, {clicks}"),
+        value: &median,
+        share: errors.median_px / largest_px,
+        expected: Some(errors.expected_px / largest_px),
+        colour,
+        width: (0.35 * ui.available_width()).min(160.0),
+        ..Bar::default()
+    };
+    let (_, response) = bar.show(ui);
+    let Some(&(frame, click, worst_px)) = errors.worst.first() else { return };
+    let name =
+        panel.app.open().and_then(|open| open.frame(frame)).map(|frame| file_name(&frame.name())).unwrap_or_default();
+    let tip = format!(
+        "{label}: {clicks}, median {median}, nine of ten below {:.1} px; right ones would have a median of {:.1} px. The worst, \
+         {worst_px:.1} px, is in {name}: a click goes there.",
+        errors.most_px, errors.expected_px
+    );
+    if response.on_hover_text(tip).clicked() {
+        panel.actions.push(Action::LookAt { frame, click: Some(click) });
+    }
+}
