@@ -52,8 +52,48 @@ fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
 }
 
 #[test]
+fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
+    let Some(mut window) = Window::open_referenced(6, SIZE) else { return };
+    // One point of the fourth frame is 9 px off, which is 27 px at 1920 px width.
+    window.key(Key::F5);
+    window.harness.get_by_label_contains("Pan, tilt and focal length over time: 6 references");
+    let histogram = window.harness.get_by_label_contains("Histogram. Points: ").rect();
+    window.harness.get_by_label("No check points: K holds a point out of the solve.");
+    window.harness.get_by_label_contains("Map of pan and tilt. No reference sees the field near pan");
+    let more = histogram.right_bottom() - egui::vec2(10.0, 20.0);
+    window.press(more);
+    window.release(more);
+    assert_eq!((window.app().session.frame, window.app().session.quality.open), (3, false));
+    let worst = window.app().session.selected;
+    assert!(worst.is_some());
+    window.key(Key::F5);
+    let click = &window.app().frame().unwrap().clicks[worst.unwrap()];
+    let target = click.target.clone().unwrap();
+    let clicks = window.app().quality().targets.iter().find(|errors| errors.target == target).unwrap().clicks;
+    let row = format!("{clicks} × {}: ", window.app().label(&target));
+    window.harness.get_by_label_contains(&row).click();
+    window.harness.run_steps(2);
+    assert_eq!((window.app().session.frame, window.app().session.selected), (3, worst));
+}
+
+#[test]
+fn errors_landmarks_and_coverage_look_like_this() {
+    let Some(mut window) = Window::open_referenced(12, SIZE) else { return };
+    window.key(Key::F5);
+    let top = window.harness.get_by_label("ERRORS").rect().top() - 12.0;
+    window.snapshot_of("quality", egui::Rect::from_min_max(egui::pos2(0.0, top), egui::pos2(1280.0, top + 250.0)));
+}
+
+#[test]
 fn without_a_camera_the_page_says_what_will_appear() {
     let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
     window.key(Key::F5);
-    window.harness.get_by_label_contains("Frames with a camera appear here over time");
+    for said in [
+        "Frames with a camera appear here over time",
+        "How far clicks lie from the lines appears here",
+        "Landmarks and lines appear here",
+        "No frame of this camera is accepted yet.",
+    ] {
+        window.harness.get_by_label_contains(said);
+    }
 }

@@ -76,6 +76,16 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
     std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
 }
 
+/// Exact points on every landmark that a frame shows on the ground.
+fn seen_landmarks(frame: usize) -> Vec<Click> {
+    let field = field();
+    let seen = |landmark: &Landmark| {
+        let at = truth(frame).image_from_world(field.landmark_in_world(landmark)).ok()?;
+        (SIZE.contains(at) && landmark.nominal_m.z == 0.0).then(|| Click::landmark(landmark.id.clone(), at))
+    };
+    field.landmarks.iter().filter_map(seen).collect()
+}
+
 /// A window on a project.
 pub struct Window {
     /// The window.
@@ -102,12 +112,27 @@ impl Window {
         let camera = &mut document.cameras[0];
         (camera.position_m, camera.base_from_world) = (None, None);
         for (index, frame) in document.frames.iter_mut().enumerate() {
-            let seen = |landmark: &Landmark| {
-                let at = truth(index).image_from_world(field().landmark_in_world(landmark)).ok()?;
-                (SIZE.contains(at) && landmark.nominal_m.z == 0.0).then(|| Click::landmark(landmark.id.clone(), at))
-            };
-            frame.clicks = field().landmarks.iter().filter_map(seen).collect();
+            frame.clicks = seen_landmarks(index);
             frame.status = FrameStatus::Draft;
+        }
+        std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
+        Some(Self::on(folder, size, 1.0))
+    }
+
+    /// Opens a project of plain references with exact points on every landmark of each, save one point of the fourth.
+    pub fn open_referenced(frames: usize, size: [f32; 2]) -> Option<Self> {
+        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+        let folder = tempfile::tempdir().unwrap();
+        write_project(folder.path(), frames, &mut offscreen);
+        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        for (index, frame) in document.frames.iter_mut().enumerate() {
+            frame.clicks = seen_landmarks(index);
+            frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
+            frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+            frame.status = FrameStatus::Reference;
+        }
+        if let Some(click) = document.frames.get_mut(3).and_then(|frame| frame.clicks.first_mut()) {
+            click.image.x += 9.0;
         }
         std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
         Some(Self::on(folder, size, 1.0))

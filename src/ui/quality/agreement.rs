@@ -126,8 +126,7 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let name = panel.app.label(&Target::Landmark(landmark.landmark.clone()));
         let value = format!("{:.1} px", landmark.median_px);
         let share = landmark.median_px / largest;
-        let (_, response) =
-            Bar { name: &name, value: &value, share, colour: theme::ACCENT, selected: false, tail: 0.0 }.show(ui);
+        let (_, response) = Bar { name: &name, value: &value, share, ..Bar::default() }.show(ui);
         let hand =
             landmark.noise.map(|noise| format!(" One hand scatters by {:.2} px.", noise.sigma)).unwrap_or_default();
         response.on_hover_text(format!(
@@ -182,15 +181,9 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let px = apart(frame);
         let value = if px.is_finite() { format!("{px:.1} px") } else { "elsewhere".to_owned() };
         let selected = panel.app.session.frame == frame.frames[0];
-        let (_, response) = Bar {
-            name: &name,
-            value: &value,
-            share: px / largest,
-            colour: if px > largest { theme::CAUTION } else { theme::ACCENT },
-            selected,
-            tail: 0.0,
-        }
-        .show(ui);
+        let colour = if px > largest { theme::CAUTION } else { theme::ACCENT };
+        let (_, response) =
+            Bar { name: &name, value: &value, share: px / largest, colour, selected, ..Bar::default() }.show(ui);
         if response.on_hover_text(tip(frame)).clicked() {
             panel.actions.push(Action::LookAt { frame: frame.frames[0], click: None });
         }

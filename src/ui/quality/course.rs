@@ -21,8 +21,8 @@ const HEIGHT_SHARE: f32 = 0.058;
 /// Room for numbers at the left of the plots and below the last one, points.
 const NUMBERS: f32 = 44.0;
 const BELOW: f32 = 16.0;
-/// Between two plots, points.
-const BETWEEN: f32 = 6.0;
+/// Above the first plot and between two plots: room for half a number, points.
+const BETWEEN: f32 = 10.0;
 /// A column of a plot with many points, points.
 const COLUMN: f32 = 2.0;
 /// The pointer takes hold of what is this near, points.
@@ -69,8 +69,8 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
         }
     };
     button(ui, "All", Command::ZoomToFit, is_part, "Show all of the time.");
-    button(ui, "−", Command::ZoomOut, is_part, "Show more of the time.");
     button(ui, "+", Command::ZoomIn, true, "Show less of the time, larger.");
+    button(ui, "−", Command::ZoomOut, is_part, "Show more of the time.");
     if course.has_video_time {
         for (axis, says, tip) in [
             (TimeAxis::Video, "Video time", "Count time as the video does."),
@@ -108,12 +108,12 @@ struct Stack {
 impl Stack {
     fn new(ui: &mut Ui, course: &Course, span: [f64; 2]) -> Self {
         let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
-        let size = vec2(ui.available_width(), 3.0 * height + 2.0 * BETWEEN + BELOW);
+        let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let words = |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
         let rulers = Quantity::ALL.map(words);
         let plots = [0, 1, 2].map(|place| {
-            let top = rect.top() + place as f32 * (height + BETWEEN);
+            let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
             let area = Rect::from_min_max(pos2(rect.left() + NUMBERS, top), pos2(rect.right() - 6.0, top + height));
             Plot { area, x: span, y: rulers[place].range() }
         });

@@ -1,6 +1,6 @@
 //! How large the errors at clicks are, and at check clicks. A click goes to the worst one of a bar.
 
-use super::{card, nothing_yet};
+use super::{card, legend, nothing_yet};
 use crate::app::Action;
 use crate::app::quality::{ClickErrors, Histogram, middle_and_most};
 use crate::experiments::figure::Ruler;
@@ -26,6 +26,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The distance of a click from where the frame's camera shows what it names, scaled to a picture 1920 px wide.";
         ui.label(RichText::new("px at 1920 px width").small().color(theme::WEAK)).on_hover_text(tip);
+        if !errors.clicks.is_empty() {
+            let right = "What as many right clicks would give, by the click noise of what they name.";
+            legend::entry(ui, "right clicks", |painter, at| {
+                painter.hline(at.x - 4.0..=at.x + 4.0, at.y, Stroke::new(1.5, theme::GOOD));
+            })
+            .on_hover_text(right);
+        }
     };
     card(panel, ui, "ERRORS", unit, |panel, ui| {
         if errors.clicks.is_empty() {
@@ -118,6 +125,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogr
     } else {
         format!("{} to {}", number(from), px(from + histogram.step_px))
     };
+    let count = if bin.count == 1 { "1 click".to_owned() } else { format!("{} clicks", bin.count) };
     let right = format!("{:.0} if all names and cameras were right (green)", histogram.expected[place]);
     let there = if bin.worst.is_some() { " A click goes to the worst of them." } else { "" };
     if let Some((frame, click)) = bin.worst {
@@ -126,7 +134,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogr
             panel.actions.push(Action::LookAt { frame, click: Some(click) });
         }
     }
-    response.on_hover_text_at_pointer(format!("{range}: {}, {right}.{there}", bin.count));
+    response.on_hover_text_at_pointer(format!("{range}: {count}; {right}.{there}"));
 }
 
 fn px(value: f64) -> String {

@@ -128,7 +128,7 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         let value =
             landmark.noise.map_or_else(|| format!("{} ×", landmark.repeats), |noise| format!("{:.2} px", noise.sigma));
         let share = landmark.noise.map_or(0.0, |noise| noise.sigma / largest);
-        let bar = Bar { name: &name, value: &value, share, colour: theme::ACCENT, selected: false, tail: 0.0 };
+        let bar = Bar { name: &name, value: &value, share, ..Bar::default() };
         let (_, response) = bar.show(ui);
         let tip = match landmark.noise {
             Some(noise) => {

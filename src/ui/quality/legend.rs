@@ -2,7 +2,14 @@
 
 use crate::app::quality::Kind;
 use crate::ui::theme;
-use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Sense, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
+use egui::{
+    Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
+    WidgetInfo, pos2, vec2,
+};
+
+/// The height of a line of the legend, and the room for a mark, points.
+const ROW: f32 = 16.0;
+const MARK: f32 = 14.0;
 
 /// The colour of a kind.
 pub fn colour(kind: Kind) -> Color32 {
@@ -32,11 +39,16 @@ pub fn ring(painter: &Painter, at: Pos2) {
     painter.circle_stroke(at, 5.5, Stroke::new(1.5, theme::BAD));
 }
 
-/// A mark with its words.
-pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) {
-    let (place, _) = ui.allocate_exact_size(vec2(12.0, 14.0), Sense::hover());
-    paint(ui.painter(), place.center());
-    ui.label(egui::RichText::new(words).small().color(theme::TEXT));
+/// A mark with its words, which stay together on a line.
+pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Response {
+    let font = TextStyle::Small.resolve(ui.style());
+    let galley = ui.painter().layout_no_wrap(words.to_owned(), font, theme::TEXT);
+    let (place, response) = ui.allocate_exact_size(vec2(MARK + galley.size().x, ROW), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Label, true, words));
+    paint(ui.painter(), place.left_center() + vec2(MARK / 2.0 - 2.0, 0.0));
+    let text = pos2(place.left() + MARK, place.center().y - galley.size().y / 2.0);
+    ui.painter().galley(text, galley, theme::TEXT);
+    response
 }
 
 /// What a kind is called, with how many there are.

@@ -15,10 +15,13 @@ mod time;
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
 use crate::app::{Action, Command};
-use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
+use egui::layers::ShapeIdx;
+use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
 
 /// Between cards, points.
 const GAP: f32 = 8.0;
+/// The corners of a card.
+const CORNER: CornerRadius = CornerRadius::same(6);
 
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -30,15 +33,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         inside.show(ui, |ui| {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
             course::show(panel, ui);
-            ui.columns(3, |columns| {
-                if let [left, middle, right] = columns {
-                    errors::show(panel, left);
-                    targets::show(panel, middle);
-                    coverage::show(panel, right);
-                }
-            });
-            gold::show(panel, ui);
-            agreement::show(panel, ui);
+            row(panel, ui, [errors::show, targets::show, coverage::show]);
+            row(panel, ui, [gold::show, agreement::show]);
         });
     });
 }
@@ -77,6 +73,22 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
     shown.response.accessible_name("Camera").on_hover_text("The camera that this page speaks of.");
 }
 
+/// Sections beside each other, as high as the highest of them.
+fn row<const N: usize>(panel: &mut Panel<'_>, ui: &mut Ui, sections: [fn(&mut Panel<'_>, &mut Ui); N]) {
+    ui.columns(N, |columns| {
+        let grounds: Vec<ShapeIdx> = columns.iter().map(|column| column.painter().add(Shape::Noop)).collect();
+        for (column, section) in columns.iter_mut().zip(sections) {
+            section(panel, column);
+        }
+        let bottom = columns.iter().map(|column| column.min_rect().bottom()).fold(0.0, f32::max);
+        for (column, ground) in columns.iter().zip(grounds) {
+            let mut rect = column.min_rect();
+            rect.set_bottom(bottom);
+            column.painter().set(ground, Shape::rect_filled(rect, CORNER, theme::RAISED));
+        }
+    });
+}
+
 /// A section of the page: its title, and beside it on the right what belongs to the whole of it.
 fn card(
     panel: &mut Panel<'_>,
@@ -85,7 +97,7 @@ fn card(
     beside: impl FnOnce(&mut Panel<'_>, &mut Ui),
     inside: impl FnOnce(&mut Panel<'_>, &mut Ui),
 ) {
-    let ground = Frame::new().fill(theme::RAISED).corner_radius(CornerRadius::same(6)).inner_margin(Margin::same(10));
+    let ground = Frame::new().fill(theme::RAISED).corner_radius(CORNER).inner_margin(Margin::same(10));
     ground.show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0 * theme::SPACE, theme::SPACE);
         ui.set_width(ui.available_width());

@@ -58,12 +58,12 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
     };
     let median = if errors.median_px.is_finite() { format!("{:.1} px", errors.median_px) } else { "unseen".to_owned() };
     let bar = Bar {
-        name: &format!("{label}, {clicks}"),
+        name: &format!("{} × {label}", errors.clicks),
         value: &median,
         share: errors.median_px / largest_px,
         expected: Some(errors.expected_px / largest_px),
         colour,
-        width: (0.35 * ui.available_width()).min(160.0),
+        width: (0.28 * ui.available_width()).min(160.0),
         ..Bar::default()
     };
     let (_, response) = bar.show(ui);
