@@ -34,7 +34,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.spacing_mut().item_spacing = vec2(GAP, GAP);
             course::show(panel, ui);
             row(panel, ui, [errors::show, targets::show, coverage::show]);
-            row(panel, ui, [gold::show, agreement::show]);
+            gold::show(panel, ui);
+            agreement::show(panel, ui);
         });
     });
 }
