@@ -77,14 +77,6 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
 }
 
 #[test]
-fn errors_landmarks_and_coverage_look_like_this() {
-    let Some(mut window) = Window::open_referenced(12, SIZE) else { return };
-    window.key(Key::F5);
-    let top = window.harness.get_by_label("ERRORS").rect().top() - 12.0;
-    window.snapshot_of("quality", egui::Rect::from_min_max(egui::pos2(0.0, top), egui::pos2(1280.0, top + 250.0)));
-}
-
-#[test]
 fn without_a_camera_the_page_says_what_will_appear() {
     let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
     window.key(Key::F5);

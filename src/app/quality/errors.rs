@@ -11,6 +11,8 @@ const BINS: usize = 24;
 /// Its scale reaches a little farther than nearly all errors.
 const NEARLY_ALL: f64 = 0.95;
 const FARTHER: f64 = 1.2;
+/// Nearly all right clicks stay below so many of their medians.
+const NEARLY_ALL_OF_RIGHT: f64 = 2.0;
 /// The median distance of a point whose two coordinates scatter with 1-σ, and of a number that does.
 const MEDIAN_OF_POINTS: f64 = 1.177_410;
 const MEDIAN_OF_NUMBERS: f64 = 0.674_490;
@@ -42,6 +44,23 @@ pub struct ClickErrors {
     pub clicks: Vec<ClickError>,
     /// Frames whose clicks leave nothing to compare: as many equations as unknowns.
     pub without_evidence: usize,
+    /// The errors of the clicks that took part in solves; none without any.
+    pub used: Option<Spread>,
+    /// The errors of those that were held out, in bins of the same width.
+    pub held_out: Option<Spread>,
+}
+
+/// Many errors in a few numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Spread {
+    /// How many.
+    pub count: usize,
+    /// Half of them stay below, px at 1920 px width.
+    pub median_px: f64,
+    /// Nine of ten stay below.
+    pub most_px: f64,
+    /// How many are of which size.
+    pub histogram: Histogram,
 }
 
 impl ClickErrors {
@@ -54,7 +73,16 @@ impl ClickErrors {
                 found.add(document, index, frame, fields.of_frame(document, frame));
             }
         }
+        let step_px = Histogram::step_for(&found.clicks);
+        [found.used, found.held_out] = [false, true].map(|check| found.spread(check, step_px));
         found
+    }
+
+    /// The errors of the clicks that took part, or of those held out.
+    fn spread(&self, check: bool, step_px: f64) -> Option<Spread> {
+        let those = || self.clicks.iter().filter(|click| click.check == check);
+        let [median_px, most_px] = middle_and_most(those().map(|click| click.error_px))?;
+        Some(Spread { count: those().count(), median_px, most_px, histogram: Histogram::of(those(), step_px) })
     }
 
     fn add(&mut self, document: &Document, index: usize, frame: &Frame, field: &FieldModel) {
@@ -85,11 +113,6 @@ impl ClickErrors {
             });
         }
     }
-
-    /// The clicks that took part in solves, or those that were held out.
-    pub fn those(&self, check: bool) -> impl Iterator<Item = &ClickError> {
-        self.clicks.iter().filter(move |click| click.check == check)
-    }
 }
 
 /// The median distance of right clicks, px of the frame.
@@ -105,8 +128,7 @@ fn share_below(limit_px: f64, median_px: f64) -> f64 {
 }
 
 /// Median and nine tenths of some errors, px; none without any.
-#[must_use]
-pub fn middle_and_most(errors: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
+pub(super) fn middle_and_most(errors: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = errors.into_iter().collect();
     sorted.sort_by(f64::total_cmp);
     (!sorted.is_empty()).then(|| [quantile(&sorted, 0.5), quantile(&sorted, 0.9)])
@@ -134,19 +156,20 @@ pub struct Bin {
 }
 
 impl Histogram {
-    /// The width of a bin such that nearly all errors have a bin of their own size, px: 1, 2 or 5 times a power of ten.
-    #[must_use]
-    pub fn step_for<'a>(errors: impl IntoIterator<Item = &'a ClickError>) -> f64 {
-        let mut sorted: Vec<f64> = errors.into_iter().map(|click| click.error_px).filter(|px| px.is_finite()).collect();
+    /// The width of a bin such that nearly all errors, and nearly all of right clicks, have a bin of their own size, px: 1, 2 or
+    /// 5 times a power of ten.
+    fn step_for(errors: &[ClickError]) -> f64 {
+        let mut sorted: Vec<f64> = errors.iter().map(|click| click.error_px).filter(|px| px.is_finite()).collect();
         sorted.sort_by(f64::total_cmp);
-        let reach_px = if sorted.is_empty() { 0.0 } else { FARTHER * quantile(&sorted, NEARLY_ALL) };
+        let nearly_all = if sorted.is_empty() { 0.0 } else { quantile(&sorted, NEARLY_ALL) };
+        let right = errors.iter().map(|click| NEARLY_ALL_OF_RIGHT * click.expected_px).fold(0.0, f64::max);
+        let reach_px = FARTHER * nearly_all.max(right);
         let steps = (-1..4).flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * 10f64.powi(power)));
         steps.into_iter().find(|step| step * BINS as f64 >= reach_px).unwrap_or(1e4)
     }
 
     /// The histogram of some errors.
-    #[must_use]
-    pub fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
+    fn of<'a>(errors: impl IntoIterator<Item = &'a ClickError>, step_px: f64) -> Self {
         let mut bins = vec![Bin::default(); BINS + 1];
         // Few noises are different: a number for each landmark and number of clicks.
         let mut noises: BTreeMap<u64, f64> = BTreeMap::new();
@@ -227,7 +250,9 @@ pub(super) mod tests {
         assert!((found.clicks[3].expected_px - MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
         let fitted = (3.0_f64 / 6.0).sqrt();
         assert!((found.clicks[0].expected_px - fitted * MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
-        assert_eq!((found.those(true).count(), found.without_evidence), (1, 0));
+        let (used, held_out) = (found.used.unwrap(), found.held_out.unwrap());
+        assert_eq!((used.count, held_out.count, found.without_evidence), (3, 1, 0));
+        assert!((used.median_px - 1.0).abs() < 1e-6 && (held_out.most_px - 6.0).abs() < 1e-6);
     }
 
     #[test]
@@ -246,7 +271,7 @@ pub(super) mod tests {
         let mut clicks = errors(&document(&[&THREE, &THREE])).clicks;
         clicks[5].error_px = f64::INFINITY;
         let step_px = Histogram::step_for(&clicks);
-        assert_eq!(step_px, 0.1, "2.0 px and a fifth more in 24 bins");
+        assert!(step_px < 0.7 && step_px * BINS as f64 > 2.4, "2.0 px and more in 24 bins: {step_px}");
         let histogram = Histogram::of(&clicks, step_px);
         assert_eq!(histogram.bins.iter().map(|bin| bin.count).sum::<usize>(), 6);
         assert_eq!((histogram.bins[BINS].count, histogram.bins[BINS].worst), (1, Some((1, 2))));

@@ -11,7 +11,7 @@ mod targets;
 mod thinned;
 
 pub use course::{Course, CoursePoint, Kind, Quantity, TimeAxis, within_whole, zoomed};
-pub use errors::{Bin, ClickError, ClickErrors, Histogram, middle_and_most};
+pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use seen::Seen;
 pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, drawn};

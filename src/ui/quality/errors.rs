@@ -2,7 +2,7 @@
 
 use super::{card, legend, nothing_yet};
 use crate::app::Action;
-use crate::app::quality::{ClickErrors, Histogram, middle_and_most};
+use crate::app::quality::{ClickErrors, Histogram, Spread};
 use crate::experiments::figure::Ruler;
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme};
@@ -38,9 +38,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         if errors.clicks.is_empty() {
             nothing_yet(ui, NOTHING);
         } else {
-            let step_px = Histogram::step_for(&errors.clicks);
-            one(panel, ui, errors, false, step_px);
-            one(panel, ui, errors, true, step_px);
+            one(panel, ui, errors.used.as_ref(), false);
+            one(panel, ui, errors.held_out.as_ref(), true);
         }
         without_evidence(ui, errors);
     });
@@ -50,26 +49,27 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
     let text = match errors.without_evidence {
         0 => return,
-        1 => "1 frame has two clicks only: no evidence, not counted.".to_owned(),
-        count => format!("{count} frames have two clicks only: no evidence, not counted."),
+        1 => "1 frame has too few clicks to compare anything (two, for example): not counted.".to_owned(),
+        count => format!("{count} frames have too few clicks to compare anything (two, for example): not counted."),
     };
     nothing_yet(ui, &text);
 }
 
 /// The histogram of the clicks that took part, or of those held out.
-fn one(panel: &mut Panel<'_>, ui: &mut Ui, errors: &ClickErrors, check: bool, step_px: f64) {
+fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool) {
     let (what, about) = if check {
         ("Check points", "Points that no camera was fitted to.")
     } else {
         ("Points", "Points that cameras were fitted to: their errors are a little smaller than those of other points.")
     };
-    let Some([median, most]) = middle_and_most(errors.those(check).map(|click| click.error_px)) else {
-        nothing_yet(ui, &format!("No {}: K holds a point out of the solve.", what.to_lowercase()));
+    let Some(spread) = spread else {
+        if check {
+            nothing_yet(ui, "No check points: K holds a point out of the solve.");
+        }
         return;
     };
-    let histogram = Histogram::of(errors.those(check), step_px);
-    let count = errors.those(check).count();
-    let told = format!("{what}: {count}, median {}, 90 % below {}", px(median), px(most));
+    let (histogram, step_px) = (&spread.histogram, spread.histogram.step_px);
+    let told = format!("{what}: {}, median {}, 90 % below {}", spread.count, px(spread.median_px), px(spread.most_px));
     ui.label(RichText::new(&told).small().color(theme::STRONG)).on_hover_text(about);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {told}")));
@@ -81,13 +81,13 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, errors: &ClickErrors, check: bool, st
         let painter = ui.painter_at(rect);
         painter.rect_filled(area, CornerRadius::same(3), theme::BACKDROP);
         plot.levels(&painter, &ruler);
-        bars(&painter, &plot, &histogram);
-        for (value, colour) in [(median, theme::STRONG), (most, theme::WEAK)] {
+        bars(&painter, &plot, histogram);
+        for (value, colour) in [(spread.median_px, theme::STRONG), (spread.most_px, theme::WEAK)] {
             painter.vline(plot.x_of(value / step_px), area.y_range(), Stroke::new(1.0, colour));
         }
         below(&painter, &plot, step_px);
     }
-    read_pointer(panel, ui, &plot, &histogram, response);
+    read_pointer(panel, ui, &plot, histogram, response);
 }
 
 /// The bars, and the steps that right clicks would make.
