@@ -1,6 +1,6 @@
 //! The map of pan and tilt: where references look, and where one is missing.
 
-use super::theme;
+use super::{Panel, theme};
 use crate::app::where_to_label::whole_degrees;
 use crate::camera::PtzCamera;
 use crate::geometry::ImageSize;
@@ -33,6 +33,13 @@ pub fn missing(coverage: &Coverage) -> String {
         || "References see all of the field.".to_owned(),
         |pan_deg| format!("No reference sees the field near pan\u{a0}{}.", whole_degrees(pan_deg)),
     )
+}
+
+/// Where a label of this camera helps most, degrees of pan.
+pub fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
+    let next = panel.app.review().advice.next?;
+    let frame = panel.app.open()?.frame(next.frame)?;
+    next.pan_deg.filter(|_| frame.camera == coverage.camera)
 }
 
 impl<'a> CoverageMap<'a> {

@@ -5,7 +5,7 @@ use crate::app::Action;
 use crate::app::quality::{CoursePoint, Kind, Seen};
 use crate::app::where_to_label::whole_degrees;
 use crate::proposals::Coverage;
-use crate::ui::coverage_map::{CoverageMap, MISSING, missing, seen_by};
+use crate::ui::coverage_map::{CoverageMap, MISSING, label_next, missing, seen_by};
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
@@ -38,6 +38,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 && panel.app.quality().camera.as_ref() == Some(&frame.camera)
             {
                 map.outline(camera, frame.image_size);
+            }
+            if let Some(pan_deg) = label_next(panel, &seen.references) {
+                map.pointer(pan_deg);
             }
             if let Some(pointer) = map.response.hover_pos() {
                 read_pointer(panel, ui, &map, seen, pointer);

@@ -1,7 +1,7 @@
 //! Where references look, over pan and tilt, what of it the forest finds again, and where a label helps most.
 
 use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
-use crate::ui::coverage_map::{CoverageMap, missing};
+use crate::ui::coverage_map::{CoverageMap, label_next, missing};
 use crate::ui::{Panel, theme};
 use egui::{Label, Sense, Stroke, Ui};
 
@@ -34,13 +34,6 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
     map.response.clone().on_hover_text(tip);
     map.borders(ui);
     ui.add(Label::new(missing(coverage)).wrap());
-}
-
-/// Where a label of this camera helps most, degrees of pan.
-pub fn label_next(panel: &Panel<'_>, coverage: &Coverage) -> Option<f64> {
-    let next = panel.app.review().advice.next?;
-    let frame = panel.app.open()?.frame(next.frame)?;
-    next.pan_deg.filter(|_| frame.camera == coverage.camera)
 }
 
 fn dot(map: &CoverageMap<'_>, asked: &LeftOut) {
