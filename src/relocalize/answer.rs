@@ -1,6 +1,6 @@
 //! A picture's features to its camera.
 
-use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, Search, SeenRange, pose_from_candidates};
+use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_from_candidates};
 use crate::camera::CameraBase;
 use crate::features::Features;
 use crate::geometry::Angle;
@@ -51,11 +51,10 @@ impl SeenRange {
 /// The candidate rays of all features.
 #[must_use]
 pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOptions) -> RayMatches {
-    let (mut search, mut candidates, mut matches) = (Search::default(), Vec::new(), RayMatches::new());
-    for (keypoint, descriptor) in features.keypoints.iter().zip(&features.descriptors) {
-        forest.predict(descriptor, options, &mut search, &mut candidates);
-        matches.push(keypoint.point, &candidates);
-    }
+    let mut matches = RayMatches::with_capacity(features.len());
+    forest.predict_all(&features.descriptors, options, |feature, candidates| {
+        matches.push(features.keypoints[feature].point, candidates);
+    });
     matches
 }
 

@@ -10,7 +10,7 @@
 
 use super::{PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
 use crate::camera::{Ptz, PtzCamera};
-use crate::features::{DESCRIPTOR_NORM, Features};
+use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
 use crate::geometry::rotation::{angle_between, q_pan, q_tilt};
 use crate::geometry::{Angle, ImagePoint};
 use rayon::prelude::*;
@@ -167,21 +167,36 @@ fn disagreement(references: &[Reference], pair: [usize; 2], options: &Contradict
     Some(Contradiction { references: pair, disagreement_px, shared: pose.inliers.len() })
 }
 
-/// Features of two pictures that are each other's nearest, and their squared distance.
-fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, f32)> {
-    let (rows, columns) = (&one.descriptors[..one.len().min(limit)], &other.descriptors[..other.len().min(limit)]);
-    let mut best_of_row = vec![(u32::MAX, 0); rows.len()];
-    let mut best_of_column = vec![(u32::MAX, 0); columns.len()];
-    // The same code for every kind of processor, compiled for the instructions that this one has.
-    pulp::Arch::new().dispatch(|| {
-        for (row, descriptor) in rows.iter().enumerate() {
-            for (column, neighbour) in columns.iter().enumerate() {
+/// The search for the nearest of each row among the columns and of each column among the rows: squared distance in bytes,
+/// number. No closure, as only what is inlined is compiled for the processor at hand.
+struct Nearest<'a> {
+    rows: &'a [Descriptor],
+    columns: &'a [Descriptor],
+}
+
+impl pulp::WithSimd for Nearest<'_> {
+    type Output = (Vec<(u32, usize)>, Vec<(u32, usize)>);
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
+        let mut best_of_row = vec![(u32::MAX, 0); self.rows.len()];
+        let mut best_of_column = vec![(u32::MAX, 0); self.columns.len()];
+        for (row, descriptor) in self.rows.iter().enumerate() {
+            for (column, neighbour) in self.columns.iter().enumerate() {
                 let distance = descriptor.squared_byte_distance(neighbour);
                 best_of_row[row] = best_of_row[row].min((distance, column));
                 best_of_column[column] = best_of_column[column].min((distance, row));
             }
         }
-    });
+        (best_of_row, best_of_column)
+    }
+}
+
+/// Features of two pictures that are each other's nearest, and their squared distance.
+fn mutual(one: &Features, other: &Features, limit: usize) -> Vec<(usize, usize, f32)> {
+    let (rows, columns) = (&one.descriptors[..one.len().min(limit)], &other.descriptors[..other.len().min(limit)]);
+    // The same code for every kind of processor, compiled for the instructions that this one has.
+    let (best_of_row, best_of_column) = pulp::Arch::new().dispatch(Nearest { rows, columns });
     let rows = best_of_row.into_iter().enumerate();
     let mutual = rows.filter(|(row, (_, column))| best_of_column.get(*column).is_some_and(|best| best.1 == *row));
     mutual

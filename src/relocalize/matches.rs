@@ -23,6 +23,18 @@ impl RayMatches {
         Self::default()
     }
 
+    /// No features yet, with room for so many.
+    #[must_use]
+    pub fn with_capacity(features: usize) -> Self {
+        Self {
+            points: Vec::with_capacity(features),
+            ends: Vec::with_capacity(features),
+            // Most features have one to three.
+            rays: Vec::with_capacity(3 * features),
+            distances: Vec::with_capacity(features),
+        }
+    }
+
     /// Adds a feature with its candidates, the likeliest first; one without candidates is left out.
     pub fn push(&mut self, point: ImagePoint, candidates: &[RayCandidate]) {
         let Some(first) = candidates.first() else { return };
