@@ -47,6 +47,7 @@ impl PtzCamera {
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
+    #[inline]
     pub fn image_from_world_by_ptz(&self, point_in_world: Vec3) -> Result<(ImagePoint, Matrix2x3<f64>), ProjectError> {
         let in_base = self.base().base_from_world * (point_in_world - self.base().position_m);
         let in_cam = self.cam_from_base() * in_base;
@@ -55,6 +56,7 @@ impl PtzCamera {
     }
 
     /// The derivatives by pan, tilt and focal length, the curve of k₁ followed.
+    #[inline]
     fn by_ptz(
         &self,
         in_base: Vec3,
@@ -74,6 +76,7 @@ impl PtzCamera {
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
+    #[inline]
     pub fn image_from_cam_jacobian(
         &self,
         point_in_cam: Vec3,

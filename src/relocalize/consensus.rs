@@ -7,10 +7,10 @@
 //! (Chum, Matas, Kittler, DAGM 2003).
 
 use super::RayMatches;
-use super::pose::{MIN_INLIERS, PoseOptions, observed, plausible};
+use super::pose::{ENOUGH, MIN_INLIERS, PoseOptions, observed, plausible};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImageSize, Vec3};
-use crate::solve::{Loss, refine, solve_two_points};
+use crate::solve::{Loss, refine_until, solve_two_points};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -112,7 +112,7 @@ impl Best {
             })
             .take(LOCAL_FEATURES);
         let observations = observed(matches, &camera, near, agreement_px / 3.0);
-        let ptz = refine(base, start, &observations, Loss::Cauchy { c: 1.0 }, None).ptz;
+        let ptz = refine_until(base, start, &observations, Loss::Cauchy { c: 1.0 }, None, ENOUGH).ptz;
         let refined = PtzCamera::new(*base, ptz);
         if let Some((score, agreeing)) = score(matches, &refined, order, agreement_px, self.score)
             && score > self.score

@@ -7,7 +7,7 @@ use super::consensus::{Consensus, find_consensus};
 use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use crate::solve::{Loss, Observation, PtzRanges, Target, Uncertainty, refine};
+use crate::solve::{Loss, Observation, PtzRanges, Target, Uncertainty, refine_until};
 use std::collections::BTreeSet;
 
 /// How a pose is looked for.
@@ -70,6 +70,12 @@ const PLACES: (f64, f64) = (32.0, 18.0);
 
 /// Rounds of choosing candidates and refining over all of them.
 const ROUNDS: usize = 2;
+
+/// Features that a round before the last is content with: it has to find the noise, and a start.
+const FEATURES_AT_FIRST: usize = 200;
+
+/// Steps (rad, rad, log f) that end a refinement: a thousandth of what the features leave open.
+pub(super) const ENOUGH: f64 = 1e-8;
 
 /// The median of the distance of a two-dimensional normal error, in sigmas of one axis.
 const MEDIAN_OF_RAYLEIGH: f64 = 1.1774;
@@ -221,8 +227,10 @@ fn refine_over_all(
             let inliers = near.into_iter().map(|(feature, _)| feature).collect();
             return Some(Refinement { ptz, inliers, sigma_px, rms_px });
         }
-        let observations = observed(matches, &camera, near.iter().map(|(feature, _)| *feature), sigma_px);
-        ptz = refine(base, ptz, &observations, Loss::Cauchy { c: CAUCHY }, None).ptz;
+        let every = if round + 1 < ROUNDS { near.len().div_ceil(FEATURES_AT_FIRST) } else { 1 };
+        let some = near.iter().step_by(every).map(|(feature, _)| *feature);
+        let observations = observed(matches, &camera, some, sigma_px);
+        ptz = refine_until(base, ptz, &observations, Loss::Cauchy { c: CAUCHY }, None, ENOUGH).ptz;
         within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);
     }
     None

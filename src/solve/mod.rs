@@ -29,7 +29,7 @@ pub use identity::{Evidence, IdentityFinding, IdentityKind, Name, Rename, check_
 pub use observation::{Observation, Target, WorldCurve};
 pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
 pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
-pub use refine::{Refined, distance_px, refine};
+pub use refine::{Refined, distance_px, refine, refine_until};
 pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzPrior, PtzRanges, SolveContext};
 pub use two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,

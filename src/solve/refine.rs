@@ -41,6 +41,20 @@ pub fn refine(
     loss: Loss,
     prior: Option<&PtzPrior>,
 ) -> Refined {
+    refine_until(base, start, observations, loss, prior, ENOUGH)
+}
+
+/// [`refine`], ended by the first step (rad, rad, log f) below `enough`: a robust loss comes nearer by the same factor with
+/// each step, and the last digits cost most.
+#[must_use]
+pub fn refine_until(
+    base: &CameraBase,
+    start: Ptz,
+    observations: &[Observation],
+    loss: Loss,
+    prior: Option<&PtzPrior>,
+    enough: f64,
+) -> Refined {
     let mut ptz = start;
     let mut normal = NormalEquations::at(base, ptz, observations, loss, prior);
     let mut damping = 1e-6;
@@ -65,7 +79,7 @@ pub fn refine(
             damping *= 10.0;
         }
         // A short step that is no gain is rounding.
-        if length < if better { ENOUGH } else { ENOUGH_IF_WORSE } {
+        if length < if better { enough } else { ENOUGH_IF_WORSE.max(enough) } {
             break;
         }
     }
@@ -131,12 +145,17 @@ struct NormalEquations {
     matrix: Mat3,
     gradient: Vec3,
     cost: f64,
+    /// What Cauchy's loss takes the logarithm of, for as many observations as a number can hold: logarithms take long.
+    product: f64,
 }
+
+/// A product is taken the logarithm of before it grows beyond this.
+const LARGE: f64 = 1e200;
 
 impl NormalEquations {
     fn at(base: &CameraBase, ptz: Ptz, observations: &[Observation], loss: Loss, prior: Option<&PtzPrior>) -> Self {
         let camera = PtzCamera::new(*base, ptz);
-        let mut normal = Self { matrix: Mat3::zeros(), gradient: Vec3::zeros(), cost: 0.0 };
+        let mut normal = Self { matrix: Mat3::zeros(), gradient: Vec3::zeros(), cost: 0.0, product: 1.0 };
         for observation in observations {
             let scale = 1.0 / observation.sigma_px;
             match observation.target {
@@ -165,7 +184,31 @@ impl NormalEquations {
             let by_ptz = prior.whitening(ptz.focal_px);
             normal.add(ptz.focal_px, residual, by_ptz, Loss::Squared);
         }
+        if let Loss::Cauchy { c } = loss {
+            normal.add_product(c);
+        }
         normal
+    }
+
+    /// The loss of a squared residual in sigmas, added to the cost; the weight.
+    fn add_loss(&mut self, z_squared: f64, loss: Loss) -> f64 {
+        let Loss::Cauchy { c } = loss else {
+            let (cost, weight) = loss.of(z_squared);
+            self.cost += cost;
+            return weight;
+        };
+        let factor = 1.0 + z_squared / (c * c);
+        self.product *= factor;
+        if !(self.product < LARGE) {
+            self.add_product(c);
+        }
+        1.0 / factor
+    }
+
+    /// Cauchy's loss of all observations in the product.
+    fn add_product(&mut self, c: f64) {
+        self.cost += c * c * self.product.ln();
+        self.product = 1.0;
     }
 
     fn add<const ROWS: usize>(
@@ -176,15 +219,14 @@ impl NormalEquations {
         loss: Loss,
     ) {
         by_ptz.column_mut(2).scale_mut(focal_px);
-        let (cost, weight) = loss.of(residual.norm_squared());
+        let weight = self.add_loss(residual.norm_squared(), loss);
         let weighted = by_ptz.transpose() * weight;
         self.matrix += weighted * by_ptz;
         self.gradient += weighted * residual;
-        self.cost += cost;
     }
 
     fn add_without_image(&mut self, loss: Loss) {
-        self.cost += loss.of(NO_IMAGE_SIGMAS * NO_IMAGE_SIGMAS).0;
+        self.add_loss(NO_IMAGE_SIGMAS * NO_IMAGE_SIGMAS, loss);
     }
 
     /// The damped Gauss–Newton step; none if the matrix is singular.
@@ -205,5 +247,43 @@ impl PtzPrior {
             1.0 / self.sigma_tilt.radians(),
             1.0 / (self.sigma_focal_share * focal_px),
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImagePoint;
+
+    #[test]
+    fn the_cost_of_many_observations_is_the_sum_of_their_losses_and_the_last_digits_need_not_be_waited_for() {
+        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let truth = Ptz::from_degrees(4.0, -9.0, 2300.0);
+        let camera = PtzCamera::new(base, truth);
+        // Noise, and every fourth far off, one without an image: products beyond what a number holds many times over.
+        let observations: Vec<Observation> = (0..2000u32)
+            .map(|i| {
+                let (x, y) = (f64::from(i * 7919 % 1280), f64::from(i * 104_729 % 720));
+                let target = camera.world_direction_from_image(ImagePoint::new(x, y)).unwrap();
+                let off = if i % 4 == 0 { 300.0 } else { f64::from(i % 13) / 13.0 };
+                let target = Target::Landmark(if i == 1001 { -target } else { target });
+                Observation {
+                    image: ImagePoint::new(x + off, y - off / 2.0),
+                    sigma_px: 0.5,
+                    target,
+                    click: 0,
+                    check: false,
+                }
+            })
+            .collect();
+        let loss = Loss::Cauchy { c: 2.4 };
+        let start = Ptz::from_degrees(4.01, -9.02, 2305.0);
+        let refined = refine(&base, start, &observations, loss, None);
+        let summed = cost(&PtzCamera::new(base, refined.ptz), &observations, loss);
+        assert!((refined.cost - summed).abs() < 1e-9 * summed, "{} is not {summed}", refined.cost);
+        let sooner = refine_until(&base, start, &observations, loss, None, 1e-8);
+        assert!(sooner.iterations < refined.iterations);
+        assert!((sooner.ptz.pan - refined.ptz.pan).radians().abs() < 1e-8);
+        assert!((sooner.ptz.focal_px / refined.ptz.focal_px - 1.0).abs() < 1e-8);
     }
 }

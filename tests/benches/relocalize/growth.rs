@@ -10,7 +10,7 @@ use rand_pcg::Pcg64Mcg;
 use std::time::Instant;
 use touchline::camera::PanTilt;
 use touchline::features::Descriptor;
-use touchline::relocalize::{PredictOptions, Samples, Search, TrainOptions};
+use touchline::relocalize::{PredictOptions, Samples, TrainOptions};
 
 const PLACES: usize = 40_000;
 const SEEN: usize = 300;
@@ -25,6 +25,8 @@ pub fn growth() {
     let mut places: Vec<Place> = (0..PLACES).map(|_| place(&mut rng)).collect();
     places.sort_by(|a, b| a.1.pan.radians().total_cmp(&b.1.pan.radians()));
     let asked: Vec<Vec<Place>> = (0..ASKED).map(|_| reference(&places, &mut rng)).collect();
+    let descriptors: Vec<Vec<Descriptor>> =
+        asked.iter().map(|frame| frame.iter().map(|place| place.0).collect()).collect();
     println!("\n## growth: {SEEN} features a reference, default forest\n");
     println!(
         "| references | training, both cores, s | means | memory MB | predict 1000 features, ms | rays within 0.5° of all |"
@@ -41,12 +43,12 @@ pub fn growth() {
         drop(samples);
         let frames: Vec<usize> = (0..ASKED).collect();
         let (right, ms) = best_of_passes(&frames, |frame| {
-            let (mut search, mut candidates) = (Search::default(), Vec::new());
-            let named = |(descriptor, ray): &&Place| {
-                forest.predict(descriptor, &PredictOptions::default(), &mut search, &mut candidates);
-                candidates.first().is_some_and(|best| best.ray.angle_to(*ray).degrees() < 0.5)
-            };
-            asked[frame].iter().filter(named).count()
+            let mut named = 0;
+            forest.predict_all(&descriptors[frame], &PredictOptions::default(), |feature, candidates| {
+                let ray = asked[frame][feature].1;
+                named += usize::from(candidates.first().is_some_and(|best| best.ray.angle_to(ray).degrees() < 0.5));
+            });
+            named
         });
         println!(
             "| {references} | {train_s:.2} | {} | {:.0} | {:.2} | {:.3} |",

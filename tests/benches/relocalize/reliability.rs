@@ -70,13 +70,29 @@ pub fn reliability(data: &Path) {
         unseen.extend(own.iter().map(|example| (probability(&curve, example), example.right)));
     }
     println!("| all | – | {} |", row(&every, |example| example.confidence));
-    println!("\n| confidence, not seen in the fit | answers | right |");
-    println!("|---|---|---|");
-    for bin in [(0.0, 0.1), (0.1, 0.3), (0.3, 0.5), (0.5, 0.7), (0.7, 0.9), (0.9, 0.97), (0.97, 1.01)] {
-        let inside: Vec<bool> =
-            unseen.iter().filter(|(p, _)| (bin.0..bin.1).contains(p)).map(|(_, right)| *right).collect();
-        let right = inside.iter().filter(|right| **right).count() as f64 / inside.len() as f64;
-        println!("| {} – {} | {} | {right:.3} |", bin.0, f64::min(bin.1, 1.0), inside.len());
+    let scores = |p: &dyn Fn(f64) -> f64| {
+        let sum = |of: fn(f64, f64) -> f64| {
+            unseen.iter().map(|(given, right)| of(p(*given), f64::from(u8::from(*right)))).sum::<f64>()
+                / unseen.len() as f64
+        };
+        let brier = sum(|p, right| (p - right).powi(2));
+        let log = sum(|p, right| -(right * p + (1.0 - right) * (1.0 - p)).max(1e-12).ln());
+        format!("{brier:.4}, {log:.4}")
+    };
+    let rate = unseen.iter().filter(|(_, right)| *right).count() as f64 / unseen.len() as f64;
+    println!(
+        "\nBrier and logarithmic score of what was not seen: {}; of the share of right ones: {}",
+        scores(&|p| p),
+        scores(&|_| rate)
+    );
+    println!("\n| confidence, not seen in the fit | answers | stated | right |");
+    println!("|---|---|---|---|");
+    for &[least, most] in [0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 0.97, 0.99, 0.999, 1.01].array_windows() {
+        let inside: Vec<&(f64, bool)> = unseen.iter().filter(|(p, _)| (least..most).contains(p)).collect();
+        let count = inside.len();
+        let stated = inside.iter().map(|(p, _)| p).sum::<f64>() / count as f64;
+        let right = inside.iter().filter(|(_, right)| *right).count() as f64 / count as f64;
+        println!("| {least} – {} | {count} | {stated:.4} | {right:.4} |", f64::min(most, 1.0));
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Instant;
 use touchline::features::{FeatureOptions, extract};
 use touchline::media::load_image;
 use touchline::relocalize::{
-    Forest, ForestModel, Pose, PoseOptions, PredictOptions, RelocalizeOptions, Search, TrainOptions, candidates_of,
+    Forest, ForestModel, Pose, PoseOptions, PredictOptions, RelocalizeOptions, TrainOptions, candidates_of,
     pose_from_candidates, relocalize,
 };
 
@@ -68,16 +68,15 @@ pub fn accuracy(data: &Path) {
 /// The share of features whose likeliest ray is within half a degree of the truth, of all features and of those with rays.
 fn rays_within(forest: &Forest, tests: &Set, options: &PredictOptions) -> String {
     let (mut all, mut gated, mut right) = (0u32, 0u32, 0u32);
-    let (mut search, mut candidates) = (Search::default(), Vec::new());
     for (frame, features) in tests.features.iter().enumerate() {
         let camera = tests.document.pointed(&tests.document.frames[frame]).unwrap();
-        for (keypoint, descriptor) in features.keypoints.iter().zip(&features.descriptors) {
-            forest.predict(descriptor, options, &mut search, &mut candidates);
+        forest.predict_all(&features.descriptors, options, |feature, candidates| {
             all += 1;
-            let Some(best) = candidates.first() else { continue };
+            let Some(best) = candidates.first() else { return };
             gated += 1;
-            right += u32::from(camera.ray_from_image(keypoint.point).unwrap().angle_to(best.ray).degrees() < 0.5);
-        }
+            let ray = camera.ray_from_image(features.keypoints[feature].point).unwrap();
+            right += u32::from(ray.angle_to(best.ray).degrees() < 0.5);
+        });
     }
     format!("{:.3} / {:.3}", f64::from(right) / f64::from(all), f64::from(right) / f64::from(gated))
 }
