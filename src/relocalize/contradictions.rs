@@ -178,6 +178,7 @@ impl pulp::WithSimd for Nearest<'_> {
     type Output = (Vec<(u32, usize)>, Vec<(u32, usize)>);
 
     #[inline(always)]
+    #[allow(clippy::inline_always, reason = "only what is inlined into the dispatch is compiled for this processor")]
     fn with_simd<S: pulp::Simd>(self, _: S) -> Self::Output {
         let mut best_of_row = vec![(u32::MAX, 0); self.rows.len()];
         let mut best_of_column = vec![(u32::MAX, 0); self.columns.len()];

@@ -36,6 +36,23 @@
 //! leaves of 64 (slower than they gain), following branches that were missed by more than a quarter of the best distance
 //! (nothing gained), letting several near neighbours vote (.676 falls to .663 as more vote), three and more samples in
 //! the least leaf.
+//!
+//! Lost as well: leaving out what overlapping references do not confirm. Each sample was looked for in up to six references
+//! that see its ray at a similar focal length, and confirmed by a descriptor within the gate at that ray. On the drawn
+//! frames, and on real ones (300 features, every clip of three matches answered by the others, 141 frames) given with all
+//! references and with eight:
+//!
+//! | kept | drawn: places, rays | real: samples, given |
+//! |---|---|---|
+//! | all | 220 000, .604 | 100 %, 139 and 137 |
+//! | never a likeness at another ray without being confirmed | 199 000, .595 | 92 %, 140 and 137 |
+//! | confirmed as often as there is a likeness at another ray | 192 000, .586 | 91 %, 141 and 136 |
+//! | confirmed, where four references or more overlap | 130 000, .578 | 41 %, 141 and 132 |
+//! | confirmed, where any overlap | 88 000, .560 | 35 %, 139 and 121 |
+//! | confirmed by a quarter | 73 000, .533 | 19 %, 138 and 99 |
+//!
+//! Accuracy was the same throughout. What one reference alone shows is what a frame between the references needs, and
+//! consensus leaves strangers out at no cost; the search for confirmation costs more than the training.
 
 mod file;
 mod leaf;

@@ -101,6 +101,7 @@ impl pulp::WithSimd for Examination<'_> {
     type Output = ();
 
     #[inline(always)]
+    #[allow(clippy::inline_always, reason = "only what is inlined into the dispatch is compiled for this processor")]
     fn with_simd<S: pulp::Simd>(mut self, _: S) {
         self.begin();
         for (number, tree) in self.trees.iter().enumerate() {
@@ -155,7 +156,7 @@ impl Examination<'_> {
     /// The same way by way, with the branches passed by.
     #[inline(always)]
     fn walk_and_note(&mut self, number: u32, tree: &Tree) {
-        let follow = self.follow(self.gate);
+        let follow = most_missed(self.gate);
         for (descriptor, missed) in self.group.iter().zip(&mut self.search.missed) {
             let leaf = descend(descriptor, tree, (0, number, tree.root), follow, missed);
             self.search.leaves.push(leaf as u32);
@@ -210,7 +211,7 @@ impl Examination<'_> {
         for _ in 0..self.more {
             let Some(Reverse((margin, number, branch))) = self.search.missed[whose].pop() else { break };
             let best = self.search.nearest[whose].first().map_or(self.gate, |near| near.squared_distance);
-            let follow = self.follow(best);
+            let follow = most_missed(best);
             if margin > follow {
                 break;
             }
@@ -222,12 +223,11 @@ impl Examination<'_> {
             self.compare();
         }
     }
+}
 
-    /// By how much a branch may be missed that is followed, where the nearest descriptor so far is as far off.
-    #[inline(always)]
-    fn follow(&self, best: u32) -> u32 {
-        (MISSED_SHARE * best as f32) as u32
-    }
+/// By how much a branch may be missed that is followed, where the nearest descriptor so far is as far off.
+fn most_missed(best: u32) -> u32 {
+    (MISSED_SHARE * best as f32) as u32
 }
 
 /// Lists the descriptors of one leaf that are likely: whose neighbours they may be, the tree's number, the leaf.
