@@ -1,6 +1,7 @@
 //! The pose with and without distortion in the optimisation.
 
 use super::answers::{Tally, ask, tally_table};
+use super::sets::SetKind;
 use super::workshop::Progress;
 use super::{Cell, ExperimentError, Report, Workshop};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
@@ -13,9 +14,14 @@ use crate::relocalize::{RelocalizeOptions, TrainOptions};
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.distorted(progress)?;
     let mut report = Report::new("pose", &set.heading("Pose: with and without k1"));
+    let lens = match set.kind {
+        SetKind::Drawn => {
+            "The lens bends strongly, and more at long focal lengths; low sun, motion blur, defocus and noise besides."
+        }
+        SetKind::Published | SetKind::Own => "The lens is what the documents' cameras hold (`distortion`).",
+    };
     report.say(&format!(
-        "Frames: {}. The lens bends strongly, and more at long focal lengths; low sun, motion blur, defocus and noise besides. \
-         The rays that the forest has learnt are right in both cases; only the optimisation differs.",
+        "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs.",
         set.title
     ));
     let training = TrainOptions { seed: workshop.options.seed, ..TrainOptions::default() };
