@@ -81,7 +81,8 @@ impl Gathered {
             let warnings = frame.solution.iter().flat_map(Solution::warnings_of_frame);
             let warnings: Vec<&str> = warnings.map(|warning| warning.code.as_str()).collect();
             self.frames.push(KnownFrame {
-                name: frame.name(),
+                // Where the file lies says nothing of the frame.
+                name: frame.name().rsplit('/').next().unwrap_or_default().to_owned(),
                 warnings: warnings.join(", "),
                 truth,
                 features: (*features.features).clone(),
