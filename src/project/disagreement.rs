@@ -1,6 +1,6 @@
 //! How well solved frames agree with the motion of their neighbours.
 
-use super::{Document, Frame, FramePtz, FrameStatus, shots};
+use super::{Camera, Document, Frame, FramePtz, FrameStatus, Shared, shots};
 use crate::camera::{Ptz, PtzCamera};
 use crate::geometry::{ImageSize, Vec2};
 use nalgebra::SVector;
@@ -21,26 +21,75 @@ pub struct Disagreement {
     pub neighbours_px: f64,
 }
 
-/// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+/// For every frame how it lies to its neighbours, found anew: see [`Disagreements::of`].
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
-    let mut found = vec![None; document.frames.len()];
-    for shot in shots(document) {
-        let solved: Vec<(usize, &Frame, Ptz)> = shot.iter().filter_map(|&index| solved(document, index)).collect();
-        for three in solved.windows(3) {
-            let [(before_index, before, from), (index, frame, _), (after_index, after, to)] = *three else { continue };
-            if way(before, before_index, after, after_index) <= WITHIN {
-                found[index] = document.pointed(frame).map(|camera| disagreement(&camera, from, to, frame.image_size));
-            }
-        }
-    }
-    found
+    Disagreements::default().of(document)
 }
 
-fn solved(document: &Document, index: usize) -> Option<(usize, &Frame, Ptz)> {
+/// What has been found of a document's frames, so that only what has changed since is compared again.
+#[derive(Clone, Debug, Default)]
+pub struct Disagreements {
+    /// The cameras that were compared with.
+    cameras: Vec<Shared<Camera>>,
+    /// For each frame the three that were compared, and what was found.
+    compared: Vec<Option<Compared>>,
+}
+
+#[derive(Clone, Debug)]
+struct Compared {
+    three: [Shared<Frame>; 3],
+    found: Option<Disagreement>,
+}
+
+impl Disagreements {
+    /// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+    pub fn of(&mut self, document: &Document) -> Vec<Option<Disagreement>> {
+        let same_cameras = self.cameras.len() == document.cameras.len()
+            && self.cameras.iter().zip(&document.cameras).all(|(known, camera)| known.is_same(camera));
+        if !same_cameras {
+            self.cameras.clone_from(&document.cameras);
+            self.compared.clear();
+        }
+        self.compared.resize(document.frames.len(), None);
+        let mut found = vec![None; document.frames.len()];
+        for shot in shots(document) {
+            let solved: Vec<(usize, Ptz)> = shot.iter().filter_map(|&index| solved(document, index)).collect();
+            for three in solved.windows(3) {
+                let [(before, from), (index, _), (after, to)] = *three else { continue };
+                let frames = [before, index, after].map(|place| &document.frames[place]);
+                if way(frames[0], before, frames[2], after) <= WITHIN {
+                    found[index] = self.compare(document, index, frames, (from, to));
+                }
+            }
+        }
+        found
+    }
+
+    fn compare(
+        &mut self,
+        document: &Document,
+        index: usize,
+        three: [&Shared<Frame>; 3],
+        (from, to): (Ptz, Ptz),
+    ) -> Option<Disagreement> {
+        let known = &mut self.compared[index];
+        if let Some(known) = known
+            && known.three.iter().zip(three).all(|(known, frame)| known.is_same(frame))
+        {
+            return known.found;
+        }
+        let frame = three[1];
+        let found = document.pointed(frame).map(|camera| disagreement(&camera, from, to, frame.image_size));
+        *known = Some(Compared { three: three.map(Shared::clone), found });
+        found
+    }
+}
+
+fn solved(document: &Document, index: usize) -> Option<(usize, Ptz)> {
     let frame = &*document.frames[index];
     let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-    Some((index, frame, FramePtz::ptz(ptz)))
+    Some((index, FramePtz::ptz(ptz)))
 }
 
 /// How many frames lie between two: of the video where both come from one, else of the document.
@@ -74,8 +123,8 @@ fn corners_off_px(own: &PtzCamera, other: &PtzCamera, image_size: ImageSize) -> 
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase};
-    use crate::geometry::Vec3;
-    use crate::project::{Camera, Clip, FieldSpec};
+    use crate::geometry::{ImagePoint, Vec3};
+    use crate::project::{Clip, FieldSpec};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -111,6 +160,32 @@ mod tests {
         assert!((34.0..45.0).contains(&jump[2].unwrap().apart_px), "{jump:?}");
         document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(170.0, -10.0, 2000.0), None));
         assert!(disagreements(&document)[2].unwrap().apart_px > 10_000.0, "it looks the other way");
+    }
+
+    #[test]
+    fn what_is_known_is_what_would_be_found_anew() {
+        let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0, 9.0, 2.5]);
+        let mut known = Disagreements::default();
+        let changes: [fn(&mut Document); 6] = [
+            |_| (),
+            |document| document.frames[2].ptz.as_mut().unwrap().tilt_deg += 1.0,
+            |document| document.frames[3].ptz = None,
+            |document| {
+                document.cameras[0].set_base(&CameraBase::new(
+                    Vec3::new(0.0, -70.0, 9.0),
+                    BaseAngles::default().base_from_world(),
+                    ImagePoint::new(900.0, 500.0),
+                ));
+            },
+            |document| document.frames[1].clip = Some(Clip::Number(2)),
+            |document| drop(document.frames.remove(4)),
+        ];
+        for change in changes {
+            change(&mut document);
+            let found = known.of(&document);
+            assert_eq!(found, disagreements(&document));
+            assert!(found.iter().any(Option::is_some));
+        }
     }
 
     #[test]

@@ -64,7 +64,7 @@ pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
 pub use click::{Click, Target};
 pub use create::{NewDocument, document_from_frames};
-pub use disagreement::{Disagreement, disagreements};
+pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
 pub use edit::{Change, Edit, EditMismatch};
 pub use error::StoreError;

@@ -10,7 +10,7 @@ pub use choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
-use crate::project::{Disagreement, Frame, FrameStatus, disagreements};
+use crate::project::{Disagreement, Disagreements, Frame, FrameStatus};
 use crate::proposals::{Coverage, LabelAdvice, label_advice};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub struct BulkAccept {
 }
 
 /// What waits to be looked at: derived, never stored.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Review {
     /// The frames of the list, in the chosen order as far as it is not held.
     pub rows: Vec<ReviewRow>,
@@ -75,6 +75,7 @@ pub struct Review {
     /// What has no answer to rely on, and the frame to label next.
     pub advice: LabelAdvice,
     derived_from: Option<Source>,
+    disagreements: Disagreements,
     /// Where references look, as the advice knows it.
     coverage: Arc<[Coverage]>,
 }
@@ -108,7 +109,7 @@ impl Review {
         };
         let before = self.derived_from.replace(source);
         if before != Some(source) {
-            let now = Self::list(open, choice, source.with_neighbours);
+            let now = self.list(open, choice, source.with_neighbours);
             let is_same_list =
                 |before: Source| Source { revision: source.revision, held: source.held, ..before } == source;
             if source.held && !self.rows.is_empty() && before.is_some_and(is_same_list) {
@@ -126,7 +127,7 @@ impl Review {
     }
 
     /// The suggested frames in the chosen order.
-    fn list(open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
+    fn list(&mut self, open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
         let frames = &open.document.frames;
         let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
         let mut rows: Vec<ReviewRow> = frames
@@ -142,7 +143,7 @@ impl Review {
             })
             .collect();
         if with_neighbours && !rows.is_empty() {
-            let found = disagreements(&open.document);
+            let found = self.disagreements.of(&open.document);
             for row in &mut rows {
                 row.disagreement = found.get(row.frame).copied().flatten();
             }
