@@ -120,7 +120,7 @@ impl<'a> Strip<'a> {
     pub fn offset_showing(&self, at: usize, offset: f32, width: f32) -> f32 {
         let margin = (1.5 * self.item).min((width - self.item) / 2.0).max(0.0);
         let (first, last) = (self.left(at) - margin, self.left(at) + self.item + margin);
-        let needed = if first < offset { first } else { offset.max(last - width) };
+        let needed = offset.max((last - width).min(first)).min(first);
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
 

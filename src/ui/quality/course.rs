@@ -21,6 +21,8 @@ const HEIGHT_SHARE: f32 = 0.058;
 /// Room for numbers at the left of the plots and below the last one, points.
 const NUMBERS: f32 = 44.0;
 const BELOW: f32 = 16.0;
+/// At the right of the plots: half of the last number below them, points.
+const NUMBERS_END: f32 = 18.0;
 /// Above the first plot and between two plots: room for half a number, points.
 const BETWEEN: f32 = 10.0;
 /// A column of a plot with many points, points.
@@ -114,7 +116,8 @@ impl Stack {
         let rulers = Quantity::ALL.map(words);
         let plots = [0, 1, 2].map(|place| {
             let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
-            let area = Rect::from_min_max(pos2(rect.left() + NUMBERS, top), pos2(rect.right() - 6.0, top + height));
+            let area =
+                Rect::from_min_max(pos2(rect.left() + NUMBERS, top), pos2(rect.right() - NUMBERS_END, top + height));
             Plot { area, x: span, y: rulers[place].range() }
         });
         Self { plots, rulers, rect, response, span }
