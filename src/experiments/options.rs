@@ -173,10 +173,10 @@ pub enum ExperimentError {
     #[error(transparent)]
     Media(#[from] MediaError),
     /// A drawn picture cannot be encoded.
-    #[error("a drawn picture cannot be encoded: {0}")]
+    #[error("a drawn picture cannot be encoded")]
     Image(#[from] image::ImageError),
     /// A picture of the user's own cannot be had.
-    #[error("{frame}: {source}")]
+    #[error("{frame}")]
     Picture {
         /// The frame.
         frame: String,

@@ -1,4 +1,5 @@
 //! `touchline experiment` on data that a user gives: published homographies, a published motion, documents of their own.
+#![cfg(feature = "opencv")]
 
 use crate::data::shared_data;
 use crate::program::touchline;

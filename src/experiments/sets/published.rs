@@ -118,7 +118,7 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
     (splits, whole)
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "opencv"))]
 mod tests {
     use super::*;
     use crate::project::authors_mat::writer::{CAMERA, frame, sequence};

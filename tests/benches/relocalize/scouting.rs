@@ -107,7 +107,7 @@ pub fn accuracy(data: &Path) {
     );
     println!("|---|---|---|---|---|---|---|---|");
     let documents = MATCHES.map(|name| document(data, name));
-    for (max_width_px, max_count) in [(960, 300), (960, 600), (960, 1000), (640, 600), (1920, 1000)] {
+    for (max_width_px, max_count) in [(960, 300), (960, 600), (960, 1000), (640, 600), (640, 1000), (1920, 1000)] {
         let options = FeatureOptions { max_width_px, max_count, ..FeatureOptions::default() };
         let (mut all, mut features_time_ms) = (Vec::new(), 0.0);
         for (number, name) in MATCHES.iter().enumerate() {
