@@ -118,7 +118,8 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
     (splits, whole)
 }
 
-#[cfg(all(test, feature = "opencv"))]
+#[cfg(test)]
+#[cfg(feature = "opencv")]
 mod tests {
     use super::*;
     use crate::project::authors_mat::writer::{CAMERA, frame, sequence};
