@@ -109,7 +109,7 @@ impl pulp::WithSimd for Examination<'_> {
         }
         self.scan();
         self.compare();
-        for whose in 0..if self.more == 0 { 0 } else { self.group.len() } {
+        for whose in 0..self.group.len() {
             self.follow_missed(whose);
         }
     }
