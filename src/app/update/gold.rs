@@ -52,6 +52,7 @@ const fn is_kept_from_round(action: &Action) -> bool {
             | A::RejectAs(_)
             | A::SetComment(_)
             | A::AddMask { .. }
+            | A::MoveMask { .. }
             | A::RemoveMask { .. }
             | A::BeginEdit(_)
             | A::EditPtz(_)
