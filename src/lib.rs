@@ -14,16 +14,22 @@
 //! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
 //! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
 //! | 6 | [`app`] (the whole application without a window), [`experiments`] (tables and figures of what was measured) |
-//! | 5 | [`proposals`] (references teach, the other frames get a camera proposed) |
-//! | 4 | [`project`] (the document), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
+//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (references teach, the other frames get a camera proposed), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), [`scene`] (what is drawn, as plain data) |
+//! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
 //! | 0 | [`geometry`] |
+//!
+//! Within floor 5, `calibrate` is used by `proposals` and `evaluate`.
 
 pub mod app;
+pub mod calibrate;
 pub mod camera;
 pub mod cli;
+pub mod document;
+pub mod evaluate;
+pub mod exchange;
 pub mod experiments;
 pub mod features;
 pub mod field;
@@ -31,12 +37,13 @@ pub mod geometry;
 pub mod jobs;
 pub mod markings;
 pub mod media;
-pub mod project;
 pub mod proposals;
 pub mod relocalize;
 pub mod render;
+pub mod scene;
 pub mod score;
 pub mod solve;
+pub mod store;
 pub mod synthetic;
 #[cfg(feature = "gui")]
 pub mod ui;

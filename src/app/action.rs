@@ -4,12 +4,14 @@ use super::quality::TimeAxis;
 use super::review::ReviewOrder;
 use super::selection::{Scope, Selecting};
 use super::session::{Filter, Level, PictureView};
-use super::{Chord, Command, Compared, OverlayStyle, TrainerOrder, TrainerStatus};
+use super::{Chord, Command, Compared, TrainerOrder, TrainerStatus};
+use crate::calibrate::EstimatedBase;
 use crate::camera::Ptz;
+use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
-use crate::project::{Camera, CameraId, Document, Edit, EstimatedBase, FieldSpec, RejectReason, Target};
 use crate::proposals::{Proposal, UsedFeatures};
+use crate::scene::OverlayStyle;
 use crate::solve::base::BaseProgress;
 use std::path::{Path, PathBuf};
 

@@ -1,9 +1,10 @@
 //! Finding out where the camera stands: what the frames give so far, what is being estimated, what was found.
 
 use super::OpenProject;
+use crate::calibrate::{EstimatedBase, LANDMARKS_ALONE, calibrate};
 use crate::camera::PtzCamera;
+use crate::document::{CameraId, Frame};
 use crate::field::FieldModel;
-use crate::project::{CameraId, EstimatedBase, Frame, LANDMARKS_ALONE, calibrate};
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 

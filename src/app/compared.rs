@@ -1,6 +1,6 @@
 //! Another annotator's document, compared with the open one.
 
-use crate::project::Agreement;
+use crate::evaluate::Agreement;
 use std::path::PathBuf;
 use std::sync::Arc;
 

@@ -3,15 +3,15 @@
 use super::OpenProject;
 use super::base::{BaseReadiness, WithProposal};
 use super::naming::{self, NamingScene};
-use super::next_click::{NextClick, next_clicks};
 use super::session::{Mode, Naming, Session};
+use crate::calibrate::{
+    BetterCamera, CalibrationError, EstimatedBase, calibrate, camera_alone, observations, solved_neighbours,
+};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::{Click, Frame, FramePtz, SolutionSource, Target};
 use crate::field::{FieldError, FieldModel};
 use crate::geometry::ImagePoint;
-use crate::project::{
-    BetterCamera, CalibrationError, Click, EstimatedBase, Frame, FramePtz, SolutionSource, Target, calibrate,
-    camera_alone, observations, solved_neighbours,
-};
+use crate::scene::next_click::{NextClick, next_clicks};
 use crate::solve::{FrameSolution, IdentityFinding, Judgement, Verdict, WarningCode, judge};
 use std::sync::Arc;
 
@@ -307,8 +307,8 @@ mod tests {
     use super::*;
     use crate::app::{Action, App, Opened, Settings};
     use crate::camera::BaseAngles;
+    use crate::document::{Camera, Document, FieldSpec};
     use crate::geometry::{ImageSize, Vec3};
-    use crate::project::{Camera, Document, FieldSpec};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

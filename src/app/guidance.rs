@@ -5,7 +5,8 @@ use super::review::Review;
 use super::session::{Mode, needs_me, reason_label};
 use super::where_to_label::where_to_label;
 use super::{App, Command};
-use crate::project::{CalibrationError, Frame, FrameStatus, LANDMARKS_ALONE, SolutionSource, Target};
+use crate::calibrate::{CalibrationError, LANDMARKS_ALONE};
+use crate::document::{Frame, FrameStatus, SolutionSource, Target};
 use crate::solve::{SolveError, Verdict};
 
 /// The next step, and what brings one there.
@@ -250,8 +251,8 @@ mod tests {
     use super::*;
     use crate::app::{Action, Opened, Settings};
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::document::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
     use crate::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-    use crate::project::{Camera, Document, FieldSpec, FramePtz, RejectReason, Solution, Target};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

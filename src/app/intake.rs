@@ -6,7 +6,7 @@
 //! accepted or rejected it. What is journalled is one of these states too, so a step that is under way stays out of the
 //! journal until it is committed.
 
-use crate::project::{Camera, Change, Document, Edit, Frame, Shared};
+use crate::document::{Camera, Change, Document, Edit, Frame, Shared};
 use crate::proposals::{NoProposal, Proposal};
 
 /// Writes a batch of proposals into states of a document that share most of their frames.

@@ -2,22 +2,18 @@
 //!
 //! The window (and every test) hands [`Action`]s to [`App::update`], the only place that changes state; it returns
 //! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
-//! the shown frame: derived, never stored. [`drawing`] is what is then drawn, as plain data.
+//! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
 
 mod action;
 pub mod base;
 mod command;
 mod compared;
 mod current;
-pub mod drawing;
-pub mod field_map;
 pub mod guidance;
 mod intake;
 mod keymap;
 pub mod naming;
-pub mod next_click;
 mod open_project;
-pub mod overlay;
 pub mod quality;
 pub mod reclick;
 pub mod review;
@@ -25,7 +21,6 @@ pub mod selection;
 pub mod session;
 mod settings;
 mod trainer;
-pub mod uncertainty;
 mod update;
 mod versioned;
 pub mod where_to_label;
@@ -36,7 +31,7 @@ pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};
 pub use open_project::OpenProject;
-pub use settings::{OverlayStyle, Settings, SettingsError};
+pub use settings::{Settings, SettingsError};
 pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus};
 pub use update::{App, MAX_SCALE};
 pub use versioned::Versioned;

@@ -5,10 +5,10 @@
 //! frames would put the landmarks; else by what was clicked near here in the frames around.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::Target;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::markings::{self, MarkingOptions};
-use crate::project::Target;
 use crate::solve::{Observation, PtzRanges, SolveContext, solve_frame};
 
 /// A name that is this near (px at 1920 px width) by the frame's own solution is plausible.

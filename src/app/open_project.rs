@@ -2,11 +2,9 @@
 
 use super::Versioned;
 use super::action::Opened;
+use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
+use crate::document::{Document, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
-use crate::project::{
-    BetterCamera, CalibrationError, Document, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step,
-    better_camera, calibrate,
-};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;

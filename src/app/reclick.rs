@@ -1,8 +1,9 @@
 //! A blind round: the landmarks of the gold frames are clicked again, without a look at the label, its lines or a proposal.
 
+use crate::calibrate::{OwnNoise, can_choose_gold};
+use crate::document::{Document, FrameStatus};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
-use crate::project::{Document, FrameStatus, OwnNoise, can_choose_gold};
 use std::path::Path;
 
 /// What a round asks for next.

@@ -2,7 +2,7 @@
 
 use super::OpenProject;
 use super::session::Session;
-use crate::project::Frame;
+use crate::document::Frame;
 use std::collections::BTreeSet;
 
 /// How a click on the filmstrip adds to the selection.
@@ -90,8 +90,8 @@ mod tests {
     use super::*;
     use crate::app::session::Filter;
     use crate::app::{Action, App, Opened, Settings};
+    use crate::document::{Camera, Clip, Document, FieldSpec, FrameStatus};
     use crate::geometry::ImageSize;
-    use crate::project::{Camera, Clip, Document, FieldSpec, FrameStatus};
 
     fn app() -> App {
         let size = ImageSize::new(64, 36);

@@ -6,10 +6,10 @@ use super::quality::QualityChoice;
 use super::reclick::Reclick;
 use super::review::ReviewChoice;
 use super::selection::Scope;
-use super::uncertainty::UncertaintyView;
 use super::{Command, Comparison, Question, TrainerState};
+use crate::document::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use crate::geometry::ImagePoint;
-use crate::project::{CameraId, Frame, FrameStatus, RejectReason, Target};
+use crate::scene::uncertainty::UncertaintyView;
 use std::collections::BTreeSet;
 
 /// How many candidates are offered at the cursor.

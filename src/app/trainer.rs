@@ -1,6 +1,6 @@
 //! The background trainer as the window sees it: what it is doing, what it has found out.
 
-use crate::project::Document;
+use crate::document::Document;
 use crate::proposals::{Coverage, Quality, Suspect, UsedFeatures};
 use std::sync::Arc;
 use std::time::Duration;

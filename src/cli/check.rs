@@ -4,7 +4,8 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::print;
-use crate::project::{Document, Problem, check_cameras, check_pictures, check_values};
+use crate::calibrate::{Problem, check_cameras, check_pictures, check_values};
+use crate::document::Document;
 use serde_json::{Value, json};
 use std::fmt::Write;
 

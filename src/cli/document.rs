@@ -2,7 +2,8 @@
 
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
-use crate::project::{self, Document, Location};
+use crate::document::Document;
+use crate::store::Location;
 use std::path::{Path, PathBuf};
 
 /// The document that a command reads.
@@ -38,7 +39,7 @@ impl DocumentArg {
     /// # Errors
     /// There is no document, or it cannot be read.
     pub fn load(&self, messages: Messages) -> anyhow::Result<Loaded> {
-        let (location, document, recovery) = project::read(&self.document)?;
+        let (location, document, recovery) = crate::store::read(&self.document)?;
         if let Some(message) = recovery.message() {
             messages.note(&message);
         }
@@ -62,11 +63,11 @@ impl DocumentOutput {
     pub fn write(&self, document: &Document, folder: &Path) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
             let here = std::env::current_dir()?;
-            return print(&project::document_to_string(&document.relocated(folder, &here))?);
+            return print(&crate::document::document_to_string(&document.relocated(folder, &here))?);
         };
         refuse_existing(path, self.force)?;
         let location = Location::for_new_document(path)?;
         let document = document.relocated(folder, location.folder());
-        Ok(project::write_document(&location, &document, self.force)?)
+        Ok(crate::store::write_document(&location, &document, self.force)?)
     }
 }

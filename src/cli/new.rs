@@ -3,8 +3,9 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::output::refuse_existing;
+use crate::document::{FieldSpec, document_from_frames};
 use crate::media::FrameSource;
-use crate::project::{self, FieldSpec, Location, document_from_frames};
+use crate::store::Location;
 use anyhow::{Context as _, ensure};
 use std::path::{Path, PathBuf};
 
@@ -70,7 +71,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     ensure!(!made.document.frames.is_empty(), "{}: not one image can be read", args.frames.display());
     let location = Location::for_new_document(&folder.join(""))?;
-    project::write_document(&location, &made.document, args.force)?;
+    crate::store::write_document(&location, &made.document, args.force)?;
     messages.note(&format!("{}: {} frames", location.file().display(), made.document.frames.len()));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

@@ -1,6 +1,6 @@
 //! Results that go to files: whole or not at all, and never over something that exists unless that was asked for.
 
-use crate::project::write_atomically;
+use crate::store::write_atomically;
 use anyhow::{Context as _, bail};
 use std::io::Write as _;
 use std::path::Path;

@@ -3,10 +3,10 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::project::{
-    BaseEstimationError, BaseProblem, CameraId, Document, EstimatedBase, SolveOutcome, mirrored_words, size_words,
-    solve_document,
+use crate::calibrate::{
+    BaseEstimationError, BaseProblem, EstimatedBase, SolveOutcome, mirrored_words, size_words, solve_document,
 };
+use crate::document::{CameraId, Document};
 use crate::solve::base::{BaseOptions, CrownModel, LensModel};
 use clap::ValueEnum;
 use std::ops::ControlFlow;

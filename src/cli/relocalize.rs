@@ -6,8 +6,8 @@ use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
+use crate::document::{Document, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
-use crate::project::{self, Document, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::proposals::{Coverage, FramePictures, Teachers, adopt_bases, is_open, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
@@ -142,7 +142,8 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
 
 /// A project folder, or a JSON file.
 fn is_document(path: &Path) -> bool {
-    path.join(project::PROJECT_FILE).is_file() || path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
+    path.join(crate::store::PROJECT_FILE).is_file()
+        || path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
 }
 
 fn images_of(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {

@@ -4,16 +4,16 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::app::OverlayStyle;
-use crate::app::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
-use crate::app::overlay::{OverlayScene, Standing, overlay};
 use crate::camera::PtzCamera;
+use crate::document::{Document, Frame, FrameStatus};
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
 use crate::media::{self, FrameReader};
-use crate::project::{Document, Frame, FrameStatus};
 use crate::proposals::read_picture;
 use crate::render::{Layer, Offscreen, Picture, PictureKey, View};
+use crate::scene::OverlayStyle;
+use crate::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
+use crate::scene::overlay::{OverlayScene, Standing, overlay};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
 use std::io::Cursor;
@@ -164,7 +164,7 @@ fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Fr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::project::{CameraId, FieldSpec};
+    use crate::document::{CameraId, FieldSpec};
 
     fn document(images: &[&str]) -> Document {
         let mut document = Document::new(FieldSpec::new("soccer"));

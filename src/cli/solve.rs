@@ -3,7 +3,8 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::project::{Document, SolveOutcome, check_cameras, solve_document};
+use crate::calibrate::{SolveOutcome, check_cameras, solve_document};
+use crate::document::Document;
 use std::path::Path;
 
 /// Solves every frame with enough clicks; statuses stay as they are.

@@ -3,14 +3,15 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
+use crate::calibrate::calibrate;
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
+use crate::document::{
+    Camera, CameraId, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Target, document_to_string,
+};
 use crate::field::{FieldModel, builtin};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::sha256_of_file;
-use crate::project::{
-    Camera, CameraId, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Location, Target, calibrate,
-    document_to_string, write_document,
-};
+use crate::store::{Location, write_document};
 use crate::synthetic::{
     ClickOptions, ClickTarget, Mover, PathStep, Preset, RenderedFrame, ShootOptions, Side, Stadium, StadiumOptions,
     camera_path, drawn_clicks, score_bug_box, stadium,

@@ -1,7 +1,7 @@
 //! How two annotators agree, for people and for scripts.
 
 use super::Table;
-use crate::project::{Agreement, FrameAgreement};
+use crate::evaluate::{Agreement, FrameAgreement};
 use crate::score::ClickNoise;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -112,7 +112,7 @@ fn names_words(frame: &FrameAgreement) -> String {
 #[must_use]
 pub fn agreement_json(agreement: &Agreement) -> Value {
     let disputes = |frame: &FrameAgreement| -> Vec<Value> {
-        let dispute = |dispute: &crate::project::NameDispute| {
+        let dispute = |dispute: &crate::evaluate::NameDispute| {
             json!({
                 "frame": frame.name,
                 "first": dispute.names[0].as_str(),

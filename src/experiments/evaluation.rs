@@ -2,8 +2,8 @@
 
 use super::figure::{Axis, Figure, Line, Mark, Series};
 use super::{Cell, Column, Report, Table};
+use crate::evaluate::{Evaluation, FrameScores, Group, GroupKind, Measure};
 use crate::geometry::Angle;
-use crate::project::{Evaluation, FrameScores, Group, GroupKind, Measure};
 use crate::score::Summary;
 use std::fmt::Write as _;
 

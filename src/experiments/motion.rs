@@ -6,7 +6,8 @@ use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
 use super::workshop::{Progress, counted};
 use super::{ExperimentError, Report, Table, Workshop, evaluation_tables};
 use crate::camera::Ptz;
-use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, evaluate};
+use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
+use crate::evaluate::evaluate;
 use crate::relocalize::{RelocalizeOptions, TrainOptions};
 use std::path::Path;
 

@@ -3,10 +3,11 @@
 use super::figure::FigureError;
 use super::workshop::{Progress, Workshop};
 use super::{Report, baselines, descriptors, homographies, motion, pose, ransac, relocalization, synthetic};
+use crate::evaluate::EvaluationError;
+use crate::exchange::AuthorsError;
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::media::MediaError;
-use crate::project::{AuthorsError, EvaluationError};
 use crate::proposals::PictureError;
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! A copy of the demo match for a user to try things on.
 
 use super::opening::user_projects;
-use crate::project::PROJECT_FILE;
+use crate::store::PROJECT_FILE;
 use std::path::{Path, PathBuf};
 
 /// The user's copy of the demo match; made when there is none yet.

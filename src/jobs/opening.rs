@@ -2,10 +2,9 @@
 
 use crate::app::Opened;
 use crate::app::session::Level;
+use crate::document::{Camera, FieldSpec, document_from_frames};
 use crate::media::{CountProgress, FrameSource, MediaError};
-use crate::project::{
-    self, Access, Camera, FieldSpec, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, document_from_frames,
-};
+use crate::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -116,8 +115,8 @@ pub(super) fn user_projects() -> Option<PathBuf> {
 }
 
 fn open_document(path: &Path, mut notices: Vec<(Level, String)>) -> Result<Ready, String> {
-    let project::Opened { location, document, access, recovery } =
-        project::open(path).map_err(|error| error.to_string())?;
+    let crate::store::Opened { location, document, access, recovery } =
+        crate::store::open(path).map_err(|error| error.to_string())?;
     notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),
@@ -138,7 +137,7 @@ fn open_document(path: &Path, mut notices: Vec<(Level, String)>) -> Result<Ready
 /// # Errors
 /// One line: the document cannot be read, or no camera of it has a base.
 pub fn camera_with_base(path: &Path) -> Result<Camera, String> {
-    let (_, document, _) = project::read(path).map_err(|error| error.to_string())?;
+    let (_, document, _) = crate::store::read(path).map_err(|error| error.to_string())?;
     document
         .cameras
         .iter()

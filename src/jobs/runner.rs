@@ -6,11 +6,11 @@ use super::{
 };
 use crate::app::session::Level;
 use crate::app::{Action, Compared, Effect, Question};
-use crate::project::{
-    self, BaseProblem, CameraId, Document, EstimatedBase, Location, Store, agreement, document_to_string,
-    write_atomically,
-};
+use crate::calibrate::{BaseProblem, EstimatedBase};
+use crate::document::{CameraId, Document, document_to_string};
+use crate::evaluate::agreement;
 use crate::solve::base::{BaseOptions, WatchBase};
+use crate::store::{Location, Store, write_atomically};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -275,7 +275,7 @@ fn estimate(
 
 /// Reads another annotator's document and compares the open one with it.
 fn compared(document: &Document, folder: &Path, revision: u64, with: PathBuf) -> Result<Compared, String> {
-    let (location, other, _) = project::read(&with).map_err(|error| error.to_string())?;
+    let (location, other, _) = crate::store::read(&with).map_err(|error| error.to_string())?;
     let agreement = agreement((document, folder), (&other, location.folder())).map_err(|error| error.to_string())?;
     Ok(Compared { file: with, revision, agreement })
 }

@@ -4,7 +4,8 @@
 //! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again.
 
 use super::Wake;
-use crate::project::{Document, Edit, Store, StoreError};
+use crate::document::{Document, Edit};
+use crate::store::{Store, StoreError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};

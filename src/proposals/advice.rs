@@ -6,8 +6,8 @@
 //! with most such frames helps.
 
 use super::Coverage;
+use crate::document::{CameraId, Document, Frame, FrameStatus, shots};
 use crate::geometry::Angle;
-use crate::project::{CameraId, Document, Frame, FrameStatus, shots};
 use std::collections::BTreeMap;
 
 /// An answer that is right with this probability needs no further reference.
@@ -202,8 +202,8 @@ fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, 
 mod tests {
     use super::*;
     use crate::camera::Ptz;
+    use crate::document::{Clip, FieldSpec, FramePtz, Solution, SolutionSource, SolutionWarning};
     use crate::geometry::ImageSize;
-    use crate::project::{Clip, FieldSpec, FramePtz, Solution, SolutionSource, SolutionWarning};
     use crate::proposals::Cell;
 
     const SURELY: f64 = 0.99;

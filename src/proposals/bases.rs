@@ -1,7 +1,7 @@
 //! Whether a forest and a document mean the same cameras.
 
 use crate::camera::CameraBase;
-use crate::project::{Camera, Document};
+use crate::document::{Camera, Document};
 use crate::relocalize::ForestModel;
 use thiserror::Error;
 

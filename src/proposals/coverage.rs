@@ -1,9 +1,9 @@
 //! Where references look, and where one is missing.
 
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
+use crate::document::{Camera, CameraId, Document, Frame};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec3};
-use crate::project::{Camera, CameraId, Document, Frame};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -179,9 +179,9 @@ fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, Ptz};
+    use crate::document::{Camera, FieldSpec, FramePtz};
     use crate::field::builtin;
     use crate::geometry::{Angle, ImageSize};
-    use crate::project::{Camera, FieldSpec, FramePtz};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

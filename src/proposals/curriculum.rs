@@ -1,6 +1,6 @@
 //! What a forest was, or is to be, taught: by which it is known whether it has to be taught again.
 
-use crate::project::{CameraId, Document};
+use crate::document::{CameraId, Document};
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -61,8 +61,8 @@ impl Curriculum {
 mod tests {
     use super::*;
     use crate::camera::Ptz;
+    use crate::document::{Camera, FieldSpec, Frame, FramePtz};
     use crate::geometry::{ImageSize, PixelBox};
-    use crate::project::{Camera, FieldSpec, Frame, FramePtz};
 
     fn document() -> Document {
         let size = ImageSize::new(640, 360);

@@ -2,10 +2,10 @@
 
 use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
+use crate::document::{Document, Frame};
 use crate::features::{FeatureKey, FeatureOptions, Features, extract};
 use crate::geometry::PixelBox;
 use crate::media::{FrameReader, FrameRef, Picture, sha256_of_file};
-use crate::project::{Document, Frame};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,9 +1,10 @@
 //! The forest of a document on disk, so that opening it again does not start from nothing.
 
 use super::{Curriculum, WorkFolder};
+use crate::document::{document_from_bytes, document_to_string};
 use crate::features::FeatureOptions;
-use crate::project::{document_from_bytes, document_to_string, write_atomically};
 use crate::relocalize::ForestModel;
+use crate::store::write_atomically;
 use serde_json::Value;
 use std::io;
 

@@ -1,6 +1,6 @@
 //! Which frames the forest is asked for first.
 
-use crate::project::{Document, shots};
+use crate::document::{Document, shots};
 
 /// So many frames on either side of the current one come before anything else.
 const NEAR: usize = 8;
@@ -56,8 +56,8 @@ impl AskingOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{Clip, FieldSpec, Frame};
     use crate::geometry::ImageSize;
-    use crate::project::{Clip, FieldSpec, Frame};
 
     /// Shots of some lengths, one after the other.
     fn document(lengths: &[usize]) -> Document {

@@ -1,9 +1,9 @@
 //! The picture of a document's frame.
 
+use crate::document::Frame;
 use crate::features::FeatureError;
 use crate::geometry::ImageSize;
 use crate::media::{FrameReader, MediaError, Picture};
-use crate::project::Frame;
 use std::path::Path;
 use thiserror::Error;
 

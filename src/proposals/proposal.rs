@@ -2,10 +2,10 @@
 
 use super::{PictureError, is_open};
 use crate::camera::CameraBase;
-use crate::geometry::Mat3;
-use crate::project::{
+use crate::document::{
     Camera, CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
 };
+use crate::geometry::Mat3;
 use crate::relocalize::NotFound;
 use std::time::Duration;
 use thiserror::Error;

@@ -2,7 +2,7 @@
 
 use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
 use crate::camera::CameraBase;
-use crate::project::{Document, Frame, FramePtz, FrameStatus};
+use crate::document::{Document, Frame, FramePtz, FrameStatus};
 use crate::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
 /// Whether nobody has clicked or decided on a frame: those are answered, all others stay as they are.

@@ -6,9 +6,9 @@
 
 use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
+use crate::document::{Camera, Clip, Document, Frame};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::media::FrameReader;
-use crate::project::{Camera, Clip, Document, Frame};
 use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
 use crate::score::median;
 use std::collections::BTreeSet;
@@ -245,8 +245,8 @@ pub fn overlay_error_px(truth: &PtzCamera, found: &PtzCamera, size: ImageSize) -
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase};
+    use crate::document::{FieldSpec, VideoFrame};
     use crate::geometry::Vec3;
-    use crate::project::{FieldSpec, VideoFrame};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

@@ -1,8 +1,8 @@
 //! References whose labels contradict others.
 
 use super::{FramePictures, Lesson, Studied, study};
+use crate::document::Document;
 use crate::media::FrameReader;
-use crate::project::Document;
 use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 use std::ops::ControlFlow;
 

@@ -1,8 +1,8 @@
 //! The references that teach.
 
-use crate::project::{Document, FrameStatus};
+use crate::document::{Document, FrameStatus};
 
-/// The references of a document, and which of them teach: see [`crate::project::Frame::teaches`].
+/// The references of a document, and which of them teach: see [`crate::document::Frame::teaches`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Teachers {
     /// The frames that teach, by their places.

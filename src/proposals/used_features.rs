@@ -1,8 +1,8 @@
 //! What the forest made of a picture's features: to be looked at over the picture.
 
 use super::FrameFeatures;
+use crate::document::{Camera, Document};
 use crate::geometry::ImagePoint;
-use crate::project::{Camera, Document};
 use crate::relocalize::{ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_from_candidates};
 use std::collections::BTreeSet;
 

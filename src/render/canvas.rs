@@ -8,7 +8,7 @@ use super::picture::{PictureCache, PictureInstance};
 use super::pipelines::{GROUP_FORMAT, Pipelines};
 use super::stroke::append_segments;
 use super::view::View;
-use crate::app::drawing::{Drawing, StrokeGroup};
+use crate::scene::drawing::{Drawing, StrokeGroup};
 use bytemuck::{Pod, Zeroable};
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 //! Filled polygons as triangles of `fill.wgsl`, with a soft border one px wide.
 
 use super::stroke::rgba;
-use crate::app::drawing::Area;
+use crate::scene::drawing::Area;
 use bytemuck::{Pod, Zeroable};
 
 /// One corner of a triangle; the fields are those of `Vertex` in `fill.wgsl`.
@@ -109,7 +109,7 @@ fn in_triangle(corners: &[[f32; 2]], p: usize, [a, b, c]: [usize; 3]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::drawing::Colour;
+    use crate::scene::drawing::Colour;
 
     fn area_of(corners: &[[f32; 2]], triangles: &[[usize; 3]]) -> f32 {
         triangles.iter().map(|&[a, b, c]| turn(corners[a], corners[b], corners[c]) / 2.0).sum()

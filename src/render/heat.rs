@@ -2,8 +2,8 @@
 
 use super::canvas::Gpu;
 use super::stroke::rgba;
-use crate::app::uncertainty::{HEAT_STOPS, HeatMap};
 use crate::geometry::ImageSize;
+use crate::scene::uncertainty::{HEAT_STOPS, HeatMap};
 use bytemuck::{Pod, Zeroable};
 
 /// One heat map; the fields are those of `Instance` in `heat.wgsl`.

@@ -1,8 +1,8 @@
 //! What a canvas shows, from the bottom up.
 
-use crate::app::drawing::Drawing;
-use crate::app::uncertainty::HeatMap;
 use crate::media;
+use crate::scene::drawing::Drawing;
+use crate::scene::uncertainty::HeatMap;
 use std::sync::Arc;
 
 /// The identity of a picture's pixels: equal keys mean equal pixels, so that they are uploaded once.

@@ -1,7 +1,7 @@
 //! Markers as instances of `marker.wgsl`.
 
 use super::stroke::rgba;
-use crate::app::drawing::{Marker, MarkerShape};
+use crate::scene::drawing::{Marker, MarkerShape};
 use bytemuck::{Pod, Zeroable};
 
 /// One marker; the fields are those of `Instance` in `marker.wgsl`.

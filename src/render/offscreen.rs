@@ -4,7 +4,7 @@ use super::layer::Layer;
 use super::renderer::{CanvasId, Renderer};
 use super::text::write_labels;
 use super::view::View;
-use crate::app::drawing::Colour;
+use crate::scene::drawing::Colour;
 use image::RgbaImage;
 use std::fmt;
 use thiserror::Error;
@@ -231,7 +231,7 @@ fn clear_colour(colour: Colour) -> wgpu::Color {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::drawing::{Drawing, Stroke, StrokeGroup};
+    use crate::scene::drawing::{Drawing, Stroke, StrokeGroup};
     use std::sync::Arc;
 
     #[test]

@@ -18,7 +18,7 @@
 //! The cut presumes that the stroke does not fold back within its own width; where it does, only the soft border of
 //! the overlap is affected.
 
-use crate::app::drawing::{Colour, Dash, Stroke};
+use crate::scene::drawing::{Colour, Dash, Stroke};
 use bytemuck::{Pod, Zeroable};
 
 /// One segment; the fields are those of `Instance` in `stroke.wgsl`.

@@ -1,7 +1,7 @@
 //! Labels, written by the processor over a finished picture; a window writes them with its own fonts instead.
 
 use super::view::View;
-use crate::app::drawing::{Colour, Label};
+use crate::scene::drawing::{Colour, Label};
 use ab_glyph::{Font as _, FontRef, InvalidFont, PxScale, ScaleFont as _, point};
 use image::{Rgba, RgbaImage};
 

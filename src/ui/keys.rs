@@ -254,8 +254,8 @@ fn is_held_down(app: &App, command: Command) -> bool {
 mod tests {
     use super::*;
     use crate::app::{Opened, Settings};
+    use crate::document::{Camera, Click, Document, FieldSpec, Frame};
     use crate::geometry::{ImagePoint, ImageSize};
-    use crate::project::{Camera, Click, Document, FieldSpec, Frame};
 
     const NONE: Modifiers = Modifiers::NONE;
 

@@ -3,7 +3,7 @@
 use super::{Panel, symbol, theme};
 use crate::app::session::{Panel as RightPanel, Saving};
 use crate::app::{Action, App, Command, Group};
-use crate::project::{PROJECT_FILE, PROJECT_SUFFIX};
+use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
 use egui::{Align, Button, Layout, RichText, Ui};
 use std::path::Path;
 
@@ -97,10 +97,10 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == RightPanel::Review,
         Command::QualityPage => app.session.quality.open,
-        Command::Teaches => app.frame().is_some_and(crate::project::Frame::teaches),
+        Command::Teaches => app.frame().is_some_and(crate::document::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,
-        Command::Uncertainty => app.session.uncertainty != crate::app::uncertainty::UncertaintyView::Off,
-        Command::UseForBase => app.frame().is_some_and(crate::project::Frame::is_left_out_of_base),
+        Command::Uncertainty => app.session.uncertainty != crate::scene::uncertainty::UncertaintyView::Off,
+        Command::UseForBase => app.frame().is_some_and(crate::document::Frame::is_left_out_of_base),
         _ => false,
     }
 }

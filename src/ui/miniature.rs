@@ -2,8 +2,8 @@
 
 use super::{Panel, theme};
 use crate::app::OpenProject;
+use crate::document::FrameStatus;
 use crate::markings::{MarkingOptions, project_lines};
-use crate::project::FrameStatus;
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
 
 /// How far a line may be from its curve, px of the picture: what a miniature cannot show.

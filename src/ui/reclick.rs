@@ -2,7 +2,7 @@
 
 use super::{Panel, field_map, theme};
 use crate::app::{Action, Command};
-use crate::project::Target;
+use crate::document::Target;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
 
 /// Shows the panel.

@@ -3,7 +3,7 @@
 use super::Panel;
 use crate::app::Action;
 use crate::app::session::{Mode, reason_label};
-use crate::project::RejectReason;
+use crate::document::RejectReason;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
 
 /// Reads the keys 1 to 6 while a reason is asked for; they reach nobody else then.

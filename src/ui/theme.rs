@@ -4,7 +4,7 @@
 //! has a letter or a word and, on the filmstrip, a pattern of its own; the hues are apart for colour-blind eyes too
 //! (Okabe and Ito's set, lightened for a dark ground).
 
-use crate::project::FrameStatus;
+use crate::document::FrameStatus;
 use crate::solve::Verdict;
 use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Painter, Rect, Shadow, Stroke, TextStyle, Vec2, pos2, vec2,

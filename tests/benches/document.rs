@@ -5,11 +5,12 @@ use divan::Bencher;
 use std::path::PathBuf;
 use tempfile::TempDir;
 use touchline::camera::Ptz;
-use touchline::geometry::{ImagePoint, ImageSize, Mat3};
-use touchline::project::{
-    Access, Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Location, Solution, Step,
-    document_from_bytes, document_to_string, open, write_document,
+use touchline::document::{
+    Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Solution, Step,
+    document_from_bytes, document_to_string,
 };
+use touchline::geometry::{ImagePoint, ImageSize, Mat3};
+use touchline::store::{Access, Location, open, write_document};
 
 const FRAMES: usize = 10_000;
 const LANDMARKS: [&str; 6] = [

@@ -4,15 +4,15 @@
 use divan::Bencher;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use touchline::app::OverlayStyle;
-use touchline::app::drawing::{Colour, Drawing};
-use touchline::app::overlay::{OverlayScene, Standing, overlay};
-use touchline::app::uncertainty::{HeatMap, band};
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::media;
 use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
+use touchline::scene::OverlayStyle;
+use touchline::scene::drawing::{Colour, Drawing};
+use touchline::scene::overlay::{OverlayScene, Standing, overlay};
+use touchline::scene::uncertainty::{HeatMap, band};
 use touchline::solve::{Observation, Uncertainty};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);

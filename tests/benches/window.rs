@@ -11,11 +11,11 @@ use std::time::Duration;
 use touchline::app::TrainerOrder;
 use touchline::app::{Action, App, Command, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
 use touchline::jobs::{Trainer, TrainerOptions};
-use touchline::project::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};

@@ -7,14 +7,17 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
+use touchline::calibrate::{ENOUGH_REPEATS, OwnNoise, calibrate, check_values};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{
+    Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat, document_from_bytes,
+    document_to_string,
+};
+use touchline::evaluate::{Agreement, agreement};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::markings::project_landmarks;
-use touchline::project::{
-    Agreement, Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Location,
-    OwnNoise, Repeat, agreement, calibrate, check_values, document_from_bytes, document_to_string, write_document,
-};
+use touchline::store::{Location, write_document};
 
 /// Half of 1920 px: what is said in px at 1920 px width is twice as much.
 const SIZE: ImageSize = ImageSize::new(960, 540);

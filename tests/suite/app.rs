@@ -4,9 +4,11 @@ use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline::app::session::{Filter, Level, Mode, PictureView, Saving};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::{
+    Camera, Clip, Document, FieldSpec, Frame, FrameStatus, RejectReason, SolutionSource, Target,
+};
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, PixelBox, Vec3};
-use touchline::project::{Camera, Clip, Document, FieldSpec, Frame, FrameStatus, RejectReason, SolutionSource, Target};
 
 /// The truth of frame `index`: a slow pan.
 fn truth(index: usize) -> PtzCamera {

@@ -3,11 +3,10 @@
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
+use touchline::calibrate::{Problem, check_pictures, check_values};
+use touchline::document::{Click, Document, FieldSpec, Frame, FrameStatus, document_from_bytes, document_to_string};
 use touchline::geometry::{ImagePoint, ImageSize};
-use touchline::project::{
-    Click, Document, FieldSpec, Frame, FrameStatus, Problem, check_pictures, check_values, document_from_bytes,
-    document_to_string, open, read,
-};
+use touchline::store::{open, read};
 
 const SAMPLE: &str = include_str!("samples/document-v1.json");
 
@@ -401,7 +400,7 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
     let Some(data) = crate::data::shared_data() else { return };
     let mut document = Document::new(FieldSpec::new("soccer"));
     let frame = |index, pts_s| {
-        let video = touchline::project::VideoFrame::new("match.mp4", index, pts_s);
+        let video = touchline::document::VideoFrame::new("match.mp4", index, pts_s);
         Frame::from_video(video, "main".into(), ImageSize::new(1280, 720)).into()
     };
     document.frames =
@@ -436,6 +435,6 @@ proptest! {
 }
 
 fn document_with_generator(mut document: Document) -> Document {
-    document.generator = touchline::project::generator();
+    document.generator = touchline::document::generator();
     document
 }

@@ -7,12 +7,12 @@ use touchline::app::base::BaseWork;
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{
+    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, Target, document_to_string,
+};
 use touchline::field::{FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::jobs::Runner;
-use touchline::project::{
-    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, Target, document_to_string,
-};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -281,7 +281,7 @@ fn too_little_is_said_and_changes_nothing() {
 #[test]
 fn real_frames_from_their_clicks_alone() {
     let Some(data) = crate::data::shared_data() else { return };
-    let (_, document, _) = touchline::project::read(&data.join("scouting-d82e7a/clicks.json")).unwrap();
+    let (_, document, _) = touchline::store::read(&data.join("scouting-d82e7a/clicks.json")).unwrap();
     let mut desk = Desk::on(document);
     desk.estimate();
     let estimate = &desk.app.session.base.proposed().unwrap().estimate;

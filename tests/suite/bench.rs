@@ -2,9 +2,9 @@
 
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, PtzCamera};
+use touchline::document::Document;
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::project::Document;
 
 pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

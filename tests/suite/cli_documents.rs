@@ -5,12 +5,10 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec3};
-use touchline::project::{
-    Access, Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, Location, document_to_string, open,
-    read, write_document,
-};
+use touchline::store::{Access, Location, open, read, write_document};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 

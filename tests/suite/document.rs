@@ -3,11 +3,11 @@
 use crate::data::shared_data;
 use proptest::prelude::*;
 use touchline::camera::{FocalCurve, Ptz};
-use touchline::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
-use touchline::project::{
+use touchline::document::{
     Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
     Target, document_from_bytes, document_to_string,
 };
+use touchline::geometry::{ImagePoint, ImageSize, PixelBox, Vec3};
 
 const SAMPLE: &str = include_str!("samples/document-v1.json");
 
@@ -41,7 +41,7 @@ fn everything_that_is_read_is_written_back_with_unknown_keys() {
     let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     let text = document_to_string(&document).unwrap();
     let mut expected = value(SAMPLE);
-    expected["generator"] = touchline::project::generator().into();
+    expected["generator"] = touchline::document::generator().into();
     // Fractions and whole numbers are the same number.
     expected["cameras"][0]["masks_px"][1] = serde_json::json!([10.5, 30, 64, 80.25]);
     assert_eq!(value(&text), expected);
@@ -84,7 +84,7 @@ fn angles_are_wrapped_when_they_are_read_and_when_they_are_recorded() {
     let document = document_from_bytes(text.as_bytes()).unwrap();
     let ptz = document.frames[0].ptz.as_ref().unwrap();
     assert_eq!((ptz.pan_deg, ptz.tilt_deg), (12.5, -11.0));
-    let record = touchline::project::FramePtz::new(Ptz::from_degrees(190.0, -10.0, 2000.0), None);
+    let record = touchline::document::FramePtz::new(Ptz::from_degrees(190.0, -10.0, 2000.0), None);
     assert!((record.pan_deg + 170.0).abs() < 1e-12);
 }
 
@@ -158,7 +158,7 @@ fn frame() -> impl Strategy<Value = Frame> {
         frame.masks = vec![PixelBox { x: n[0], y: n[1].round(), width: n[2], height: n[3] }];
         frame.ptz = some[1].then(|| FramePtz {
             k1: some[2].then_some(n[4]),
-            extra: touchline::project::Extra::new(),
+            extra: touchline::document::Extra::new(),
             pan_deg: -angle,
             tilt_deg: -angle / 3.0,
             focal_px: n[5].abs() + f64::MIN_POSITIVE,

@@ -5,11 +5,10 @@ use serde_json::Value;
 use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Mat3, Vec3};
-use touchline::project::{
-    Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Location, Solution, write_document,
-};
+use touchline::store::{Location, write_document};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 

@@ -5,9 +5,11 @@ use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::{Action, Command, Compared, Comparison, Effect, Question};
+use touchline::calibrate::ENOUGH_REPEATS;
 use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target};
+use touchline::evaluate::agreement;
 use touchline::geometry::{ImagePoint, Vec2};
-use touchline::project::{Camera, Click, Document, ENOUGH_REPEATS, FieldSpec, Frame, FrameStatus, Target, agreement};
 
 const LANDMARKS: [&str; 3] = ["centre_mark", "halfway_far", "centre_circle_halfway_near"];
 

@@ -7,11 +7,10 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
+use touchline::document::{Click, Document, Edit, FieldSpec, Frame};
 use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::jobs::{Saver, SaverOptions, SaverReport};
-use touchline::project::{
-    Access, Click, Document, Edit, FieldSpec, Frame, Location, Opened, ReadOnly, Store, StoreError, open, read,
-};
+use touchline::store::{Access, Location, Opened, ReadOnly, Store, StoreError, open, read};
 
 fn document(frames: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));

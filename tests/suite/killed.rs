@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use touchline::app::session::Saving;
 use touchline::app::{Action, App, Doing};
-use touchline::project::FrameStatus;
+use touchline::document::FrameStatus;
 
 const CHILD_FILE: &str = "TOUCHLINE_TEST_KILLED_FILE";
 

@@ -2,13 +2,13 @@
 
 use crate::seeded::{self, normal};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::calibrate::calibrate;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{
+    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame, document_from_bytes, document_to_string,
+};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec2, Vec3};
-use touchline::project::{
-    Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame, calibrate, document_from_bytes,
-    document_to_string,
-};
 use touchline::solve::{IdentityKind, Verdict, WarningCode, judge};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -131,10 +131,10 @@ fn panned() -> Document {
             path: "match.mp4".into(),
             frame_index: index,
             pts_s: None,
-            extra: touchline::project::Extra::new(),
+            extra: touchline::document::Extra::new(),
         });
         if index % 2 == 0 && index < 40 {
-            frame.ptz = Some(touchline::project::FramePtz::new(ptz, None));
+            frame.ptz = Some(touchline::document::FramePtz::new(ptz, None));
             frame.status = FrameStatus::Reference;
         }
         document.frames.push(frame.into());
@@ -170,7 +170,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
     assert!((found.ptz.pan - ptz.pan).abs().degrees() < 0.2, "the other part is where the camera was");
 
     // In another shot the camera may look anywhere: only the picture's own doubt remains.
-    document.frames[21].clip = Some(touchline::project::Clip::Number(2));
+    document.frames[21].clip = Some(touchline::document::Clip::Number(2));
     let clicked = Frame { clip: document.frames[21].clip.clone(), ..frame("21.jpg", ptz, &taken_for) };
     let elsewhere = calibrate(&document, &clicked, &field, 21).unwrap();
     assert!(elsewhere.warnings.iter().all(|warning| !warning.message.contains("Cut or wrong name?")));

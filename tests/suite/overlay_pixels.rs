@@ -2,10 +2,10 @@
 
 use image::{Rgba, RgbaImage};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
-use touchline::app::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 use touchline::geometry::ImageSize;
 use touchline::media;
 use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
+use touchline::scene::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 
 const WHITE: Colour = Colour::rgb(255, 255, 255);
 const BLACK: Colour = Colour::rgb(0, 0, 0);

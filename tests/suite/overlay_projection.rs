@@ -3,13 +3,13 @@
 
 use image::RgbaImage;
 use std::collections::BTreeMap;
-use touchline::app::OverlayStyle;
-use touchline::app::drawing::Colour;
-use touchline::app::overlay::{OverlayScene, Standing, field_overlay};
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{Curve, FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::render::{Layer, View};
+use touchline::scene::OverlayStyle;
+use touchline::scene::drawing::Colour;
+use touchline::scene::overlay::{OverlayScene, Standing, field_overlay};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 const WIDTH_PX: f32 = 3.0;

@@ -5,8 +5,8 @@ use touchline::app::quality::TimeAxis;
 use touchline::app::session::Panel;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
+use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::geometry::ImagePoint;
-use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 
 /// Two cameras in turns, a slow pan of each; the fifth frame of the first looks elsewhere.
 fn document() -> Document {

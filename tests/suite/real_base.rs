@@ -6,10 +6,10 @@ use crate::data::shared_data;
 use crate::real_frames::{MIRRORED, Summary};
 use std::path::Path;
 use touchline::camera::PtzCamera;
+use touchline::document::Document;
 use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
-use touchline::project::{self, Document};
 use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
 use touchline::solve::{ClickResidual, Observation, SolveContext, Target, solve_frame};
 
@@ -23,12 +23,15 @@ struct Match {
 }
 
 fn read(path: &Path) -> Match {
-    let document = project::read(path).unwrap().1;
+    let document = touchline::store::read(path).unwrap().1;
     let field = document.field.model(Path::new(".")).unwrap();
     let frames = document
         .frames
         .iter()
-        .map(|frame| FrameClicks { observations: project::observations(frame, &field).unwrap(), start: None })
+        .map(|frame| FrameClicks {
+            observations: touchline::calibrate::observations(frame, &field).unwrap(),
+            start: None,
+        })
         .collect();
     Match { document, field, frames }
 }
@@ -93,7 +96,7 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
         for (index, (frame, fit)) in seen.document.frames.iter().zip(&found.frames).enumerate() {
             let Some(fit) = fit else { continue };
             let camera = PtzCamera::new(found.base, fit.ptz);
-            for click in project::observations(frame, &field).unwrap() {
+            for click in touchline::calibrate::observations(frame, &field).unwrap() {
                 if let (true, Target::Landmark(at)) = (held(index, click.click), click.target) {
                     errors.extend(camera.image_from_world(at).ok().map(|image| image.distance_px(click.image)));
                 }
@@ -165,7 +168,7 @@ fn few_frames_give_a_usable_base() {
                     if chosen.contains(&index) || MIRRORED.iter().any(|name| frame.name().contains(name)) {
                         continue;
                     }
-                    let clicks = project::observations(frame, &field).unwrap();
+                    let clicks = touchline::calibrate::observations(frame, &field).unwrap();
                     let keep = four_apart(&seen.frames[index]);
                     let four: Vec<Observation> = clicks
                         .iter()

@@ -5,7 +5,7 @@
 use crate::data::shared_data;
 use std::path::Path;
 use touchline::camera::{CameraBase, PtzCamera};
-use touchline::project::{self, Document};
+use touchline::document::Document;
 use touchline::solve::{Observation, SolveContext, Target, Verdict, judge, solve_frame};
 
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
@@ -22,7 +22,7 @@ struct RealFrame {
 }
 
 fn document(path: &Path) -> Document {
-    project::read(path).unwrap().1
+    touchline::store::read(path).unwrap().1
 }
 
 fn frames(path: &Path) -> Vec<RealFrame> {
@@ -34,7 +34,7 @@ fn frames(path: &Path) -> Vec<RealFrame> {
         .map(|frame| RealFrame {
             name: frame.name(),
             base: document.camera_of(frame).unwrap().base().unwrap(),
-            clicks: project::observations(frame, &field).unwrap(),
+            clicks: touchline::calibrate::observations(frame, &field).unwrap(),
             context: SolveContext::new(frame.image_size),
         })
         .collect()

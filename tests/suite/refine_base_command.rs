@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
-use touchline::project::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string, read};
+use touchline::store::read;
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -4,8 +4,8 @@
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
+use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline::project::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::proposals::SURE;
 use touchline::relocalize::ForestModel;
 

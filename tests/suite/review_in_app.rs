@@ -6,11 +6,11 @@ use touchline::app::review::ReviewOrder;
 use touchline::app::session::{Dialog, Filter, Mode, Panel, needs_me};
 use touchline::app::{Action, Command, Effect};
 use touchline::camera::{Ptz, PtzCamera};
-use touchline::geometry::{ImagePoint, Mat3, Vec3};
-use touchline::project::{
+use touchline::document::{
     Camera, Change, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, RejectReason, Solution, SolutionSource,
     SolutionWarning, Target,
 };
+use touchline::geometry::{ImagePoint, Mat3, Vec3};
 
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
@@ -51,7 +51,7 @@ fn suggested(confidences: &[Option<f64>]) -> Document {
 }
 
 impl Bench {
-    fn frames(&self) -> &[touchline::project::Shared<Frame>] {
+    fn frames(&self) -> &[touchline::document::Shared<Frame>] {
         &self.app.open().unwrap().document.frames
     }
 
@@ -424,7 +424,7 @@ fn ten_thousand_proposals_arrive_while_a_person_works() {
 }
 
 impl Bench {
-    fn journalled_frame(&self, frame: usize) -> touchline::project::Shared<Frame> {
+    fn journalled_frame(&self, frame: usize) -> touchline::document::Shared<Frame> {
         let changes = self.effects.iter().rev().filter_map(|effect| match effect {
             Effect::Journal { edit, .. } => Some(&edit.changes),
             _ => None,

@@ -4,9 +4,9 @@ use crate::headless::Headless;
 use touchline::app::session::Saving;
 use touchline::app::{Action, Command, Question};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::project::{Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string};
 
 const SIZE: ImageSize = ImageSize::new(640, 360);
 

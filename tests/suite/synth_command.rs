@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use touchline::document::{Document, FrameStatus, document_from_bytes};
 use touchline::geometry::ImagePoint;
 use touchline::media::sha256_of_file;
-use touchline::project::{Document, FrameStatus, document_from_bytes};
 
 fn synth(arguments: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_touchline")).arg("synth").args(arguments).arg("-o").arg(folder).output().unwrap()

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use std::sync::mpsc::channel;
 use std::time::Duration;
 use touchline::app::{Doing, TrainerOrder, TrainerStatus};
+use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::jobs::{Trainer, TrainerOptions, TrainerReport};
-use touchline::project::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::proposals::{Proposal, WorkFolder};
 use touchline::relocalize::TrainOptions;
 

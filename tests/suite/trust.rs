@@ -9,7 +9,6 @@ use std::path::Path;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec2, Vec3};
-use touchline::project;
 use touchline::solve::base::{BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
 use touchline::solve::{Observation, SolveContext, Target, solve_frame};
 
@@ -232,13 +231,16 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
 fn real_bases_from_halves_agree_within_what_they_state() {
     let Some(data) = shared_data() else { return };
     for set in ["08fd33", "42ba34", "d82e7a"] {
-        let read = |name: &str| project::read(&data.join(format!("scouting-{set}/{name}.json"))).unwrap().1;
+        let read = |name: &str| touchline::store::read(&data.join(format!("scouting-{set}/{name}.json"))).unwrap().1;
         let document = read("clicks");
         let field = document.field.model(Path::new(".")).unwrap();
         let all: Vec<FrameClicks> = document
             .frames
             .iter()
-            .map(|frame| FrameClicks { observations: project::observations(frame, &field).unwrap(), start: None })
+            .map(|frame| FrameClicks {
+                observations: touchline::calibrate::observations(frame, &field).unwrap(),
+                start: None,
+            })
             .collect();
         let estimate = |frames: &[FrameClicks]| {
             estimate_base(&field, frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap()

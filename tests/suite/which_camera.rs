@@ -7,13 +7,13 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
 use touchline::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
+use touchline::calibrate::{
+    BaseProblem, GiveError, better_camera, calibrate, camera_change, check_cameras, solve_document,
+};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{Camera, CameraId, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
-use touchline::project::{
-    self, BaseProblem, Camera, CameraId, Click, Document, FieldSpec, Fields, Frame, FrameStatus, GiveError,
-    better_camera, calibrate, camera_change, check_cameras, solve_document,
-};
 use touchline::solve::base::BaseOptions;
 use touchline::solve::{Verdict, WarningCode};
 
@@ -137,7 +137,7 @@ fn without_a_bump_there_is_no_alarm() {
 /// A real set with the base that the program finds.
 fn real(set: &str) -> Option<Document> {
     let path = shared_data()?.join(format!("scouting-{set}/clicks.json"));
-    let mut document = project::read(&path).unwrap().1;
+    let mut document = touchline::store::read(&path).unwrap().1;
     let camera = document.cameras[0].id.clone();
     let problem = BaseProblem::of(&document, &camera, Path::new(".")).unwrap();
     let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();

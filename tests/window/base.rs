@@ -5,8 +5,8 @@ use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::base::BaseWork;
 use touchline::app::session::{Mode, Panel};
-use touchline::app::uncertainty::UncertaintyView;
-use touchline::project::Target;
+use touchline::document::Target;
+use touchline::scene::uncertainty::UncertaintyView;
 
 #[test]
 fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {

@@ -4,9 +4,9 @@ use crate::window::{SIZE, Window, field, truth};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
+use touchline::document::{Click, Document, FramePtz, FrameStatus, document_to_string};
 use touchline::field::Landmark;
 use touchline::geometry::ImagePoint;
-use touchline::project::{Click, Document, FramePtz, FrameStatus, document_to_string};
 
 /// Labels a project's frames; the label and its camera lie off by so much.
 fn label(document: &mut Document, off_px: f64) {
@@ -28,7 +28,7 @@ fn label(document: &mut Document, off_px: f64) {
 /// A window in a blind round on frames whose labels lie off by so much.
 fn round(off_px: f64) -> Option<Window> {
     let window = Window::open(2, [960.0, 600.0], 1.0)?;
-    let (_, mut document, _) = touchline::project::read(window.folder.path()).unwrap();
+    let (_, mut document, _) = touchline::store::read(window.folder.path()).unwrap();
     label(&mut document, off_px);
     let folder = tempfile::tempdir().unwrap();
     for index in 0..2 {

@@ -4,8 +4,8 @@ use crate::window::{Window, truth};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::{Mode, Saving};
+use touchline::document::{FrameStatus, Target};
 use touchline::geometry::ImagePoint;
-use touchline::project::{FrameStatus, Target};
 
 #[test]
 fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
@@ -42,7 +42,7 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     assert_eq!(window.app().session.frame, 1);
     assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Reference);
     window.wait_for(|shell| matches!(shell.app().session.saving, Saving::Saved { .. }));
-    let (_, document, _) = touchline::project::read(window.folder.path()).unwrap();
+    let (_, document, _) = touchline::store::read(window.folder.path()).unwrap();
     assert_eq!(document.frames[0].clicks.len(), 3);
     assert_eq!(document.frames[0].status, FrameStatus::Reference);
 }

@@ -4,7 +4,7 @@ use crate::window::{Window, truth};
 use egui::{Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;
-use touchline::project::Target;
+use touchline::document::Target;
 
 #[test]
 fn swapped_points_are_compared_and_mended_with_a_button() {

@@ -6,7 +6,7 @@ use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Filter, Level, Panel};
 use touchline::app::{Action, Command, Question};
-use touchline::project::{FrameStatus, RejectReason};
+use touchline::document::{FrameStatus, RejectReason};
 use touchline::ui::Shell;
 
 const SIZE: [f32; 2] = [1280.0, 720.0];

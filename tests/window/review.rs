@@ -5,7 +5,7 @@ use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Panel};
-use touchline::project::FrameStatus;
+use touchline::document::FrameStatus;
 use touchline::ui::Shell;
 
 const SIZE: [f32; 2] = [1280.0, 720.0];

@@ -5,8 +5,8 @@ use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, 
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::{Mode, PictureView};
+use touchline::document::FrameStatus;
 use touchline::geometry::ImagePoint;
-use touchline::project::FrameStatus;
 use touchline::ui::Shell;
 
 fn wheel(window: &mut Window, lines: f32) {

@@ -6,19 +6,20 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use touchline::app::drawing::Colour;
-use touchline::app::overlay::{OverlayScene, Standing, field_overlay};
 use touchline::app::session::PictureView;
-use touchline::app::{Action, App, OverlayStyle};
+use touchline::app::{Action, App};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::field::{FieldModel, Landmark, builtin};
-use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use touchline::project::{
+use touchline::document::{
     Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
     document_to_string,
 };
+use touchline::field::{FieldModel, Landmark, builtin};
+use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::render::{Layer, Offscreen, View};
+use touchline::scene::OverlayStyle;
+use touchline::scene::drawing::Colour;
+use touchline::scene::overlay::{OverlayScene, Standing, field_overlay};
 use touchline::ui::Shell;
 
 /// The size of every frame.
@@ -108,7 +109,7 @@ impl Window {
         let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
-        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         let camera = &mut document.cameras[0];
         (camera.position_m, camera.base_from_world) = (None, None);
         for (index, frame) in document.frames.iter_mut().enumerate() {
@@ -124,7 +125,7 @@ impl Window {
         let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
-        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         for (index, frame) in document.frames.iter_mut().enumerate() {
             frame.clicks = seen_landmarks(index);
             frame.ptz = Some(FramePtz::new(truth(index).ptz(), None));
@@ -143,7 +144,7 @@ impl Window {
         let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), confidences.len(), &mut offscreen);
-        let (_, mut document, _) = touchline::project::read(folder.path()).unwrap();
+        let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
         for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
             let mut solution =
                 Solution { source: Some(SolutionSource::Forest), confidence: *confidence, ..Solution::default() };

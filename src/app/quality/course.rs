@@ -1,7 +1,8 @@
 //! Pan, tilt and focal length of a camera's frames over time.
 
 use crate::app::review::disagrees;
-use crate::project::{CameraId, Clip, Document, Frame, FrameStatus, disagreements};
+use crate::calibrate::disagreements;
+use crate::document::{CameraId, Clip, Document, Frame, FrameStatus};
 
 /// A part of the time is shown with at least this share of the whole.
 const SMALLEST_SHARE: f64 = 1e-5;
@@ -239,8 +240,8 @@ pub fn within_whole(span: [f64; 2], whole: [f64; 2]) -> Option<[f64; 2]> {
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::document::{Camera, FieldSpec, FramePtz, VideoFrame};
     use crate::geometry::{ImageSize, Vec3};
-    use crate::project::{Camera, FieldSpec, FramePtz, VideoFrame};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 

@@ -1,7 +1,8 @@
 //! How far clicks lie from what they name, as the frames' cameras show it.
 
+use crate::calibrate::observations;
+use crate::document::{CameraId, Document, Fields, Frame, FrameStatus, Target};
 use crate::field::FieldModel;
-use crate::project::{CameraId, Document, Fields, Frame, FrameStatus, Target, observations};
 use crate::score::quantile;
 use crate::solve::{Observation, distance_px};
 use std::collections::BTreeMap;
@@ -203,9 +204,9 @@ impl Histogram {
 pub(super) mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::document::{Camera, Click, FieldSpec, FramePtz};
     use crate::field::builtin;
     use crate::geometry::{ImageSize, Vec3};
-    use crate::project::{Camera, Click, FieldSpec, FramePtz};
     use std::path::Path;
 
     const SIZE: ImageSize = ImageSize::new(960, 540);

@@ -17,7 +17,7 @@ pub use targets::{TargetErrors, by_target};
 pub use thinned::{Column, Drawn, drawn};
 
 use super::{OpenProject, session::Session};
-use crate::project::CameraId;
+use crate::document::CameraId;
 
 /// What a person chose on the quality page.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! Where a camera's references and suggestions look.
 
+use crate::document::{CameraId, Document, FrameStatus};
 use crate::field::FieldModel;
-use crate::project::{CameraId, Document, FrameStatus};
 use crate::proposals::Coverage;
 
 /// Where references and suggestions look, over the same pans and tilts.

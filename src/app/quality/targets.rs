@@ -1,7 +1,7 @@
 //! Which landmarks and lines are hit badly.
 
 use super::errors::{ClickError, ClickErrors, middle_and_most};
-use crate::project::Target;
+use crate::document::Target;
 use std::collections::BTreeMap;
 
 /// Fewer clicks than this say little about a landmark.

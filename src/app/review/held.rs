@@ -1,7 +1,7 @@
 //! The list while it is held: no row moves.
 
 use super::{Listed, Review, ReviewRow};
-use crate::project::Document;
+use crate::document::Document;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Review {
@@ -38,8 +38,8 @@ mod tests {
     use crate::app::session::{Panel, Session};
     use crate::app::{OpenProject, Opened};
     use crate::camera::Ptz;
+    use crate::document::{Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
     use crate::geometry::ImageSize;
-    use crate::project::{Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
 
     /// Frames of two shots in turns.
     fn opened(frames: usize) -> OpenProject {

@@ -10,7 +10,8 @@ pub use choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
-use crate::project::{Disagreement, Disagreements, Frame, FrameStatus};
+use crate::calibrate::{Disagreement, Disagreements};
+use crate::document::{Frame, FrameStatus};
 use crate::proposals::{Coverage, LabelAdvice, label_advice};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -251,8 +252,8 @@ mod tests {
     use super::*;
     use crate::app::Opened;
     use crate::camera::Ptz;
+    use crate::document::{Clip, Document, FieldSpec, FramePtz, Solution, SolutionSource};
     use crate::geometry::ImageSize;
-    use crate::project::{Clip, Document, FieldSpec, FramePtz, Solution, SolutionSource};
 
     fn opened(confidences: &[Option<f64>]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));

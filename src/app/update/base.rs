@@ -6,8 +6,9 @@ use crate::app::Command;
 use crate::app::action::Effect;
 use crate::app::base::{BaseReadiness, BaseWork, Estimating};
 use crate::app::session::{Level, Panel};
+use crate::calibrate::{EstimatedBase, size_words};
+use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
-use crate::project::{Click, EstimatedBase, Frame, Step, Target, size_words};
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 

@@ -5,7 +5,8 @@ use crate::app::Command;
 use crate::app::action::CameraChoice;
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
-use crate::project::{CameraChange, CameraId, Step, camera_change};
+use crate::calibrate::{CameraChange, camera_change};
+use crate::document::{CameraId, Step};
 
 /// What a look at a camera over time gave, and for which state of the document.
 #[derive(Debug)]
@@ -87,7 +88,10 @@ impl App {
     fn change_cameras<T>(
         &mut self,
         step: Step,
-        change: impl FnOnce(&mut crate::project::Document, &crate::project::Fields) -> Result<T, crate::project::GiveError>,
+        change: impl FnOnce(
+            &mut crate::document::Document,
+            &crate::document::Fields,
+        ) -> Result<T, crate::calibrate::GiveError>,
     ) -> Option<T> {
         let fields = match self.open.as_mut()?.fields() {
             Ok(fields) => fields,

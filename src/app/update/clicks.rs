@@ -2,8 +2,8 @@
 
 use super::App;
 use crate::app::session::{Level, Mode};
+use crate::document::{Click, FrameStatus, Step};
 use crate::geometry::ImagePoint;
-use crate::project::{Click, FrameStatus, Step};
 
 impl App {
     pub(super) fn press(&mut self, at: ImagePoint, on: Option<usize>) {
@@ -181,8 +181,8 @@ impl App {
 mod tests {
     use super::*;
     use crate::app::{Action, Command, Effect, Opened, Settings};
+    use crate::document::{Camera, Document, FieldSpec, Frame};
     use crate::geometry::ImageSize;
-    use crate::project::{Camera, Document, FieldSpec, Frame};
 
     #[test]
     fn a_held_arrow_key_is_one_step_and_each_edit_is_journalled() {

@@ -6,7 +6,7 @@ use super::quality::needs_the_picture;
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
 use crate::app::{Chord, Command, Comparison};
-use crate::project::{Frame, FrameStatus};
+use crate::document::{Frame, FrameStatus};
 
 /// One step of the zoom keys.
 const ZOOM_STEP: f64 = 1.25;

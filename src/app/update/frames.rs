@@ -3,8 +3,8 @@
 use super::App;
 use crate::app::guidance::just_accepted;
 use crate::app::session::{Level, Mode, Panel};
+use crate::document::{Frame, FrameStatus, RejectReason, Step};
 use crate::geometry::PixelBox;
-use crate::project::{Frame, FrameStatus, RejectReason, Step};
 
 /// A mask smaller than this is a slip of the hand, px.
 const SMALLEST_MASK_PX: f64 = 3.0;

@@ -5,8 +5,9 @@ use super::numbers::solve_if_by_clicks;
 use crate::app::reclick::{Asked, GoldWork, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
+use crate::calibrate::{ENOUGH_REPEATS, choose_gold};
+use crate::document::{Hand, Repeat, Step};
 use crate::geometry::ImagePoint;
-use crate::project::{ENOUGH_REPEATS, Hand, Repeat, Step, choose_gold};
 
 /// What is said of everything that would show the label, or lead away from it.
 pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
@@ -248,7 +249,7 @@ impl App {
     }
 
     fn step_again(&self, asked: &Asked) -> String {
-        let target = crate::project::Target::Landmark(asked.landmark.clone());
+        let target = crate::document::Target::Landmark(asked.landmark.clone());
         format!("Click {} again", self.label(&target))
     }
 

@@ -24,7 +24,8 @@ use super::reclick::GoldWork;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{Comparison, OpenProject, Settings};
-use crate::project::{CalibrationError, Frame, FrameStatus, Step};
+use crate::calibrate::CalibrationError;
+use crate::document::{Frame, FrameStatus, Step};
 use crate::solve::{FrameSolution, SolveError};
 
 /// The whole application without a window.

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::current::rank_names;
 use crate::app::naming::certain;
 use crate::app::session::{Level, Mode, OFFERED};
-use crate::project::{BetterName, Target};
+use crate::document::{BetterName, Target};
 
 impl App {
     /// What a person calls a landmark or line; its id where the field lacks it.

@@ -4,7 +4,7 @@ use super::{App, solve_in_place};
 use crate::app::session::{Level, Mode};
 use crate::app::{Command, OpenProject};
 use crate::camera::{Ptz, PtzCamera};
-use crate::project::{Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
+use crate::document::{Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
 
 impl App {
     /// Opens a step of undo that a row of edits belongs to.
@@ -194,8 +194,8 @@ pub(super) fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 mod tests {
     use super::*;
     use crate::app::{Action, Opened, Settings};
+    use crate::document::{Document, Frame};
     use crate::geometry::ImageSize;
-    use crate::project::{Document, Frame};
 
     fn app(own_field: bool) -> App {
         let size = ImageSize::new(1920, 1080);

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::OpenProject;
 use crate::app::action::Effect;
 use crate::app::session::{Level, Saving};
-use crate::project::{Camera, CameraId, Document, Frame, FrameStatus};
+use crate::document::{Camera, CameraId, Document, Frame, FrameStatus};
 use crate::proposals::{NoProposal, Proposal};
 use std::collections::BTreeSet;
 
@@ -95,7 +95,7 @@ fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
 
 impl OpenProject {
     /// Writes proposals into the document and every state of its history; what is to be journalled, if anything.
-    fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<crate::project::Edit> {
+    fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<crate::document::Edit> {
         use crate::app::intake::{Intake, edit, write};
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);

@@ -4,7 +4,7 @@ use super::App;
 use crate::app::Command;
 use crate::app::quality::{TimeAxis, zoomed};
 use crate::app::session::Mode;
-use crate::project::CameraId;
+use crate::document::CameraId;
 
 /// One step of the zoom keys.
 const ZOOM_STEP: f64 = 2.0;

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::guidance::nothing_needs_you;
 use crate::app::session::{Dialog, Level, Panel, needs_me};
-use crate::project::{Frame, FrameStatus, Step};
+use crate::document::{Frame, FrameStatus, Step};
 
 impl App {
     /// Opens a panel on the right-hand side, or goes back to the frame.

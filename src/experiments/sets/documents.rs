@@ -1,11 +1,11 @@
 //! A user's own frames: documents that teach, and one that is asked, or whose clips are asked of each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
+use crate::document::{Document, Frame, FrameStatus, Solution};
 use crate::experiments::ExperimentError;
 use crate::features::FeatureOptions;
 use crate::geometry::PixelBox;
 use crate::media::FrameReader;
-use crate::project::{Document, Frame, FrameStatus, Solution};
 use crate::proposals::{FeatureStore, FramePictures};
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;

@@ -2,10 +2,10 @@
 
 use super::documents::{Gathered, OwnDocument};
 use super::{FrameSet, SetKind, Split};
+use crate::exchange::read_authors_folder;
 use crate::experiments::ExperimentError;
 use crate::experiments::given::folder_with;
 use crate::experiments::workshop::{Progress, counted};
-use crate::project::read_authors_folder;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -122,7 +122,7 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
 #[cfg(feature = "opencv")]
 mod tests {
     use super::*;
-    use crate::project::authors_mat::writer::{CAMERA, frame, sequence};
+    use crate::exchange::authors_mat::writer::{CAMERA, frame, sequence};
     use std::fs;
 
     /// Two sequences of three frames each, their images beside them.

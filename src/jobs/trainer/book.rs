@@ -1,6 +1,6 @@
 //! What the forest has been asked and has answered, so that no frame is asked twice for nothing.
 
-use crate::project::{Document, Frame, SolutionSource};
+use crate::document::{Document, Frame, SolutionSource};
 use crate::proposals::{Asked, NoProposal, Proposal, SURE, is_open};
 use crate::relocalize::ForestModel;
 use std::collections::BTreeMap;

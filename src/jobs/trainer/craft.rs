@@ -3,8 +3,8 @@
 use super::desk::Desk;
 use super::watch::Watch;
 use crate::app::{Doing, Share};
+use crate::document::Document;
 use crate::media::FrameReader;
-use crate::project::Document;
 use crate::proposals::{
     Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied, Suspect,
     UsedFeatures, WorkFolder, find_suspects, keep_forest, kept_forest, learn, measure, propose, study,

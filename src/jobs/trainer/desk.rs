@@ -3,7 +3,7 @@
 use super::super::Wake;
 use super::TrainerReport;
 use crate::app::{TrainerOrder, TrainerStatus};
-use crate::project::Document;
+use crate::document::Document;
 use crate::proposals::{Proposal, UsedFeatures};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};

@@ -6,9 +6,9 @@ use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
 use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
+use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Mat3, Vec3};
-use crate::project::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use crate::proposals::{
     Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, UsedFeatures,
 };

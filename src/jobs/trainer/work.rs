@@ -6,7 +6,7 @@ use super::craft::{Craft, Learnt, Measured};
 use super::desk::{Desk, Orders};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
-use crate::project::Document;
+use crate::document::Document;
 use crate::proposals::{AskingOrder, Coverage, Curriculum, NoProposal, Proposal, Teachers};
 use crate::relocalize::ForestModel;
 use std::any::Any;
@@ -86,7 +86,7 @@ impl<C: Craft> Work<C> {
             craft,
             options,
             orders: Orders::default(),
-            document: Document::new(crate::project::FieldSpec::new("")),
+            document: Document::new(crate::document::FieldSpec::new("")),
             teachers: Teachers::default(),
             curriculum: Curriculum::default(),
             changed: now,

@@ -3,7 +3,8 @@
 use super::{evidence, section};
 use crate::app::base::{BaseReadiness, BaseWork};
 use crate::app::{Action, Command};
-use crate::project::{Camera, EstimatedBase};
+use crate::calibrate::EstimatedBase;
+use crate::document::Camera;
 use crate::ui::{Panel, theme};
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 

@@ -3,8 +3,9 @@
 use super::section;
 use super::stand;
 use crate::app::Action;
+use crate::calibrate::EstimatedBase;
+use crate::document::{Camera, Frame, Target};
 use crate::field::Symmetry;
-use crate::project::{Camera, EstimatedBase, Frame, Target};
 use crate::solve::base::{DisputedClick, MirroredFrame};
 use crate::ui::bar::Bar;
 use crate::ui::symbol::{self, Symbol};
@@ -130,7 +131,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
 }
 
 /// The frames that somebody left out, to be put back.
-fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::project::CameraId) {
+fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
     let out: Vec<(usize, String)> = frames

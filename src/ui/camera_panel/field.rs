@@ -2,8 +2,8 @@
 
 use super::{numbers, section};
 use crate::app::{Action, Command};
+use crate::document::{FieldSize, FieldSpec};
 use crate::field::{Curve, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
-use crate::project::{FieldSize, FieldSpec};
 use crate::ui::number::Number;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};

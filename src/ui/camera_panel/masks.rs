@@ -2,8 +2,8 @@
 
 use super::section;
 use crate::app::{Action, Command};
+use crate::document::Camera;
 use crate::geometry::PixelBox;
-use crate::project::Camera;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Layout, RichText, Ui};

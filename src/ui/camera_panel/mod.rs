@@ -12,8 +12,8 @@ mod stand;
 use super::{Panel, theme};
 use crate::app::{Action, Command};
 use crate::camera::BaseAngles;
+use crate::document::Camera;
 use crate::geometry::{Angle, Vec3};
-use crate::project::Camera;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
 
 /// Where a main camera usually stands, for a start by hand: behind the near touchline, this far from it, m.

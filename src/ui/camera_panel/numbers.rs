@@ -3,8 +3,8 @@
 use super::section;
 use crate::app::Action;
 use crate::camera::BaseAngles;
+use crate::document::{Camera, CameraSigma, K1Curve};
 use crate::geometry::{Angle, Mat3, Vec3};
-use crate::project::{Camera, CameraSigma, K1Curve};
 use crate::ui::number::Number;
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Grid, Layout, RichText, Ui};

@@ -2,7 +2,7 @@
 
 use super::section;
 use crate::app::{Action, Command};
-use crate::project::Camera;
+use crate::document::Camera;
 use crate::ui::plot::{Plot, small};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -111,7 +111,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     }
     if let Some(point) = under {
         painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, theme::STRONG));
-        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(crate::project::Frame::name);
+        let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(crate::document::Frame::name);
         let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
         response.on_hover_text_at_pointer(text);
     }

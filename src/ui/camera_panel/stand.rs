@@ -1,9 +1,9 @@
 //! The stadium from above and from the side: where the camera stands, how surely, and where its frames look.
 
 use super::section;
+use crate::calibrate::EstimatedBase;
 use crate::field::FieldModel;
 use crate::geometry::Vec3;
-use crate::project::EstimatedBase;
 use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};

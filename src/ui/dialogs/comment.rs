@@ -14,7 +14,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     let mut typed = known.filter(|_| !opened).unwrap_or_else(|| before.to_owned());
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
-        let name = panel.app.frame().map(crate::project::Frame::name).unwrap_or_default();
+        let name = panel.app.frame().map(crate::document::Frame::name).unwrap_or_default();
         ui.label(RichText::new(file_name(&name)).color(theme::WEAK));
         let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");

@@ -3,7 +3,7 @@
 use super::{has_just_opened, sheet};
 use crate::app::selection::Scope;
 use crate::app::{Action, CameraChoice};
-use crate::project::CameraId;
+use crate::document::CameraId;
 use crate::ui::{Panel, theme};
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 

@@ -1,7 +1,8 @@
 //! Colour, width and opacity of the field's lines; the picture stays in view and follows at once.
 
 use super::{frame, header};
-use crate::app::{Action, OverlayStyle};
+use crate::app::Action;
+use crate::scene::OverlayStyle;
 use crate::ui::{Panel, theme};
 use egui::{
     Area, Button, Color32, Context, CornerRadius, Grid, Id, Order, Role, Sense, Slider, Stroke, StrokeKind, Ui,

@@ -7,14 +7,14 @@ use super::viewport::{Gesture, Placement, plate};
 use super::{Panel, canvas};
 use crate::app::Action;
 use crate::app::App;
-use crate::app::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
-use crate::app::field_map::{FieldMap, SURROUND, field_map};
-use crate::app::overlay::{OverlayScene, SELECTED, Standing};
 use crate::app::session::{Mode, PictureView};
+use crate::document::Target;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, Vec3};
-use crate::project::Target;
 use crate::render::Layer;
+use crate::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
+use crate::scene::field_map::{FieldMap, SURROUND, field_map};
+use crate::scene::overlay::{OverlayScene, SELECTED, Standing};
 use egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Role, Sense, Shape, Stroke, WidgetInfo,
     pos2, vec2,

@@ -1,8 +1,8 @@
 //! What of the field lies under the pointer on its map.
 
-use crate::app::field_map::FieldMap;
+use crate::document::Target;
 use crate::field::{Curve, FieldModel, Landmark};
-use crate::project::Target;
+use crate::scene::field_map::FieldMap;
 use crate::ui::viewport::Placement;
 use egui::{Pos2, Vec2, vec2};
 
@@ -92,7 +92,7 @@ fn distance_to_piece(at: Pos2, from: Pos2, to: Pos2) -> f32 {
 mod tests {
     use super::*;
     use crate::app::session::PictureView;
-    use crate::project::FieldSpec;
+    use crate::document::FieldSpec;
     use egui::{Rect, pos2};
     use std::path::Path;
 

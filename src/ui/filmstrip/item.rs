@@ -5,7 +5,7 @@ use crate::app::review::percent;
 use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
 use crate::app::{Action, OpenProject};
-use crate::project::{Frame, Solution};
+use crate::document::{Frame, Solution};
 use crate::ui::menu::file_name;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -63,7 +63,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
     painter.rect_filled(picture, CornerRadius::same(3), theme::RAISED);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let shape = fitted(texture.size_vec2(), picture);
-        let rejected = frame.status == crate::project::FrameStatus::Rejected;
+        let rejected = frame.status == crate::document::FrameStatus::Rejected;
         let tint = if rejected { Color32::from_gray(90) } else { Color32::WHITE };
         painter.image(texture.id(), shape, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), tint);
     } else if panel.pictures.has_no_thumbnail(open, index) {
@@ -114,7 +114,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame
 
 /// The probability that a suggestion is right; none for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
-    let suggested = frame.status == crate::project::FrameStatus::Suggested;
+    let suggested = frame.status == crate::document::FrameStatus::Suggested;
     frame.solution.as_ref().filter(|_| suggested).and_then(|solution| solution.confidence)
 }
 

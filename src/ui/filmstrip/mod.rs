@@ -7,7 +7,7 @@ mod strip;
 use super::{Panel, theme};
 use crate::app::Action;
 use crate::app::session::Filter;
-use crate::project::FrameStatus;
+use crate::document::FrameStatus;
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
 use strip::{Cell, Strip};
 

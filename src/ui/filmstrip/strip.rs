@@ -2,7 +2,7 @@
 
 use crate::app::OpenProject;
 use crate::app::session::Filter;
-use crate::project::{Clip, Frame};
+use crate::document::{Clip, Frame};
 use std::ops::Range;
 
 /// Between two frames of a shot, points.
@@ -157,8 +157,8 @@ fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
 mod tests {
     use super::*;
     use crate::app::Opened;
+    use crate::document::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
     use crate::geometry::ImageSize;
-    use crate::project::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
 
     fn open(clips: &[i64]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));

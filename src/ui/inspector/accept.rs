@@ -1,7 +1,7 @@
 //! The button that makes the frame a reference.
 
 use crate::app::{Action, Command};
-use crate::project::FrameStatus;
+use crate::document::FrameStatus;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Color32, CornerRadius, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};

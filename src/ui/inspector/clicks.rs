@@ -1,8 +1,9 @@
 //! The points of the frame, a row each.
 
-use crate::app::overlay::{CHECK, CLICK, DISPUTED, UNNAMED};
-use crate::app::{Action, App, Command, drawing};
-use crate::project::{Click, Target};
+use crate::app::{Action, App, Command};
+use crate::document::{Click, Target};
+use crate::scene::drawing;
+use crate::scene::overlay::{CHECK, CLICK, DISPUTED, UNNAMED};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};

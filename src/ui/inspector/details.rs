@@ -1,7 +1,7 @@
 //! What is folded by default: uncertainties, residuals, the second root, the camera, every warning.
 
 use crate::app::{Action, App, Command};
-use crate::project::{Solution, Target};
+use crate::document::{Solution, Target};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};

@@ -2,8 +2,8 @@
 
 use crate::app::{Action, App};
 use crate::camera::Ptz;
+use crate::document::{Frame, FramePtz, SolutionSource};
 use crate::geometry::Angle;
-use crate::project::{Frame, FramePtz, SolutionSource};
 use crate::ui::number::Number;
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Layout, RichText, Ui};

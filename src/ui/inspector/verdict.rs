@@ -3,7 +3,8 @@
 use crate::app::review::percent;
 use crate::app::selection::Scope;
 use crate::app::{Action, App, CameraChoice, Command};
-use crate::project::{CalibrationError, Frame, FrameStatus};
+use crate::calibrate::CalibrationError;
+use crate::document::{Frame, FrameStatus};
 use crate::solve::{IdentityKind, SolveError, Verdict, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};

@@ -3,7 +3,8 @@
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
 use crate::app::{Action, Command, Compared, Comparison};
-use crate::project::{Agreement, ClickPair, FrameAgreement, NameDispute, Target};
+use crate::document::Target;
+use crate::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};

@@ -3,7 +3,8 @@
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
 use crate::app::{Action, Command};
-use crate::project::{Hand, OwnNoise, Target};
+use crate::calibrate::OwnNoise;
+use crate::document::{Hand, Target};
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme};
 use egui::{Button, Label, RichText, Ui, vec2};

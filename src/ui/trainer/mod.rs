@@ -111,7 +111,7 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         );
     }
     let shown = panel.app.session.frame;
-    let reference = panel.app.frame().filter(|frame| frame.status == crate::project::FrameStatus::Reference);
+    let reference = panel.app.frame().filter(|frame| frame.status == crate::document::FrameStatus::Reference);
     if let Some(frame) = reference {
         let before = frame.teaches();
         let mut teaches = before;
@@ -125,7 +125,7 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         contradicting(panel, ui, *suspect);
     }
     for (index, reason) in status.failed.iter().take(FAILED_SHOWN) {
-        let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::project::Frame::name) else {
+        let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::document::Frame::name) else {
             continue;
         };
         remark(ui, Symbol::Warning, theme::CAUTION, &format!("{} teaches nothing: {reason}", file_name(&name)));

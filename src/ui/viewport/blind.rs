@@ -4,10 +4,10 @@ use super::hints::{PLATE, beside};
 use super::labels::plate;
 use super::placement::Placement;
 use super::pointer::Hold;
-use crate::app::overlay::CLICK;
+use crate::document::Target;
 use crate::geometry::ImagePoint;
-use crate::project::Target;
 use crate::render::Layer;
+use crate::scene::overlay::CLICK;
 use crate::ui::{Panel, canvas, loupe, viewport};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
 

@@ -4,9 +4,9 @@ use super::labels::{colour, plate};
 use super::placement::Placement;
 use super::scene::waits_for_name;
 use crate::app::Command;
-use crate::app::overlay::{CLICK, UNNAMED};
 use crate::app::session::{Mode, reason_label};
-use crate::project::FrameStatus;
+use crate::document::FrameStatus;
+use crate::scene::overlay::{CLICK, UNNAMED};
 use crate::ui::{Panel, rejecting, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 

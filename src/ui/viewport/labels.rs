@@ -1,8 +1,8 @@
 //! The texts of a drawing, written with the window's own type.
 
 use super::placement::Placement;
-use crate::app::drawing::{Colour, Label};
 use crate::geometry::ImagePoint;
+use crate::scene::drawing::{Colour, Label};
 use egui::{Align2, Color32, CornerRadius, FontId, Painter, Pos2, Rect, vec2};
 
 /// How far the plate reaches beyond the letters, points.

@@ -322,7 +322,7 @@ mod tests {
 
     #[test]
     fn with_a_name_in_hand_a_click_near_another_point_places_a_new_one() {
-        let mode = Mode::Placing(crate::project::Target::Landmark("centre_mark".into()));
+        let mode = Mode::Placing(crate::document::Target::Landmark("centre_mark".into()));
         let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
         assert_eq!(actions, [Action::Press { at: ImagePoint::new(400.0, 400.0), on: None }]);
     }

@@ -1,12 +1,12 @@
 //! What lies over the picture: the field, the clicks, a camera that is tried out, masks.
 
 use super::pointer::Hold;
-use crate::app::OverlayStyle;
-use crate::app::drawing::{Drawing, Label};
-use crate::app::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
 use crate::app::{App, session::Mode};
-use crate::project::FrameStatus;
+use crate::document::FrameStatus;
 use crate::render::Layer;
+use crate::scene::OverlayStyle;
+use crate::scene::drawing::{Drawing, Label};
+use crate::scene::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
 use crate::ui::masks;
 use std::sync::Arc;
 

@@ -3,13 +3,13 @@
 use super::labels::colour;
 use super::placement::Placement;
 use crate::app::App;
-use crate::app::next_click::NextClick;
 use crate::app::session::Mode;
-use crate::app::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
 use crate::camera::PtzCamera;
+use crate::document::FrameStatus;
 use crate::geometry::ImagePoint;
-use crate::project::FrameStatus;
 use crate::render::Layer;
+use crate::scene::next_click::NextClick;
+use crate::scene::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
 use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
 use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};

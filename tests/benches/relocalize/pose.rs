@@ -7,8 +7,8 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
-use touchline::project::read;
 use touchline::relocalize::{Pose, PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
+use touchline::store::read;
 
 pub const SIZE: ImageSize = ImageSize::new(1280, 720);
 const FRAMES: usize = 1000;

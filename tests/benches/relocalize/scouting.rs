@@ -3,14 +3,16 @@
 use super::set::{Set, grown, quantile};
 use super::time::seconds;
 use std::path::Path;
+use touchline::calibrate::{BaseProblem, observations, solve_document};
 use touchline::camera::Ptz;
+use touchline::document::Document;
 use touchline::features::{FeatureOptions, extract};
 use touchline::field::FieldModel;
 use touchline::media::load_image;
-use touchline::project::{BaseProblem, Document, observations, read, solve_document};
 use touchline::relocalize::{Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize};
 use touchline::solve::Target;
 use touchline::solve::base::BaseOptions;
+use touchline::store::read;
 
 /// The matches.
 pub const MATCHES: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];

@@ -4,11 +4,12 @@ use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::camera::{CameraBase, Ptz};
+use touchline::document::{Document, Frame};
 use touchline::features::{FeatureCache, FeatureKey, FeatureOptions, Features, extract};
 use touchline::geometry::rotation;
 use touchline::media::{load_image, sha256_of_file};
-use touchline::project::{Document, Frame, read};
 use touchline::relocalize::{Forest, Samples, SeenRange, TrainOptions, train};
+use touchline::store::read;
 
 pub struct Set {
     pub document: Document,

@@ -1,0 +1,123 @@
+//! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
+
+use super::{GiveError, calibrate, observations};
+use crate::camera::{CameraBase, Ptz};
+use crate::document::{Camera, CameraId, Document, Fields};
+use crate::field::FieldModel;
+use crate::solve::base::{FrameClicks, base_change};
+
+/// Where a camera of the document stops fitting.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraChange {
+    /// Which camera.
+    pub camera: CameraId,
+    /// The first frame that its base no longer fits, by its place in the document.
+    pub frame: usize,
+    /// Median distance of the clicks before it, px.
+    pub before_px: f64,
+    /// Median distance of the clicks from it on, px.
+    pub after_px: f64,
+    /// The same with a base of their own, px.
+    pub own_px: f64,
+    /// That base.
+    pub base: CameraBase,
+}
+
+impl CameraChange {
+    /// What a person reads.
+    #[must_use]
+    pub fn told(&self) -> String {
+        format!(
+            "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
+            grouped(self.frame + 1),
+            self.before_px,
+            self.after_px
+        )
+    }
+
+    /// The frames it is about, by their places: the camera's from there on.
+    #[must_use]
+    pub fn frames(&self, document: &Document) -> Vec<usize> {
+        let concerned = |index: &usize| document.frames[*index].camera == self.camera;
+        (self.frame..document.frames.len()).filter(concerned).collect()
+    }
+
+    /// Makes a new camera for the frames from there on, with the base that fits them, and gives them to it. Its name is
+    /// returned.
+    ///
+    /// # Errors
+    /// The document has changed since and lacks the camera, or its frames differ in size.
+    pub fn part(&self, document: &mut Document, fields: &Fields) -> Result<CameraId, GiveError> {
+        let name = document.free_camera_name(&self.camera);
+        document.add_camera_like(&name, &self.camera)?;
+        let frames = self.frames(document);
+        if let Some(camera) = document.camera_mut(&name) {
+            camera.set_base(&self.base);
+        }
+        document.give_to_camera(&frames, &name, fields)?;
+        Ok(name)
+    }
+}
+
+/// Where a camera's base stops fitting the frames of the document, in their order, if it does. Rejected frames and those left
+/// out of the base count for nothing.
+#[must_use]
+pub fn camera_change(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<CameraChange> {
+    let known = document.camera(camera)?;
+    let base = known.base()?;
+    let mut places = Vec::new();
+    let (mut clicks, mut pointed) = (Vec::new(), Vec::new());
+    for (index, frame) in document.frames.iter().enumerate() {
+        if frame.camera == *camera
+            && frame.image_size == known.image_size
+            && frame.is_used_for_base()
+            && !frame.clicks.is_empty()
+            && let Ok(observations) = observations(frame, field)
+        {
+            places.push(index);
+            clicks.push(FrameClicks { observations, start: None });
+            pointed.push(ptz_by_clicks(document, index, known, field));
+        }
+    }
+    let found = base_change(field, &clicks, &pointed, &base)?;
+    Some(CameraChange {
+        camera: camera.clone(),
+        frame: places[found.frame],
+        before_px: found.before_px,
+        after_px: found.after_px,
+        own_px: found.own_px,
+        base: found.base,
+    })
+}
+
+/// A frame's camera as its clicks have it; one that is recorded need not be solved again.
+fn ptz_by_clicks(document: &Document, index: usize, camera: &Camera, field: &FieldModel) -> Option<Ptz> {
+    let frame = &document.frames[index];
+    match camera.pointed(frame) {
+        Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
+        _ => calibrate(document, frame, field, index).ok().map(|solved| solved.ptz),
+    }
+}
+
+/// A number with its thousands apart: 41,200.
+fn grouped(number: usize) -> String {
+    let digits = number.to_string();
+    let mut grouped = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            grouped.push(',');
+        }
+        grouped.push(digit);
+    }
+    grouped
+}
+
+#[cfg(test)]
+mod tests {
+    use super::grouped;
+
+    #[test]
+    fn thousands_are_set_apart() {
+        assert_eq!([7, 412, 1000, 41_200, 1_234_567].map(grouped), ["7", "412", "1,000", "41,200", "1,234,567"]);
+    }
+}

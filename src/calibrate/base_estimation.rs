@@ -1,0 +1,359 @@
+//! From a document's clicks to the base of one of its cameras, and back into the document.
+
+use super::{CalibrationError, calibrate, observations};
+use crate::camera::{CameraBase, PtzCamera};
+use crate::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionWarning, Target};
+use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
+use crate::geometry::{ImagePoint, ImageSize};
+use crate::solve::base::{
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FittedSize, FrameClicks, LensModel,
+    MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
+};
+use crate::solve::{ObservationError, WarningCode};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::path::Path;
+use thiserror::Error;
+
+/// The key of a frame that takes no part in the estimation of its camera's base: `"use_for_base": false`. Absent: it does.
+const USE_FOR_BASE: &str = "use_for_base";
+
+/// So many landmarks on the ground determine a camera of which nothing else is known.
+pub const LANDMARKS_ALONE: usize = 4;
+
+/// Why a base cannot be estimated.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BaseEstimationError {
+    /// The document lacks the camera.
+    #[error("camera {camera:?} is not in the document")]
+    UnknownCamera {
+        /// Its name.
+        camera: String,
+    },
+    /// The field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// A click names something that the field lacks.
+    #[error("{frame}: {source}")]
+    Observation {
+        /// The frame.
+        frame: String,
+        /// What is wrong with the name.
+        source: ObservationError,
+    },
+    /// The clicks give no base.
+    #[error(transparent)]
+    Base(#[from] BaseError),
+}
+
+/// All that the frames of a camera say about its base.
+#[derive(Clone, Debug)]
+pub struct BaseProblem {
+    /// The camera.
+    pub camera: CameraId,
+    /// The field it looks at.
+    pub field: FieldModel,
+    /// Which frames of the document take part.
+    pub frames: Vec<usize>,
+    /// Their clicks, in the same order.
+    pub clicks: Vec<FrameClicks>,
+    image_size: ImageSize,
+    principal_point: ImagePoint,
+    previous: Option<CameraBase>,
+}
+
+/// An estimated base and where it comes from. Frames are numbered as in the document.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimatedBase {
+    /// The camera.
+    pub camera: CameraId,
+    /// Which frames of the document took part: one for each of [`BaseEstimate::frames`].
+    pub frames: Vec<usize>,
+    /// The estimate; its disputed clicks and mirrored frames bear the document's frame numbers.
+    pub estimate: BaseEstimate,
+    /// How well each landmark is hit, the worst first.
+    pub landmarks: Vec<LandmarkFit>,
+    /// The field's size, where it was fitted as well; empty: as assumed.
+    pub sizes: Vec<FittedSize>,
+}
+
+/// How well the clicks on one landmark fit, over all frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LandmarkFit {
+    /// The landmark.
+    pub id: LandmarkId,
+    /// Median distance, px.
+    pub median_px: f64,
+    /// How many clicks.
+    pub clicks: usize,
+    /// The farthest of them: frame of the document and click, both from 0.
+    pub worst: (usize, usize),
+    /// How far that one is off, px.
+    pub worst_px: f64,
+}
+
+impl Frame {
+    /// Whether its clicks take part when the base of its camera is estimated: they do unless the frame is marked as not
+    /// calibratable or was left out.
+    #[must_use]
+    pub fn is_used_for_base(&self) -> bool {
+        self.status != FrameStatus::Rejected && !self.is_left_out_of_base()
+    }
+
+    /// Whether a person left it out of the estimation.
+    #[must_use]
+    pub fn is_left_out_of_base(&self) -> bool {
+        self.extra.get(USE_FOR_BASE) == Some(&Value::Bool(false))
+    }
+
+    /// Leaves it out of the estimation, or puts it back.
+    pub fn set_used_for_base(&mut self, used: bool) {
+        if used {
+            self.extra.remove(USE_FOR_BASE);
+        } else {
+            self.extra.insert(USE_FOR_BASE.to_owned(), Value::Bool(false));
+        }
+    }
+
+    /// How many of its clicks name a landmark and take part.
+    #[must_use]
+    pub fn landmark_clicks(&self) -> usize {
+        let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
+        self.clicks.iter().filter(|click| !click.check && landmarks(&click.target)).count()
+    }
+}
+
+impl BaseProblem {
+    /// Gathers the clicks of a camera's frames: of all but the rejected ones and those left out. `folder` is the
+    /// document's.
+    ///
+    /// # Errors
+    /// The document lacks the camera, its field is not valid, or a click names something that the field lacks.
+    pub fn of(document: &Document, camera: &CameraId, folder: &Path) -> Result<Self, BaseEstimationError> {
+        let known = document
+            .camera(camera)
+            .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
+        let field = document.model_of(known.field.as_ref().unwrap_or(&document.field), folder)?;
+        let (mut frames, mut clicks) = (Vec::new(), Vec::new());
+        let of_camera = |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
+        for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {
+            let observations = observations(frame, &field)
+                .map_err(|source| BaseEstimationError::Observation { frame: frame.name(), source })?;
+            if frame.is_used_for_base() && observations.iter().any(|observation| !observation.check) {
+                frames.push(index);
+                clicks.push(FrameClicks { observations, start: None });
+            }
+        }
+        Ok(Self {
+            camera: camera.clone(),
+            field,
+            frames,
+            clicks,
+            image_size: known.image_size,
+            principal_point: known.principal_point,
+            previous: known.base(),
+        })
+    }
+
+    /// How many clicks take part.
+    #[must_use]
+    pub fn click_count(&self) -> usize {
+        self.clicks.iter().flat_map(|frame| &frame.observations).filter(|observation| !observation.check).count()
+    }
+
+    /// Estimates the base. `document` is the one that the clicks were gathered from.
+    ///
+    /// # Errors
+    /// The clicks give no base.
+    pub fn estimate(&self, document: &Document, options: &BaseOptions) -> Result<EstimatedBase, BaseEstimationError> {
+        self.estimate_watched(document, options, &|_| ControlFlow::Continue(()))
+    }
+
+    /// The same, told after each adjustment; a break ends it.
+    ///
+    /// # Errors
+    /// The clicks give no base, or it was ended.
+    pub fn estimate_watched(
+        &self,
+        document: &Document,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let (field, clicks, previous) = (&self.field, &self.clicks, self.previous.as_ref());
+        let mut estimate =
+            estimate_base_watched(field, clicks, self.image_size, self.principal_point, previous, options, watch)?;
+        for disputed in &mut estimate.disputed {
+            disputed.frame = self.frames[disputed.frame];
+        }
+        for mirrored in &mut estimate.mirrored {
+            mirrored.frame = self.frames[mirrored.frame];
+        }
+        let landmarks = self.landmark_fits(document, &estimate);
+        let (camera, frames) = (self.camera.clone(), self.frames.clone());
+        Ok(EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new() })
+    }
+
+    fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
+        let field = FieldModel { crown_m: estimate.crown_m, ..self.field.clone() };
+        let mut errors: BTreeMap<&LandmarkId, Vec<(f64, usize, usize)>> = BTreeMap::new();
+        for (index, fit) in self.frames.iter().zip(&estimate.frames) {
+            let (Some(fit), Some(frame)) = (fit, document.frames.get(*index)) else { continue };
+            let camera = PtzCamera::new(estimate.base, fit.ptz);
+            for (number, click) in frame.clicks.iter().enumerate().filter(|(_, click)| !click.check) {
+                if let Some(Target::Landmark(id)) = &click.target
+                    && let Some(landmark) = field.landmark(id.as_str())
+                    && let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark))
+                {
+                    errors.entry(id).or_default().push((image.distance_px(click.image), *index, number));
+                }
+            }
+        }
+        let fit = |(id, mut errors): (&LandmarkId, Vec<(f64, usize, usize)>)| {
+            errors.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let (worst_px, frame, click) = *errors.last()?;
+            let median_px = errors[errors.len() / 2].0;
+            Some(LandmarkFit { id: id.clone(), median_px, clicks: errors.len(), worst: (frame, click), worst_px })
+        };
+        let mut fits: Vec<LandmarkFit> = errors.into_iter().filter_map(fit).collect();
+        fits.sort_by(|a, b| b.median_px.total_cmp(&a.median_px));
+        fits
+    }
+}
+
+impl EstimatedBase {
+    /// Writes position, rotation, lens and sigma into the camera, the crown and a fitted size into its field; frames stay. Where there are
+    /// several cameras, each gets a field of its own with its crown: they may stand at different venues.
+    pub fn write_camera(&self, document: &mut Document) {
+        document.set_field_size(&self.camera, &self.sizes);
+        let base = &self.estimate.base;
+        let shared = (document.cameras.len() > 1).then(|| document.field.clone());
+        let Some(camera) = document.camera_mut(&self.camera) else { return };
+        camera.set_base(base);
+        if let Some(shared) = shared
+            && shared.crown_m() != self.estimate.crown_m
+        {
+            camera.field.get_or_insert(shared);
+        }
+        let field = if camera.field.is_some() { camera.field.as_mut() } else { Some(&mut document.field) };
+        if let Some(field) = field {
+            field.set_crown_m(self.estimate.crown_m);
+        }
+    }
+
+    /// Marks the clicks that disagree and the frames named from the wrong side in the frames' solutions; to be called after
+    /// they have been solved with the new base.
+    pub fn mark_disputes(&self, document: &mut Document) {
+        for disputed in &self.estimate.disputed {
+            let Some(frame) = document.frames.get_mut(disputed.frame) else { continue };
+            let named = frame.clicks.get(disputed.click).and_then(|click| click.target.as_ref());
+            let named = named.map(|target| target.as_str().to_owned());
+            let Some(solution) = &mut frame.solution else { continue };
+            if !solution.disputed.contains(&disputed.click) {
+                solution.disputed.push(disputed.click);
+            }
+            if let (Some((better, distance_px)), Some(named), Some(error_px)) =
+                (&disputed.fits_better, named, disputed.error_px)
+                && solution
+                    .warnings
+                    .iter()
+                    .all(|known| known.renames.iter().all(|rename| rename.click != disputed.click))
+            {
+                let message = format!(
+                    "Point {} is {error_px:.0} px off as {named}, {distance_px:.1} px as {better}.",
+                    disputed.click + 1
+                );
+                let warning = SolutionWarning::new(WarningCode::WrongLine.as_str(), message);
+                solution.warnings.push(SolutionWarning { clicks: vec![disputed.click], ..warning });
+            }
+        }
+        for mirrored in &self.estimate.mirrored {
+            let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
+            let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
+            if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
+                let message = format!("The names look mirrored: {}.", mirrored_words(mirrored));
+                solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
+            }
+        }
+    }
+
+    /// Writes the base into the document: the camera, the crown, and every frame of the camera solved anew from its
+    /// clicks; what the estimate disputes is marked. Frames by hand or from elsewhere keep their direction.
+    ///
+    /// # Errors
+    /// The camera's field is not valid with the crown.
+    pub fn write_to(&self, document: &mut Document, folder: &Path) -> Result<(), BaseEstimationError> {
+        let before = document.camera(&self.camera).and_then(Camera::base);
+        self.write_camera(document);
+        let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
+        let field = document.model_of(camera.field.as_ref().unwrap_or(&document.field), folder)?;
+        let turned_deg = before
+            .map_or(0.0, |before| (before.angles().heading - self.estimate.base.angles().heading).wrapped().degrees());
+        for index in 0..document.frames.len() {
+            if document.frames[index].camera == self.camera && document.frames[index].status != FrameStatus::Rejected {
+                solve_again(document, index, &field, turned_deg);
+            }
+        }
+        self.mark_disputes(document);
+        Ok(())
+    }
+}
+
+/// Solves a frame anew from its clicks; one by hand or from elsewhere is turned with the base.
+fn solve_again(document: &mut Document, index: usize, field: &FieldModel, turned_deg: f64) {
+    let frame = &document.frames[index];
+    let by_clicks = frame.is_solved_by_clicks() || frame.ptz.is_none();
+    if !by_clicks {
+        if turned_deg != 0.0
+            && let Some(ptz) = &mut document.frames[index].ptz
+        {
+            ptz.pan_deg = crate::geometry::Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
+        }
+        return;
+    }
+    if frame.clicks.is_empty() {
+        return;
+    }
+    let solved = calibrate(document, frame, field, index);
+    let frame = &mut document.frames[index];
+    match solved {
+        Ok(solved) => {
+            frame.record(&solved);
+        }
+        Err(CalibrationError::Solve(_)) => {
+            frame.ptz = None;
+            frame.solution = None;
+        }
+        Err(_) => {}
+    }
+}
+
+/// The camera that a frame's own clicks determine while no base is known: four or more landmarks on the ground. None where
+/// they do not.
+#[must_use]
+pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> Option<PtzCamera> {
+    let camera = document.camera_of(frame)?;
+    if frame.landmark_clicks() < LANDMARKS_ALONE {
+        return None;
+    }
+    let clicks = [FrameClicks { observations: observations(frame, field).ok()?, start: None }];
+    let start = start_base(&clicks, frame.image_size, camera.principal_point).ok()?;
+    let crown = CrownModel::Fixed(field.crown_m);
+    let model = BaseModel { lens: LensModel::Pinhole, crown, principal_point: None };
+    let options = AdjustOptions::default();
+    let adjusted = adjust_base(field, &clicks, &start.base, &start.ptz, frame.image_size.width, &model, &options);
+    Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
+}
+/// What a frame named from the wrong side looks like, in numbers.
+#[must_use]
+pub fn mirrored_words(mirrored: &MirroredFrame) -> String {
+    let exchanged = match mirrored.symmetry {
+        Symmetry::MirrorX => "left and right",
+        Symmetry::MirrorY => "near and far",
+        Symmetry::Turn180 => "left and right, near and far",
+    };
+    format!(
+        "{:.0} px off as named, {:.1} px with {exchanged} exchanged",
+        mirrored.median_px, mirrored.median_mirrored_px
+    )
+}

@@ -1,0 +1,18 @@
+//! Everything wrong with a document, by name.
+
+mod cameras;
+mod fault;
+mod pictures;
+mod values;
+
+pub use cameras::check_cameras;
+pub use fault::{Fault, Problem};
+pub use pictures::check_pictures;
+pub use values::check_values;
+
+use crate::document::Frame;
+
+/// How a problem names a frame.
+fn place_of(index: usize, frame: &Frame) -> String {
+    format!("frames[{index}] ({})", frame.name())
+}

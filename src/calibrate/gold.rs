@@ -1,0 +1,97 @@
+//! Which references a blind round asks for again.
+
+use crate::document::{Document, Frame};
+use crate::field::LandmarkId;
+use std::collections::BTreeSet;
+
+/// So many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
+const CHOSEN: usize = 6;
+
+/// References to be gold, spread over pan and landmarks, by their places: each next one is the one that asks for most
+/// landmarks nobody asks for yet, and among those the one whose pan is farthest from the pans chosen. Frames that are gold
+/// already count as chosen; six in all.
+#[must_use]
+pub fn choose_gold(document: &Document) -> Vec<usize> {
+    let frames = || document.frames.iter().enumerate().map(|(index, frame)| (index, &**frame));
+    let gold = || frames().filter(|(_, frame)| frame.is_gold());
+    let pan = |frame: &Frame| frame.ptz.as_ref().map_or(0.0, |ptz| ptz.pan_deg);
+    let mut pans: Vec<f64> = gold().map(|(_, frame)| pan(frame)).collect();
+    let mut asked: BTreeSet<&LandmarkId> = gold().flat_map(|(_, frame)| frame.asked_again()).collect();
+    let mut open: Vec<(usize, &Frame)> =
+        frames().filter(|(_, frame)| !frame.is_gold() && frame.why_not_gold().is_none()).collect();
+    let mut chosen = Vec::new();
+    while pans.len() < CHOSEN && !open.is_empty() {
+        let rank = |frame: &Frame| {
+            let news: BTreeSet<&LandmarkId> = frame.asked_again().filter(|id| !asked.contains(id)).collect();
+            let apart = pans.iter().map(|other| (pan(frame) - other).abs()).fold(360.0, f64::min);
+            (news.len(), apart)
+        };
+        // The last of equals is the first frame.
+        let best = (0..open.len()).rev().max_by(|a, b| {
+            let (a, b) = (rank(open[*a].1), rank(open[*b].1));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let Some(best) = best else { break };
+        let (index, frame) = open.remove(best);
+        asked.extend(frame.asked_again());
+        pans.push(pan(frame));
+        chosen.push(index);
+    }
+    chosen.sort_unstable();
+    chosen
+}
+
+/// Whether [`choose_gold`] chooses any; quicker than asking it.
+#[must_use]
+pub fn can_choose_gold(document: &Document) -> bool {
+    let gold = document.frames.iter().filter(|frame| frame.is_gold()).take(CHOSEN).count();
+    gold < CHOSEN && document.frames.iter().any(|frame| !frame.is_gold() && frame.why_not_gold().is_none())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus};
+    use crate::geometry::{ImagePoint, ImageSize};
+
+    fn reference(pan_deg: f64, landmarks: &[&str]) -> Frame {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(1920, 1080));
+        frame.status = FrameStatus::Reference;
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 2000.0), None));
+        frame.clicks = landmarks.iter().map(|id| Click::landmark((*id).into(), ImagePoint::new(9.0, 9.0))).collect();
+        frame
+    }
+
+    #[test]
+    fn chosen_frames_spread_over_landmarks_and_pan() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut draft = reference(90.0, &["halfway_far"]);
+        draft.status = FrameStatus::Draft;
+        let frames = [
+            reference(0.0, &["centre_mark"]),
+            reference(0.1, &["centre_mark", "halfway_far"]),
+            reference(25.0, &["centre_mark"]),
+            reference(-30.0, &["penalty_mark_left"]),
+            reference(1.0, &[]),
+            draft,
+        ];
+        document.frames.extend(frames.into_iter().map(Into::into));
+        assert_eq!(choose_gold(&document), [0, 1, 2, 3]);
+        for index in 0..20 {
+            document.frames.push(reference(-29.0 + 0.1 * f64::from(index), &["penalty_mark_left"]).into());
+        }
+        let chosen = choose_gold(&document);
+        assert_eq!(chosen.len(), CHOSEN);
+        assert!(chosen.contains(&1) && chosen.contains(&2), "{chosen:?}");
+        document.frames[2].set_gold(true);
+        document.frames[3].set_gold(true);
+        assert!(!choose_gold(&document).contains(&2));
+        assert_eq!(choose_gold(&document).len(), CHOSEN - 2);
+        for index in choose_gold(&document) {
+            assert!(can_choose_gold(&document));
+            document.frames[index].set_gold(true);
+        }
+        assert!(!can_choose_gold(&document) && choose_gold(&document).is_empty());
+    }
+}

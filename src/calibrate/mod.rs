@@ -1,0 +1,29 @@
+//! From a document to a solved document: frames, bases, the field's size, names, which camera, click noise, and what is wrong with it.
+
+mod base_change;
+mod base_estimation;
+mod calibration;
+mod check;
+mod disagreement;
+mod from_proposal;
+mod gold;
+mod habits;
+mod own_noise;
+mod refit;
+mod size_fit;
+mod solve_all;
+mod which_camera;
+
+pub use base_change::{CameraChange, camera_change};
+pub use base_estimation::{
+    BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, mirrored_words,
+};
+pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
+pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
+pub use disagreement::{Disagreement, Disagreements, disagreements};
+pub use gold::{can_choose_gold, choose_gold};
+pub use habits::habits;
+pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
+pub use size_fit::size_words;
+pub use solve_all::{SolveOutcome, solve_document};
+pub use which_camera::{BetterCamera, GiveError, better_camera, warn_of_better_camera};

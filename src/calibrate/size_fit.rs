@@ -1,0 +1,111 @@
+//! The size of a document's field from the clicks of a camera.
+
+use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::document::{CameraId, Document, FieldSize};
+use crate::field::FieldModel;
+use crate::solve::base::{AdjustOptions, BaseOptions, FittedSize, SizeParam, SizeStart, WatchBase, fit_field_size};
+use std::path::Path;
+
+/// The parameters that are a field's size.
+const SIZE: [&str; 2] = ["length_m", "width_m"];
+
+/// 1-σ of a venue's size as a share of what the rules allow: 2.5 m of a soccer pitch's length, 3.75 m of its width.
+const SIGMA_SHARE: f64 = 1.0 / 12.0;
+
+impl BaseProblem {
+    /// Estimates the base together with the field's size: first the base on the field as assumed, then the size, then the base
+    /// again. `document` and `folder` are those that the clicks were gathered from.
+    ///
+    /// # Errors
+    /// The clicks give no base, or it was ended.
+    pub fn estimate_with_size(
+        &self,
+        document: &Document,
+        folder: &Path,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let found = self.estimate_watched(document, options, watch)?;
+        let sizes = self.fit_size(document, &found, folder)?;
+        let mut sized = document.clone();
+        sized.set_field_size(&self.camera, &sizes);
+        let found = Self::of(&sized, &self.camera, folder)?.estimate_watched(&sized, options, watch)?;
+        Ok(EstimatedBase { sizes, ..found })
+    }
+
+    /// Length and width of the field, from the clicks and the base that they gave; empty where the template leaves no choice, or
+    /// the clicks leave it open.
+    fn fit_size(
+        &self,
+        document: &Document,
+        found: &EstimatedBase,
+        folder: &Path,
+    ) -> Result<Vec<FittedSize>, BaseEstimationError> {
+        let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
+        let spec = camera.field.as_ref().unwrap_or(&document.field);
+        let template = spec.template(folder)?;
+        let params: Vec<SizeParam> = template
+            .params
+            .iter()
+            .filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max)
+            .map(|param| SizeParam {
+                name: param.name.clone(),
+                assumed_m: self.field.params.get(&param.name).copied().unwrap_or(param.default),
+                sigma_m: (param.max - param.min) * SIGMA_SHARE,
+                min_m: param.min,
+                max_m: param.max,
+            })
+            .collect();
+        let crown_m = self.field.crown_m;
+        let sized = |values: &[f64]| -> Option<FieldModel> {
+            let mut filled = self.field.params.clone();
+            filled.extend(
+                params
+                    .iter()
+                    .zip(values)
+                    .map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m))),
+            );
+            template.model(&filled, crown_m).ok()
+        };
+        let estimate = &found.estimate;
+        let ptz: Vec<_> = estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
+        let start = SizeStart {
+            field: &self.field,
+            frames: &self.clicks,
+            base: &estimate.base,
+            ptz: &ptz,
+            model: &estimate.model,
+            image_width_px: camera.image_size.width,
+            options: &AdjustOptions::default(),
+        };
+        Ok(fit_field_size(&sized, &params, &start).unwrap_or_default())
+    }
+}
+
+impl Document {
+    /// Writes a fitted size into the field of a camera; with several cameras each gets a field of its own.
+    pub(super) fn set_field_size(&mut self, camera: &CameraId, sizes: &[FittedSize]) {
+        if sizes.is_empty() {
+            return;
+        }
+        let shared = (self.cameras.len() > 1).then(|| self.field.clone());
+        let Some(known) = self.camera_mut(camera) else { return };
+        if let Some(shared) = shared {
+            known.field.get_or_insert(shared);
+        }
+        let field = if known.field.is_some() { known.field.as_mut() } else { Some(&mut self.field) };
+        if let Some(field) = field {
+            // A hundredth of a metre is more than clicks can tell.
+            let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
+            field.params.extend(sizes.iter().map(rounded));
+            field.size = Some(FieldSize::Fitted);
+        }
+    }
+}
+
+/// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
+#[must_use]
+pub fn size_words(size: &FittedSize) -> String {
+    let what = size.name.trim_end_matches("_m");
+    format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m)
+}

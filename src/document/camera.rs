@@ -1,0 +1,208 @@
+//! A camera of the document: what stands still.
+
+use super::{Extra, FieldSpec, Frame, adapters};
+use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
+use crate::geometry::rotation::{distance_from_rotation, nearest_rotation};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::sync::Arc;
+
+/// A matrix nearer to a rotation than this is taken as it is.
+const EXACT_ROTATION: f64 = 1e-14;
+
+/// The name of a camera, unique within a document.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct CameraId(Arc<str>);
+
+impl CameraId {
+    /// The name as the document writes it.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<&str> for CameraId {
+    fn from(name: &str) -> Self {
+        Self(name.into())
+    }
+}
+
+impl fmt::Display for CameraId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// A camera of the document: its picture, and its base as far as it is known.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Camera {
+    /// Its name; frames refer to it.
+    pub id: CameraId,
+    /// The size of its pictures, px.
+    #[serde(rename = "image_size_px", with = "adapters::image_size")]
+    pub image_size: ImageSize,
+    /// The principal point, px.
+    #[serde(rename = "principal_point_px", with = "adapters::image_point")]
+    pub principal_point: ImagePoint,
+    /// The centre of projection in `world`, m.
+    #[serde(default, with = "adapters::optional_vector", skip_serializing_if = "Option::is_none")]
+    pub position_m: Option<Vec3>,
+    /// The rotation from `world` to `base` as the document states it, a rotation up to rounded digits
+    /// ([`Camera::base`] tidies them).
+    #[serde(default, with = "adapters::optional_rotation", skip_serializing_if = "Option::is_none")]
+    pub base_from_world: Option<Mat3>,
+    /// The lens; absent: no distortion, unless a frame brings its own k₁.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub distortion: Option<Distortion>,
+    /// How far position and rotation are known; absent: exactly.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sigma: Option<CameraSigma>,
+    /// Boxes whose pixels give no features in any frame: the score bug, a logo.
+    #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
+    pub masks: Vec<PixelBox>,
+    /// The field this camera looks at, where it is not the document's.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub field: Option<FieldSpec>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// The lens of a camera: Brown's model on normalised coordinates.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Distortion {
+    /// k₁ by focal length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub k1: Option<K1Curve>,
+    /// Unknown keys, further coefficients among them.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// k₁ = `value` + `per_1000_px` · (f − `at_focal_px`) / 1000.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct K1Curve {
+    /// The focal length at which `value` holds, px.
+    #[serde(default, with = "adapters::number")]
+    pub at_focal_px: f64,
+    /// k₁ there.
+    #[serde(with = "adapters::number")]
+    pub value: f64,
+    /// The change of k₁ per 1000 px of focal length.
+    #[serde(default, with = "adapters::number")]
+    pub per_1000_px: f64,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// Prior 1-σ of a base in the document's units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraSigma {
+    /// Along world x, y, z, m.
+    #[serde(default, with = "adapters::vector")]
+    pub position_m: Vec3,
+    /// About world x, y, z (z is the pan gauge), degrees.
+    #[serde(default, with = "adapters::vector")]
+    pub rotation_deg: Vec3,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl From<&BaseSigma> for CameraSigma {
+    fn from(sigma: &BaseSigma) -> Self {
+        Self { position_m: sigma.position_m, rotation_deg: sigma.rotation.map(f64::to_degrees), extra: Extra::new() }
+    }
+}
+
+impl From<&CameraSigma> for BaseSigma {
+    fn from(sigma: &CameraSigma) -> Self {
+        Self { position_m: sigma.position_m, rotation: sigma.rotation_deg.map(f64::to_radians) }
+    }
+}
+
+impl Camera {
+    /// A camera of which only the picture is known: principal point in the middle, no base.
+    #[must_use]
+    pub fn new(id: CameraId, image_size: ImageSize) -> Self {
+        Self {
+            id,
+            image_size,
+            principal_point: image_size.centre(),
+            position_m: None,
+            base_from_world: None,
+            distortion: None,
+            sigma: None,
+            masks: Vec::new(),
+            field: None,
+            extra: Extra::new(),
+        }
+    }
+
+    /// k₁ by focal length, where the camera has a curve.
+    #[must_use]
+    pub fn curve(&self) -> Option<FocalCurve> {
+        let k1 = self.distortion.as_ref()?.k1.as_ref()?;
+        Some(FocalCurve { at_focal_px: k1.at_focal_px, value: k1.value, per_1000_px: k1.per_1000_px })
+    }
+
+    /// The base, where position and rotation are known; rounded digits of the rotation are tidied up.
+    #[must_use]
+    pub fn base(&self) -> Option<CameraBase> {
+        let (position_m, stated) = (self.position_m?, self.base_from_world?);
+        let exact = distance_from_rotation(&stated) <= EXACT_ROTATION;
+        Some(CameraBase {
+            position_m,
+            base_from_world: if exact { stated } else { nearest_rotation(&stated) },
+            principal_point: self.principal_point,
+            distortion: self.curve().unwrap_or(FocalCurve::NONE),
+            sigma: self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default(),
+        })
+    }
+
+    /// The base with which a frame is solved and drawn: where the camera has no curve, a k₁ that the frame brings along
+    /// counts; where it has one, the curve does.
+    #[must_use]
+    pub fn base_for(&self, frame: &Frame) -> Option<CameraBase> {
+        let mut base = self.base()?;
+        if self.curve().is_none()
+            && let Some(k1) = frame.ptz.as_ref().and_then(|ptz| ptz.k1)
+        {
+            base.distortion = FocalCurve::constant(k1);
+        }
+        Some(base)
+    }
+
+    /// The camera as a solved frame has it pointed; none without a base or without the frame's `ptz`.
+    #[must_use]
+    pub fn pointed(&self, frame: &Frame) -> Option<PtzCamera> {
+        Some(PtzCamera::new(self.base_for(frame)?, frame.ptz.as_ref()?.ptz()))
+    }
+
+    /// Takes a base over; what it does not change keeps its digits, and unknown keys stay.
+    pub fn set_base(&mut self, base: &CameraBase) {
+        let before = self.base();
+        if before.is_none_or(|before| before.position_m != base.position_m) {
+            self.position_m = Some(base.position_m);
+        }
+        if before.is_none_or(|before| before.base_from_world != base.base_from_world) {
+            self.base_from_world = Some(base.base_from_world);
+        }
+        self.principal_point = base.principal_point;
+        if self.curve().unwrap_or(FocalCurve::NONE) != base.distortion {
+            let k1 = self.distortion.get_or_insert_default().k1.get_or_insert_default();
+            k1.at_focal_px = base.distortion.at_focal_px;
+            k1.value = base.distortion.value;
+            k1.per_1000_px = base.distortion.per_1000_px;
+        }
+        let sigma = self.sigma.as_ref().map(BaseSigma::from).unwrap_or_default();
+        if sigma != base.sigma {
+            let extra = self.sigma.take().map(|sigma| sigma.extra).unwrap_or_default();
+            self.sigma = Some(CameraSigma { extra, ..CameraSigma::from(&base.sigma) });
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! A point that a person clicked, and what they named it.
+
+use super::{Extra, adapters};
+use crate::field::{LandmarkId, LineId};
+use crate::geometry::ImagePoint;
+use serde::{Deserialize, Serialize};
+
+/// What of the field a click shows.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// A landmark: the click is its image.
+    Landmark(#[serde(with = "adapters::name")] LandmarkId),
+    /// A line, circle or arc: the click lies somewhere on its image.
+    Line(#[serde(with = "adapters::name")] LineId),
+}
+
+impl Target {
+    /// The name, whichever kind it is of.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        match self {
+            Self::Landmark(id) => id.as_str(),
+            Self::Line(id) => id.as_str(),
+        }
+    }
+}
+
+/// A click in a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "ClickJson", into = "ClickJson")]
+pub struct Click {
+    /// What it shows; none while it waits for its name. A project may hold such a click, a dataset never does.
+    pub target: Option<Target>,
+    /// Where it is, px.
+    pub image: ImagePoint,
+    /// Held out of the solve; only its error is reported.
+    pub check: bool,
+    /// Unknown keys.
+    pub extra: Extra,
+}
+
+impl Click {
+    /// A click on something.
+    #[must_use]
+    pub fn new(target: Target, image: ImagePoint) -> Self {
+        Self { target: Some(target), image, check: false, extra: Extra::new() }
+    }
+
+    /// A click on a landmark.
+    #[must_use]
+    pub fn landmark(id: LandmarkId, image: ImagePoint) -> Self {
+        Self::new(Target::Landmark(id), image)
+    }
+
+    /// A click on a line.
+    #[must_use]
+    pub fn line(id: LineId, image: ImagePoint) -> Self {
+        Self::new(Target::Line(id), image)
+    }
+
+    /// A click that waits for its name.
+    #[must_use]
+    pub fn unnamed(image: ImagePoint) -> Self {
+        Self { target: None, image, check: false, extra: Extra::new() }
+    }
+}
+
+#[derive(Serialize, Deserialize)]
+struct ClickJson {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    landmark: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    line: Option<String>,
+    #[serde(with = "adapters::image_point")]
+    image_px: ImagePoint,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    check: bool,
+    #[serde(flatten)]
+    extra: Extra,
+}
+
+impl TryFrom<ClickJson> for Click {
+    type Error = String;
+
+    fn try_from(json: ClickJson) -> Result<Self, String> {
+        let target = match (json.landmark, json.line) {
+            (Some(landmark), Some(line)) => {
+                return Err(format!("a click names both the landmark {landmark:?} and the line {line:?}"));
+            }
+            (Some(landmark), None) => Some(Target::Landmark(landmark.as_str().into())),
+            (None, Some(line)) => Some(Target::Line(line.as_str().into())),
+            (None, None) => None,
+        };
+        Ok(Self { target, image: json.image_px, check: json.check, extra: json.extra })
+    }
+}
+
+impl From<Click> for ClickJson {
+    fn from(click: Click) -> Self {
+        let (landmark, line) = match click.target {
+            Some(Target::Landmark(id)) => (Some(id.as_str().to_owned()), None),
+            Some(Target::Line(id)) => (None, Some(id.as_str().to_owned())),
+            None => (None, None),
+        };
+        Self { landmark, line, image_px: click.image, check: click.check, extra: click.extra }
+    }
+}

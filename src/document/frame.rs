@@ -1,0 +1,215 @@
+//! A frame of the document: where its picture is, its clicks, its solution.
+
+use super::{CameraId, Click, Extra, FramePtz, Repeat, Solution, adapters};
+use crate::geometry::{ImageSize, PixelBox};
+use crate::media::FrameRef;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+/// A frame: a picture, what people clicked in it, and how the camera was pointed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Frame {
+    /// The image file, relative to the document's folder or absolute; none for a frame that only a video has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<String>,
+    /// Its camera.
+    pub camera: CameraId,
+    /// The video frame it is, if it comes from a video.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub video: Option<VideoFrame>,
+    /// SHA-256 of the image file, hexadecimal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
+    /// The size of the picture, px.
+    #[serde(rename = "image_size_px", with = "adapters::image_size")]
+    pub image_size: ImageSize,
+    /// How far it has come.
+    pub status: FrameStatus,
+    /// Why it is not calibratable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<RejectReason>,
+    /// The shot it belongs to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip: Option<Clip>,
+    /// What somebody noted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comment: Option<String>,
+    /// What people clicked, in their order.
+    #[serde(default)]
+    pub clicks: Vec<Click>,
+    /// Landmarks that were clicked again, blind, to learn the annotator's click noise; no label.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub repeats: Vec<Repeat>,
+    /// Boxes whose pixels give no features in this frame: players.
+    #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
+    pub masks: Vec<PixelBox>,
+    /// Pan, tilt and focal length; none: unsolved.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ptz: Option<FramePtz>,
+    /// How `ptz` came about.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub solution: Option<Solution>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// A frame of a video.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VideoFrame {
+    /// The video file, relative to the document's folder or absolute.
+    pub path: String,
+    /// The decoded frame, counted from 0.
+    pub frame_index: u64,
+    /// Its time from the stream's start, s.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub pts_s: Option<f64>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// How far a frame has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FrameStatus {
+    /// Nobody has looked at it.
+    #[default]
+    New,
+    /// Somebody began.
+    Draft,
+    /// Solved by the forest or by tracking, not yet looked at.
+    Suggested,
+    /// Accepted by the annotator.
+    Reference,
+    /// Not calibratable.
+    Rejected,
+}
+
+impl FrameStatus {
+    /// The name in documents.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            Self::New => "new",
+            Self::Draft => "draft",
+            Self::Suggested => "suggested",
+            Self::Reference => "reference",
+            Self::Rejected => "rejected",
+        }
+    }
+}
+
+/// Why a frame is not calibratable.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RejectReason {
+    /// A close-up.
+    CloseUp,
+    /// A replay.
+    Replay,
+    /// Another camera.
+    OtherCamera,
+    /// A graphic covers it.
+    Graphic,
+    /// Too blurred.
+    Blur,
+    /// Too little of the field is in view.
+    TooLittleField,
+}
+
+impl RejectReason {
+    /// Every reason, in the order of the window's keys 1 to 6.
+    pub const ALL: [Self; 6] =
+        [Self::CloseUp, Self::Replay, Self::OtherCamera, Self::Graphic, Self::Blur, Self::TooLittleField];
+}
+
+/// The name of a shot: a number or a word.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Clip {
+    /// A number.
+    Number(i64),
+    /// A word.
+    Name(String),
+}
+
+impl fmt::Display for Clip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => number.fmt(f),
+            Self::Name(name) => name.fmt(f),
+        }
+    }
+}
+
+impl Frame {
+    /// A frame that is an image file, new.
+    #[must_use]
+    pub fn from_image(image: &str, camera: CameraId, image_size: ImageSize) -> Self {
+        Self {
+            image: Some(image.to_owned()),
+            camera,
+            video: None,
+            sha256: None,
+            image_size,
+            status: FrameStatus::New,
+            reason: None,
+            clip: None,
+            comment: None,
+            clicks: Vec::new(),
+            repeats: Vec::new(),
+            masks: Vec::new(),
+            ptz: None,
+            solution: None,
+            extra: Extra::new(),
+        }
+    }
+
+    /// A frame of a video, new.
+    #[must_use]
+    pub fn from_video(video: VideoFrame, camera: CameraId, image_size: ImageSize) -> Self {
+        Self { image: None, video: Some(video), ..Self::from_image("", camera, image_size) }
+    }
+
+    /// What a message calls it: the image's path, else the video's and the frame's number (`match.mp4#412`).
+    #[must_use]
+    pub fn name(&self) -> String {
+        match (&self.image, &self.video) {
+            (Some(image), _) => image.clone(),
+            (None, Some(video)) => format!("{}#{}", video.path, video.frame_index),
+            (None, None) => "a frame without a picture".to_owned(),
+        }
+    }
+
+    /// Where the image file lies, given the document's folder.
+    #[must_use]
+    pub fn image_path(&self, folder: &Path) -> Option<PathBuf> {
+        self.image.as_ref().map(|image| folder.join(image))
+    }
+
+    /// Where its pixels come from, given the document's folder: its image file, else its video's frame.
+    #[must_use]
+    pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {
+        if let Some(path) = self.image_path(folder) {
+            return Some(FrameRef::image(path));
+        }
+        let video = self.video.as_ref()?;
+        Some(FrameRef::video(video.file_path(folder), usize::try_from(video.frame_index).ok()?))
+    }
+}
+
+impl VideoFrame {
+    /// A frame of a video by its number and time.
+    #[must_use]
+    pub fn new(path: &str, frame_index: u64, pts_s: Option<f64>) -> Self {
+        Self { path: path.to_owned(), frame_index, pts_s, extra: Extra::new() }
+    }
+
+    /// Where the video file lies, given the document's folder.
+    #[must_use]
+    pub fn file_path(&self, folder: &Path) -> PathBuf {
+        folder.join(&self.path)
+    }
+}

@@ -1,0 +1,53 @@
+//! The document: typed schema, versions, edits, history (undo), reading and writing its text. No disk, no solver.
+//!
+//! [`Document`] and what it holds mirror the JSON of a project or dataset key by key, in the document's own units
+//! (degrees, metres, px), so that a number that is read is written back to the last digit. The way to the mathematics
+//! leads through [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
+//! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+
+pub(crate) mod adapters;
+mod camera;
+mod click;
+mod click_noise;
+mod create;
+mod document;
+mod edit;
+mod field_size;
+mod fields;
+mod frame;
+mod history;
+mod paths;
+mod proposed;
+mod read;
+mod repeats;
+mod shared;
+mod shots;
+mod solution;
+mod teaching;
+mod unanswered;
+mod write;
+
+pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
+pub use click::{Click, Target};
+pub(crate) use click_noise::HAND_SHARE;
+pub use click_noise::Hand;
+pub use create::{NewDocument, document_from_frames};
+pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
+pub use edit::{Change, Edit, EditMismatch};
+pub use field_size::FieldSize;
+pub use fields::Fields;
+pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use history::{History, Step};
+pub use paths::path_between;
+pub(crate) use paths::resolved;
+pub use proposed::Proposed;
+pub use read::{ReadError, document_from_bytes};
+pub use repeats::Repeat;
+pub use shared::Shared;
+pub use shots::shots;
+pub(crate) use solution::ENOUGH_EQUATIONS;
+pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use write::{WriteError, document_to_string};
+
+/// Keys that this program does not know, kept in their order and written back.
+pub type Extra = serde_json::Map<String, serde_json::Value>;

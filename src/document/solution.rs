@@ -1,0 +1,211 @@
+//! What a solve says about a frame.
+
+use super::{Click, Extra, Frame, Proposed, Target, adapters};
+use crate::camera::Ptz;
+use crate::geometry::Mat3;
+use crate::solve::{FrameSolution, IdentityFinding, Name, WarningCode};
+use serde::{Deserialize, Serialize};
+
+/// Pan, tilt and focal length of a frame in the document's units.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FramePtz {
+    /// Positive to the right, degrees in (−180, 180].
+    #[serde(with = "adapters::degrees")]
+    pub pan_deg: f64,
+    /// Positive up, degrees in (−180, 180].
+    #[serde(with = "adapters::degrees")]
+    pub tilt_deg: f64,
+    /// px of the frame.
+    #[serde(with = "adapters::positive")]
+    pub focal_px: f64,
+    /// The k₁ that was used. It is input only where the camera has no curve.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub k1: Option<f64>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl FramePtz {
+    /// The record of a solved frame.
+    #[must_use]
+    pub fn new(ptz: Ptz, k1: Option<f64>) -> Self {
+        Self {
+            pan_deg: ptz.pan.wrapped().degrees(),
+            tilt_deg: ptz.tilt.wrapped().degrees(),
+            focal_px: ptz.focal_px,
+            k1,
+            extra: Extra::new(),
+        }
+    }
+
+    /// The same as the mathematics has it.
+    #[must_use]
+    pub const fn ptz(&self) -> Ptz {
+        Ptz::from_degrees(self.pan_deg, self.tilt_deg, self.focal_px)
+    }
+}
+
+/// How a frame's `ptz` came about and how good it is.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Solution {
+    /// Covariance in the order `pan_deg`, `tilt_deg`, `focal_px` (deg², deg·px, px²).
+    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Mat3>,
+    /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub rms_px: Option<f64>,
+    /// 1-σ of the overlay at the worst corner of the picture, px.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub worst_corner_sigma_px: Option<f64>,
+    /// What it was solved from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub source: Option<SolutionSource>,
+    /// The probability that the overlay is right within 10 px at 1920 px width.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// What the program proposed before a person corrected it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub proposed: Option<Proposed>,
+    /// Indices of the clicks that disagree with the others.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub disputed: Vec<usize>,
+    /// What a person should know.
+    #[serde(default)]
+    pub warnings: Vec<SolutionWarning>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What a frame was solved from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SolutionSource {
+    /// A person's clicks.
+    Clicks,
+    /// The pan-tilt forest.
+    Forest,
+    /// A neighbouring frame's motion.
+    Tracking,
+    /// The painted markings.
+    Markings,
+    /// A foreign file.
+    Import,
+    /// Numbers that a person set by hand.
+    Manual,
+}
+
+/// Something about a solution that a person should know.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SolutionWarning {
+    /// `separation`, `swapped`, `mirrored`, `wrong_line`, `two_roots`, …; the list may grow.
+    pub code: String,
+    /// One line: what, the number, the way out.
+    pub message: String,
+    /// Indices of the clicks it is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub clicks: Vec<usize>,
+    /// Names that fit better: all of them together mend what the warning is about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub renames: Vec<BetterName>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl Solution {
+    /// The warnings about this frame itself: all but the one that its field's size is assumed.
+    pub fn warnings_of_frame(&self) -> impl Iterator<Item = &SolutionWarning> {
+        self.warnings.iter().filter(|warning| warning.code != WarningCode::FieldAssumed.as_str())
+    }
+}
+
+impl SolutionWarning {
+    /// A warning about the frame as a whole.
+    #[must_use]
+    pub fn new(code: &str, message: String) -> Self {
+        Self { code: code.to_owned(), message, clicks: Vec::new(), renames: Vec::new(), extra: Extra::new() }
+    }
+}
+
+/// A name that fits a click better than its own.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BetterName {
+    /// Which click, from 0.
+    pub click: usize,
+    /// What it seems to show.
+    #[serde(flatten)]
+    pub target: Target,
+}
+
+impl BetterName {
+    /// Every name that a finding would change.
+    pub fn all(found: &IdentityFinding) -> impl Iterator<Item = Self> + '_ {
+        found.renames.iter().map(|rename| Self { click: rename.click, target: Target::from(&rename.name) })
+    }
+}
+
+impl From<&Name> for Target {
+    fn from(name: &Name) -> Self {
+        match name {
+            Name::Landmark(id) => Self::Landmark(id.clone()),
+            Name::Line(id) => Self::Line(id.clone()),
+        }
+    }
+}
+
+/// So many equations determine a camera without a proposal.
+pub(crate) const ENOUGH_EQUATIONS: usize = 3;
+
+impl Frame {
+    /// Whether its camera comes from its own clicks.
+    #[must_use]
+    pub fn is_solved_by_clicks(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
+    }
+
+    /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
+    fn clicks_decide(&self) -> bool {
+        let equations = |click: &Click| match click.target {
+            Some(Target::Landmark(_)) => 2,
+            Some(Target::Line(_)) => 1,
+            None => 0,
+        };
+        let used = self.clicks.iter().filter(|click| !click.check);
+        used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
+    }
+
+    /// Takes over what a solve found.
+    pub fn record(&mut self, solved: &FrameSolution) {
+        let k1 = (solved.k1 != 0.0 || self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some())).then_some(solved.k1);
+        let proposed = self.proposed();
+        let by_clicks = self.clicks_decide();
+        let source =
+            proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
+        let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
+        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, k1) });
+        let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
+        self.solution = Some(Solution {
+            covariance: Some(solved.covariance),
+            rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
+            worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
+            source: Some(source),
+            confidence: None,
+            proposed,
+            disputed: solved.disputed(),
+            warnings: solved
+                .warnings
+                .iter()
+                .enumerate()
+                .map(|(place, warning)| SolutionWarning {
+                    clicks: warning.clicks.clone(),
+                    // The first warning tells of the names.
+                    renames: solved.identity.iter().filter(|_| place == 0).flat_map(BetterName::all).collect(),
+                    ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
+                })
+                .collect(),
+            extra,
+        });
+    }
+}

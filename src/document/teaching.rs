@@ -1,0 +1,81 @@
+//! Which frames teach the forest.
+
+use super::{Frame, FrameStatus, SolutionSource};
+use serde_json::Value;
+
+/// The key of a frame that teaches although it is an accepted suggestion (`"teaches": true`), or that does not although
+/// people solved it (`"teaches": false`). Absent: as [`Frame::is_suggestion`] says.
+const TEACHES: &str = "teaches";
+
+impl Frame {
+    /// Whether its camera was proposed by the program, and not clicked, snapped, imported or set by hand.
+    #[must_use]
+    pub fn is_suggestion(&self) -> bool {
+        let source = self.solution.as_ref().and_then(|solution| solution.source);
+        self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
+    }
+
+    /// How far it has come while nobody has accepted or rejected it.
+    #[must_use]
+    pub fn undecided(&self) -> FrameStatus {
+        match (self.clicks.is_empty(), self.ptz.is_some()) {
+            (true, true) if self.is_suggestion() => FrameStatus::Suggested,
+            (true, false) => FrameStatus::New,
+            _ => FrameStatus::Draft,
+        }
+    }
+
+    /// Whether the forest learns from it: a reference does, an accepted suggestion is only a label, and a person may say
+    /// otherwise of either.
+    #[must_use]
+    pub fn teaches(&self) -> bool {
+        let said = self.extra.get(TEACHES).and_then(Value::as_bool);
+        self.status == FrameStatus::Reference && said.unwrap_or(!self.is_suggestion())
+    }
+
+    /// Says whether the forest shall learn from it once it is a reference.
+    pub fn set_teaches(&mut self, teaches: bool) {
+        if teaches == self.is_suggestion() {
+            self.extra.insert(TEACHES.to_owned(), Value::Bool(teaches));
+        } else {
+            self.extra.remove(TEACHES);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::document::{FramePtz, Solution};
+    use crate::geometry::ImageSize;
+
+    fn reference(source: SolutionSource) -> Frame {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
+        frame.status = FrameStatus::Reference;
+        frame
+    }
+
+    #[test]
+    fn accepted_suggestions_are_labels_unless_a_person_says_otherwise() {
+        for (source, by_itself) in [
+            (SolutionSource::Clicks, true),
+            (SolutionSource::Markings, true),
+            (SolutionSource::Import, true),
+            (SolutionSource::Forest, false),
+            (SolutionSource::Tracking, false),
+        ] {
+            let mut frame = reference(source);
+            let before = frame.clone();
+            assert_eq!(frame.teaches(), by_itself, "{source:?}");
+            frame.set_teaches(!by_itself);
+            assert_eq!(frame.teaches(), !by_itself, "{source:?}");
+            frame.set_teaches(by_itself);
+            assert_eq!(frame, before, "what goes without saying leaves no key");
+            frame.status = FrameStatus::Suggested;
+            assert!(!frame.teaches(), "nobody has accepted it");
+        }
+    }
+}

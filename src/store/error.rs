@@ -1,0 +1,109 @@
+//! What can go wrong between a document and the disk.
+
+use super::ReadOnly;
+use crate::document::{ReadError, WriteError};
+use std::io;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why a document was not opened or not saved.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// The system refused.
+    #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]
+    Io {
+        /// What was tried: "read", "write".
+        action: &'static str,
+        /// With which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// There is nothing at this path.
+    #[error("{} does not exist; give a project folder, its project.json or a dataset file", path.display())]
+    NotFound {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A folder without a project.
+    #[error("the folder {} holds no project.json; `touchline new` makes a project", folder.display())]
+    NoProject {
+        /// The folder.
+        folder: PathBuf,
+    },
+    /// A folder or a device where a file should be.
+    #[error("{} is not a file; give a project folder, its project.json or a dataset file", path.display())]
+    NotAFile {
+        /// The path.
+        path: PathBuf,
+    },
+    /// The bytes are no document.
+    #[error("{}: {source}{}", path.display(), backup_hint(backup.as_deref()))]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: ReadError,
+        /// The version before, if there is one.
+        backup: Option<PathBuf>,
+    },
+    /// The document in memory cannot be written.
+    #[error("{} is not written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: WriteError,
+    },
+    /// A newer program wrote the journal.
+    #[error("{} has version {version}, newer than this program; update touchline to open it", path.display())]
+    NewerJournal {
+        /// The journal.
+        path: PathBuf,
+        /// Its version.
+        version: u32,
+    },
+    /// Something is there already.
+    #[error("{} exists; give another name, or --force to replace it", path.display())]
+    Exists {
+        /// The file or folder.
+        path: PathBuf,
+    },
+    /// Somebody else holds the document, or it is write-protected.
+    #[error("{} is {reason}", path.display())]
+    ReadOnly {
+        /// The document.
+        path: PathBuf,
+        /// Why.
+        reason: ReadOnly,
+    },
+    /// Another program changed the file since it was read.
+    #[error("{} was changed by another program since it was opened; save under another name, or replace it", path.display())]
+    ChangedOutside {
+        /// The file.
+        path: PathBuf,
+    },
+}
+
+impl StoreError {
+    /// A refusal of the system.
+    pub(super) fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        let path = path.to_path_buf();
+        match source.kind() {
+            io::ErrorKind::NotFound if action == "find" => Self::NotFound { path },
+            _ => Self::Io { action, path, source },
+        }
+    }
+}
+
+fn way_out(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "; free some space, or save elsewhere",
+        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "; save elsewhere",
+        _ => "",
+    }
+}
+
+fn backup_hint(backup: Option<&Path>) -> String {
+    backup.map_or_else(String::new, |path| format!("; the version before it is {}", path.display()))
+}

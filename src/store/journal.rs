@@ -1,0 +1,246 @@
+//! The journal: every edit since the document was last written, one checksummed line each, flushed to disk.
+//!
+//! A line is `length crc32 json\n`, length and checksum in eight hexadecimal digits. The first line names the document
+//! that the edits start from (its SHA-256); before the document is replaced, a line names the one to come. Whatever
+//! happens between the two, a reader finds the edits that are not yet in the document it sees. A journal that breaks off
+//! in a line is read up to that line.
+
+use super::{atomic::folder_of, atomic::sync_folder};
+use crate::document::Edit;
+use serde::{Deserialize, Serialize};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+/// The version of the journal that this program writes and reads.
+const JOURNAL_VERSION: u32 = 1;
+/// Length and checksum, each followed by a space.
+const PREFIX_BYTES: usize = 18;
+
+/// The SHA-256 of a document's bytes, hexadecimal.
+pub(super) type DocumentHash = String;
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Record {
+    /// Opens a journal: the edits after it start from this document.
+    Journal { version: u32, document_sha256: DocumentHash },
+    /// An edit.
+    Edit(Edit),
+    /// The document of this hash, which is about to replace the old one, holds every edit above.
+    Saving { document_sha256: DocumentHash },
+}
+
+fn line(record: &Record) -> io::Result<String> {
+    let json = serde_json::to_string(record)?;
+    Ok(prefix(json.as_bytes()) + &json + "\n")
+}
+
+fn prefix(json: &[u8]) -> String {
+    format!("{:08x} {:08x} ", json.len(), crc32fast::hash(json))
+}
+
+/// The first whole line of a journal: its JSON and its length in bytes.
+fn first_line(bytes: &[u8]) -> Option<(&[u8], usize)> {
+    let digits = std::str::from_utf8(bytes.get(..8)?).ok()?;
+    let end = PREFIX_BYTES.checked_add(usize::from_str_radix(digits, 16).ok()?)?;
+    let json = bytes.get(PREFIX_BYTES..end)?;
+    (bytes.get(end) == Some(&b'\n') && bytes.starts_with(prefix(json).as_bytes())).then_some((json, end + 1))
+}
+
+/// What a journal says, up to where it breaks off.
+#[derive(Debug, Default)]
+pub(super) struct JournalContent {
+    records: Vec<Record>,
+    /// How many bytes hold whole lines.
+    pub whole_bytes: u64,
+    /// How many bytes follow that do not.
+    pub lost_bytes: u64,
+}
+
+/// What a journal means for the document beside it.
+#[derive(Debug)]
+pub(super) enum Pending {
+    /// These edits are not yet in the document.
+    Edits(Vec<Edit>),
+    /// The edits start from another document; this many.
+    OtherDocument {
+        /// How many edits there are.
+        edits: usize,
+    },
+    /// A newer program wrote the journal.
+    Newer {
+        /// Its version.
+        version: u32,
+    },
+}
+
+impl JournalContent {
+    /// Reads whole lines from the start on.
+    pub fn parse(bytes: &[u8]) -> Self {
+        let mut content = Self::default();
+        let mut rest = bytes;
+        while let Some((json, length)) = first_line(rest) {
+            let Ok(record) = serde_json::from_slice::<Record>(json) else { break };
+            content.records.push(record);
+            rest = &rest[length..];
+        }
+        content.lost_bytes = rest.len() as u64;
+        content.whole_bytes = bytes.len() as u64 - content.lost_bytes;
+        content
+    }
+
+    /// Whether it holds an edit at all.
+    pub fn has_edits(&self) -> bool {
+        self.records.iter().any(|record| matches!(record, Record::Edit(_)))
+    }
+
+    /// The edits that are not yet in the document of this hash.
+    pub fn pending(self, document: &DocumentHash) -> Pending {
+        if let Some(Record::Journal { version, .. }) = self.records.first()
+            && *version > JOURNAL_VERSION
+        {
+            return Pending::Newer { version: *version };
+        }
+        let starts_here = |record: &Record| match record {
+            Record::Journal { document_sha256, .. } | Record::Saving { document_sha256 } => document_sha256 == document,
+            Record::Edit(_) => false,
+        };
+        let start = self.records.iter().rposition(starts_here);
+        let edits = self.records.into_iter().enumerate().filter_map(|(index, record)| match record {
+            Record::Edit(edit) if start.is_none_or(|start| index > start) => Some(edit),
+            _ => None,
+        });
+        let edits: Vec<Edit> = edits.collect();
+        if start.is_none() && !edits.is_empty() {
+            return Pending::OtherDocument { edits: edits.len() };
+        }
+        Pending::Edits(edits)
+    }
+}
+
+/// A journal that is being written.
+#[derive(Debug)]
+pub(super) struct Journal {
+    file: File,
+    /// Up to here the file holds whole lines; a line that failed half-way is cut off before the next one.
+    whole_bytes: u64,
+}
+
+impl Journal {
+    /// Opens a journal of which `whole_bytes` are to be kept, or creates it.
+    pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
+        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
+        sync_folder(folder_of(path))?;
+        Ok(Self { file, whole_bytes })
+    }
+
+    /// Starts anew from a document that holds everything.
+    pub fn restart(&mut self, document: &DocumentHash) -> io::Result<()> {
+        self.whole_bytes = 0;
+        self.write(&Record::Journal { version: JOURNAL_VERSION, document_sha256: document.clone() })
+    }
+
+    /// Appends an edit; it is on disk when this returns.
+    pub fn append(&mut self, edit: Edit) -> io::Result<()> {
+        self.write(&Record::Edit(edit))
+    }
+
+    /// Announces the document that will hold every edit so far.
+    pub fn announce(&mut self, document: &DocumentHash) -> io::Result<()> {
+        self.write(&Record::Saving { document_sha256: document.clone() })
+    }
+
+    fn write(&mut self, record: &Record) -> io::Result<()> {
+        let line = line(record)?;
+        self.file.set_len(self.whole_bytes)?;
+        self.file.seek(SeekFrom::Start(self.whole_bytes))?;
+        self.file.write_all(line.as_bytes())?;
+        self.file.sync_data()?;
+        self.whole_bytes += line.len() as u64;
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn edit(name: &str) -> Edit {
+        Edit { name: name.to_owned(), changes: Vec::new() }
+    }
+
+    fn journal(records: &[Record]) -> Vec<u8> {
+        records.iter().flat_map(|record| line(record).unwrap().into_bytes()).collect()
+    }
+
+    fn opened(document: &str) -> Record {
+        Record::Journal { version: 1, document_sha256: document.to_owned() }
+    }
+
+    fn names(bytes: &[u8], document: &str) -> Vec<String> {
+        match JournalContent::parse(bytes).pending(&document.to_owned()) {
+            Pending::Edits(edits) => edits.into_iter().map(|edit| edit.name).collect(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_reader_finds_the_edits_that_its_document_lacks() {
+        let saving = Record::Saving { document_sha256: "b".to_owned() };
+        let bytes = journal(&[opened("a"), Record::Edit(edit("1")), saving, Record::Edit(edit("2"))]);
+        assert_eq!(names(&bytes, "a"), ["1", "2"], "the document was not replaced");
+        assert_eq!(names(&bytes, "b"), ["2"], "the document was replaced, the journal was not restarted");
+        assert!(matches!(JournalContent::parse(&bytes).pending(&"c".to_owned()), Pending::OtherDocument { edits: 2 }));
+        assert!(names(&journal(&[opened("a")]), "c").is_empty(), "no edits, no matter");
+        let newer = Record::Journal { version: 2, document_sha256: "a".to_owned() };
+        assert!(matches!(
+            JournalContent::parse(&journal(&[newer])).pending(&"a".to_owned()),
+            Pending::Newer { version: 2 }
+        ));
+    }
+
+    #[test]
+    fn a_line_that_failed_half_way_is_cut_off_before_the_next() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        let mut journal = Journal::open(&path, 0).unwrap();
+        journal.restart(&"a".to_owned()).unwrap();
+        journal.append(edit("1")).unwrap();
+        journal.file.write_all(b"0000ffff 0000").unwrap();
+        journal.append(edit("2")).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        assert_eq!(names(&bytes, "a"), ["1", "2"]);
+        assert_eq!(JournalContent::parse(&bytes).lost_bytes, 0);
+    }
+
+    #[test]
+    fn every_cut_keeps_the_whole_lines() {
+        let records = [opened("a"), Record::Edit(edit("1")), Record::Edit(edit("zwei")), Record::Edit(edit("3"))];
+        let bytes = journal(&records);
+        let ends: Vec<usize> = (1..=4).map(|count| journal(&records[..count]).len()).collect();
+        for cut in 0..=bytes.len() {
+            let content = JournalContent::parse(&bytes[..cut]);
+            let whole = ends.iter().filter(|end| **end <= cut).count();
+            assert_eq!(content.records.len(), whole, "cut at {cut}");
+            assert_eq!(content.whole_bytes + content.lost_bytes, cut as u64);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_are_read_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+            JournalContent::parse(&bytes);
+        }
+
+        #[test]
+        fn a_damaged_byte_ends_the_reading_there(at in 0usize..400, flip in 1u8..=255) {
+            let mut bytes = journal(&[opened("a"), Record::Edit(edit("1")), Record::Edit(edit("2"))]);
+            let at = at % bytes.len();
+            let before = JournalContent::parse(&bytes[..at]).records.len();
+            bytes[at] ^= flip;
+            prop_assert_eq!(JournalContent::parse(&bytes).records.len(), before);
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Where a document lies.
+
+use super::StoreError;
+use super::atomic::{folder_of, with_suffix};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// The document's file in a project folder.
+pub const PROJECT_FILE: &str = "project.json";
+
+/// What a folder of frames or a video gives its project's name: `match.mp4` lies beside `match.mp4.touchline/`.
+pub const PROJECT_SUFFIX: &str = ".touchline";
+
+/// Where a document lies: a file, and the folder that its relative paths start from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Location {
+    file: PathBuf,
+}
+
+impl Location {
+    /// Finds an existing document: a project folder, its `project.json`, or a dataset file.
+    ///
+    /// # Errors
+    /// There is no such file or folder, or the folder holds no project.
+    pub fn find(path: &Path) -> Result<Self, StoreError> {
+        let io = |source| StoreError::from_io("find", path, source);
+        let mut file = path.to_path_buf();
+        if fs::metadata(path).map_err(io)?.is_dir() {
+            file.push(PROJECT_FILE);
+            if !file.exists() {
+                return Err(StoreError::NoProject { folder: path.to_path_buf() });
+            }
+        }
+        if !file.is_file() {
+            return Err(StoreError::NotAFile { path: file });
+        }
+        Ok(Self { file: fs::canonicalize(file).map_err(io)? })
+    }
+
+    /// Where a new document is to lie: in a folder that exists or is named with a final separator as `project.json`,
+    /// else in the file. The folder is made.
+    ///
+    /// # Errors
+    /// The folder that is to hold it does not exist and cannot be made.
+    pub fn for_new_document(path: &Path) -> Result<Self, StoreError> {
+        let text = path.to_string_lossy();
+        let file = if path.is_dir() || text.ends_with(std::path::is_separator) {
+            path.join(PROJECT_FILE)
+        } else {
+            path.into()
+        };
+        let folder = folder_of(&file);
+        fs::create_dir_all(folder).map_err(|source| StoreError::from_io("make the folder", folder, source))?;
+        let folder = fs::canonicalize(folder).map_err(|source| StoreError::from_io("find", folder, source))?;
+        match file.file_name() {
+            Some(name) => Ok(Self { file: folder.join(name) }),
+            None => Err(StoreError::NotAFile { path: file }),
+        }
+    }
+
+    /// The document's file.
+    #[must_use]
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
+
+    /// The folder that the document's relative paths start from.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        folder_of(&self.file)
+    }
+
+    /// What people call the document: the folder's name for a project, else the file's.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let name = self.file.file_name().unwrap_or_default();
+        let name = if name == PROJECT_FILE { self.folder().file_name().unwrap_or(name) } else { name };
+        name.to_string_lossy().into_owned()
+    }
+
+    /// The journal beside the document.
+    #[must_use]
+    pub fn journal(&self) -> PathBuf {
+        with_suffix(&self.file, ".journal")
+    }
+
+    /// The last version of the document.
+    #[must_use]
+    pub fn backup(&self) -> PathBuf {
+        with_suffix(&self.file, ".bak")
+    }
+
+    /// The file that says that somebody has the document open.
+    #[must_use]
+    pub fn lock(&self) -> PathBuf {
+        with_suffix(&self.file, ".lock")
+    }
+}

@@ -1,0 +1,362 @@
+//! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
+
+use super::{Location, ReadOnly, StoreError};
+use super::{atomic::copy_aside, atomic::keep_backup, atomic::set_aside, atomic::write_atomically};
+use super::{journal::DocumentHash, journal::Journal, journal::JournalContent, journal::Pending};
+use super::{lock::Lock, lock::lock};
+use crate::document::{Document, Edit, document_from_bytes, document_to_string};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// How often a document and its journal are read again when another program replaces them in between.
+const READ_ATTEMPTS: usize = 3;
+
+/// A document as it was opened.
+#[derive(Debug)]
+pub struct Opened {
+    /// Where it lies.
+    pub location: Location,
+    /// The document, with every edit that its journal held.
+    pub document: Document,
+    /// The way to write it, or why there is none.
+    pub access: Access,
+    /// What the journal brought back.
+    pub recovery: Recovery,
+}
+
+/// Whether an opened document may be written.
+#[derive(Debug)]
+pub enum Access {
+    /// By this program alone.
+    Writable(Store),
+    /// Not by this program.
+    ReadOnly(ReadOnly),
+}
+
+/// What a journal brought back when a document was opened.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recovery {
+    /// The names of the edits that were not yet in the document, oldest first; they are in it now.
+    pub edits: Vec<String>,
+    /// How many bytes at the journal's end were unreadable.
+    pub lost_bytes: u64,
+    /// A journal with edits of another document, or a damaged one: it was kept under this name.
+    pub set_aside: Option<PathBuf>,
+    /// How many edits are in the journal that was set aside, as they start from another document.
+    pub foreign_edits: usize,
+}
+
+impl Recovery {
+    /// Nothing needs to be said.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// One sentence for people; none where nothing needs to be said.
+    #[must_use]
+    pub fn message(&self) -> Option<String> {
+        let mut text = match &self.edits[..] {
+            [] => String::new(),
+            [one] => format!("Recovered 1 edit: {one}."),
+            [.., last] => format!("Recovered {} edits, the last one: {last}.", self.edits.len()),
+        };
+        let mut say = |sentence: std::fmt::Arguments| {
+            text.push_str(if text.is_empty() { "" } else { " " });
+            let _ = text.write_fmt(sentence);
+        };
+        if self.lost_bytes > 0 {
+            say(format_args!("The journal breaks off: {} bytes at its end are unreadable.", self.lost_bytes));
+        }
+        if self.foreign_edits > 0 {
+            let edits = if self.foreign_edits == 1 { "edit is" } else { "edits are" };
+            say(format_args!("Another program changed the document: {} {edits} not in it.", self.foreign_edits));
+        }
+        if let Some(path) = &self.set_aside {
+            say(format_args!("The journal is kept as {}.", path.display()));
+        }
+        (!text.is_empty()).then_some(text)
+    }
+}
+
+/// A document that this program alone may write. When it is closed, a journal without edits goes.
+#[derive(Debug)]
+pub struct Store {
+    location: Location,
+    journal: Journal,
+    /// Of the document's file as it was last read or written; none where there was no file.
+    hash: Option<DocumentHash>,
+    /// The journal holds edits that the document's file lacks.
+    behind: bool,
+    _lock: Lock,
+}
+
+/// Opens a document for writing, or for reading only where it is open elsewhere or write-protected.
+///
+/// # Errors
+/// There is no document, it cannot be read, or it is not one.
+pub fn open(path: &Path) -> Result<Opened, StoreError> {
+    let location = Location::find(path)?;
+    let lock = match lock(&location) {
+        Ok(lock) => lock,
+        Err(reason) => {
+            let Contents { document, recovery, .. } = read_contents(&location)?;
+            return Ok(Opened { location, document, access: Access::ReadOnly(reason), recovery });
+        }
+    };
+    let Contents { document, hash, mut recovery, whole_bytes, damage } = read_contents(&location)?;
+    let path = location.journal();
+    let io = |source| StoreError::from_io("write", &path, source);
+    if recovery.foreign_edits > 0 {
+        recovery.set_aside = Some(set_aside(&path, "orphan").map_err(io)?);
+    } else if damage != Damage::None {
+        recovery.set_aside = Some(copy_aside(&path, "damaged").map_err(io)?);
+    }
+    let journal = Journal::open(&path, whole_bytes).map_err(io)?;
+    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), behind: false, _lock: lock };
+    if damage == Damage::Misfit {
+        store.write(&document)?;
+    } else if recovery.edits.is_empty() {
+        store.journal.restart(&hash).map_err(io)?;
+    } else {
+        store.behind = true;
+    }
+    Ok(Opened { location, document, access: Access::Writable(store), recovery })
+}
+
+/// Reads a document with the edits that its journal holds, and writes nothing.
+///
+/// # Errors
+/// There is no document, it cannot be read, or it is not one.
+pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
+    let location = Location::find(path)?;
+    let Contents { document, recovery, .. } = read_contents(&location)?;
+    Ok((location, document, recovery))
+}
+
+/// Writes a document that nobody has open: a command's result, a dataset, a new project.
+///
+/// Where a project has been edited, its last version and the edits that only its journal holds are kept beside.
+///
+/// # Errors
+/// Something is there and `replace` is false, another program has it open, or it cannot be written.
+pub fn write_document(location: &Location, document: &Document, replace: bool) -> Result<(), StoreError> {
+    let path = location.file();
+    if path.exists() && !replace {
+        return Err(StoreError::Exists { path: path.to_path_buf() });
+    }
+    if location.journal().exists() || location.lock().exists() {
+        return Store::replace(location, document).map(drop);
+    }
+    let text = document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+    let backup = location.backup();
+    keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
+    write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
+}
+
+struct Contents {
+    document: Document,
+    hash: DocumentHash,
+    recovery: Recovery,
+    /// Of the journal.
+    whole_bytes: u64,
+    damage: Damage,
+}
+
+/// What is wrong with a journal, beyond a last line that was cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Damage {
+    /// Nothing.
+    None,
+    /// Something follows its unreadable place.
+    Unreadable,
+    /// An edit does not fit the document.
+    Misfit,
+}
+
+fn read_contents(location: &Location) -> Result<Contents, StoreError> {
+    let mut attempt = 1;
+    loop {
+        let contents = read_contents_once(location)?;
+        // A journal of another document may be one of a document that was replaced between the two readings.
+        if contents.recovery.foreign_edits == 0 || attempt == READ_ATTEMPTS {
+            return Ok(contents);
+        }
+        attempt += 1;
+    }
+}
+
+fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
+    // The journal first: one that was restarted belongs to a document that is there already.
+    let path = location.journal();
+    let bytes = match fs::read(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+        other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
+    };
+    let (mut document, hash) = read_document(location)?;
+    let content = JournalContent::parse(&bytes);
+    let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
+    let lost = &bytes[whole_bytes as usize..];
+    let goes_on = lost.iter().position(|byte| *byte == b'\n').is_some_and(|end| end + 1 < lost.len());
+    let mut damage = if goes_on { Damage::Unreadable } else { Damage::None };
+    let mut recovery = Recovery { lost_bytes, ..Recovery::default() };
+    match content.pending(&hash) {
+        Pending::Newer { version } => return Err(StoreError::NewerJournal { path, version }),
+        Pending::OtherDocument { edits } => recovery.foreign_edits = edits,
+        Pending::Edits(edits) => {
+            for edit in edits {
+                let name = edit.name.clone();
+                if let Err(misfit) = edit.apply(&mut document) {
+                    log::warn!("{}: {name}: {misfit}", path.display());
+                    damage = Damage::Misfit;
+                    break;
+                }
+                recovery.edits.push(name);
+            }
+        }
+    }
+    Ok(Contents { document, hash, recovery, whole_bytes, damage })
+}
+
+fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
+    let path = location.file();
+    let bytes = fs::read(path).map_err(|source| StoreError::from_io("read", path, source))?;
+    let document = document_from_bytes(&bytes).map_err(|source| {
+        let backup = Some(location.backup()).filter(|backup| backup.exists());
+        StoreError::Read { path: path.to_path_buf(), source, backup }
+    })?;
+    Ok((document, hash_of(&bytes)))
+}
+
+fn hash_of(bytes: &[u8]) -> DocumentHash {
+    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+impl Store {
+    /// Makes a new document at a place where there is none.
+    ///
+    /// # Errors
+    /// Something is there already, or it cannot be written.
+    pub fn create(location: &Location, document: &Document) -> Result<Self, StoreError> {
+        if location.file().exists() {
+            return Err(StoreError::Exists { path: location.file().to_path_buf() });
+        }
+        Self::replace(location, document)
+    }
+
+    /// Writes a document to a place, whatever document is there; that one is kept as the backup, and a journal with
+    /// edits that are not in it is set aside.
+    ///
+    /// # Errors
+    /// Another program has it open, or it cannot be written.
+    pub fn replace(location: &Location, document: &Document) -> Result<Self, StoreError> {
+        let read_only = |reason| StoreError::ReadOnly { path: location.file().to_path_buf(), reason };
+        let lock = lock(location).map_err(read_only)?;
+        let path = location.journal();
+        let io = |source| StoreError::from_io("write", &path, source);
+        if fs::read(&path).is_ok_and(|bytes| JournalContent::parse(&bytes).has_edits()) {
+            set_aside(&path, "orphan").map_err(io)?;
+        }
+        let journal = Journal::open(&path, 0).map_err(io)?;
+        let mut store = Self { location: location.clone(), journal, hash: None, behind: false, _lock: lock };
+        store.write(document)?;
+        Ok(store)
+    }
+
+    /// Where the document lies.
+    #[must_use]
+    pub const fn location(&self) -> &Location {
+        &self.location
+    }
+
+    /// Whether the journal holds edits that the document's file lacks.
+    #[must_use]
+    pub const fn is_behind(&self) -> bool {
+        self.behind
+    }
+
+    /// Appends an edit to the journal; it is on disk when this returns.
+    ///
+    /// # Errors
+    /// The disk is full or not writable. The journal is as it was; the edit may be appended again.
+    pub fn journal(&mut self, edit: Edit) -> Result<(), StoreError> {
+        let io = |source| StoreError::from_io("write", &self.location.journal(), source);
+        self.journal.append(edit).map_err(io)?;
+        self.behind = true;
+        Ok(())
+    }
+
+    /// Writes the document, keeps the version before as the backup, and restarts the journal.
+    ///
+    /// # Errors
+    /// Another program changed the file since, or it cannot be written. Whatever fails, the file on disk is whole and the
+    /// journal still holds every edit.
+    pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
+        if self.changed_outside()? {
+            return Err(StoreError::ChangedOutside { path: self.location.file().to_path_buf() });
+        }
+        self.write(document)
+    }
+
+    /// Writes the document although another program changed the file; that version is set aside, and its name returned.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn save_over(&mut self, document: &Document) -> Result<Option<PathBuf>, StoreError> {
+        let path = self.location.file().to_path_buf();
+        let mut kept = None;
+        if self.changed_outside()? {
+            kept = Some(copy_aside(&path, "outside").map_err(|source| StoreError::from_io("copy", &path, source))?);
+        }
+        self.write(document)?;
+        Ok(kept)
+    }
+
+    /// Whether another program changed the file since it was last read or written. A file that is gone counts as
+    /// unchanged: there is nothing to lose.
+    fn changed_outside(&self) -> Result<bool, StoreError> {
+        let path = self.location.file();
+        match fs::read(path) {
+            Ok(bytes) => Ok(self.hash.as_ref() != Some(&hash_of(&bytes))),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            Err(source) => Err(StoreError::from_io("read", path, source)),
+        }
+    }
+
+    fn write(&mut self, document: &Document) -> Result<(), StoreError> {
+        let path = self.location.file();
+        let text =
+            document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+        let hash = hash_of(text.as_bytes());
+        let journal_path = self.location.journal();
+        let journal_io = |source| StoreError::from_io("write", &journal_path, source);
+        if self.hash.as_ref() != Some(&hash) || !path.exists() {
+            self.journal.announce(&hash).map_err(journal_io)?;
+            let io = |source| StoreError::from_io("write", path, source);
+            let backup = self.location.backup();
+            keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
+            write_atomically(path, text.as_bytes()).map_err(io)?;
+            self.hash = Some(hash.clone());
+        }
+        self.behind = false;
+        // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
+        self.journal.restart(&hash).map_err(journal_io)
+    }
+}
+
+impl Drop for Store {
+    fn drop(&mut self) {
+        let path = self.location.journal();
+        if !self.behind
+            && let Err(error) = fs::remove_file(&path)
+        {
+            log::warn!("{}: {error}", path.display());
+        }
+    }
+}
