@@ -14,7 +14,7 @@ pub(super) fn inform(context: &mut SolveContext, proposed: &Proposed, observatio
     let ptz = proposed.ptz.ptz();
     context.start = Some(ptz);
     let used = observations.iter().filter(|observation| !observation.check);
-    if used.map(|observation| observation.target.equations()).sum::<usize>() < ENOUGH_EQUATIONS {
+    if used.map(Observation::equations).sum::<usize>() < ENOUGH_EQUATIONS {
         context.prior = Some(PtzPrior { ptz, sigma_pan: FREE, sigma_tilt: FREE, sigma_focal_share: FOCAL_SHARE });
     }
 }

@@ -4,7 +4,7 @@
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Camera, Document, Frame, FramePtz, SolutionWarning};
 use crate::geometry::{ImagePoint, ImageSize};
-use crate::solve::{ClickResidual, Observation, SolveContext, Target, solve_frame};
+use crate::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 
 /// Points of the picture by which the lines are held, in each direction.
 const GRID: [u32; 2] = [7, 5];
@@ -52,12 +52,8 @@ fn refitted(before: &PtzCamera, base: &CameraBase, image_size: ImageSize) -> Opt
         .filter_map(|image| Some((image, before.plane_from_image(image, 0.0)?)))
         .filter(|(_, ground)| ground.norm() <= REACH_M)
         .enumerate()
-        .map(|(click, (image, ground))| Observation {
-            image,
-            sigma_px: SIGMA_PX * image_size.scale_from_1920(),
-            target: Target::Landmark(ground),
-            click,
-            check: false,
+        .map(|(click, (image, ground))| {
+            Observation::of_point(ground, image, SIGMA_PX * image_size.scale_from_1920(), click)
         })
         .collect();
     if observations.len() < FEWEST {

@@ -7,7 +7,7 @@ use super::{Cell, ExperimentOptions, Report, Table};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::score::quantile;
-use crate::solve::{Loss, Observation, Target, refine, solve_two_points};
+use crate::solve::{Loss, Observation, refine, solve_two_points};
 use crate::synthetic::Preset;
 use rand::RngExt;
 use rand::seq::index::sample;
@@ -224,13 +224,7 @@ fn by_two_points(base: &CameraBase, matches: &[Match], rng: &mut Pcg64Mcg) -> (O
         let observations: Vec<Observation> = agreeing
             .iter()
             .enumerate()
-            .map(|(click, seen)| Observation {
-                image: seen.image,
-                sigma_px: NOISE_PX,
-                target: Target::Landmark(seen.ground),
-                click,
-                check: false,
-            })
+            .map(|(click, seen)| Observation::of_point(seen.ground, seen.image, NOISE_PX, click))
             .collect();
         refine(base, camera.ptz(), &observations, Loss::default(), None).ptz
     });

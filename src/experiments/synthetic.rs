@@ -11,7 +11,7 @@ use super::{Cell, ExperimentOptions, Report, Table};
 use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::{Angle, Mat3, rotation};
 use crate::score::camera_error;
-use crate::solve::{Loss, Observation, Target, refine, solve_two_points};
+use crate::solve::{Loss, Observation, refine, solve_two_points};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -357,13 +357,7 @@ fn refined(base: &CameraBase, start: Ptz, seen: &[Sighting]) -> Ptz {
     let observations: Vec<Observation> = seen
         .iter()
         .enumerate()
-        .map(|(click, sighting)| Observation {
-            image: sighting.image,
-            sigma_px: 1.0,
-            target: Target::Landmark(sighting.world),
-            click,
-            check: false,
-        })
+        .map(|(click, sighting)| Observation::of_point(sighting.world, sighting.image, 1.0, click))
         .collect();
     refine(base, start, &observations, Loss::Squared, None).ptz
 }

@@ -5,6 +5,8 @@
 
 mod build;
 mod builtin;
+mod crown;
+mod element;
 mod error;
 mod expression;
 mod file;
@@ -17,6 +19,8 @@ mod template;
 mod variants;
 
 pub use builtin::{builtin, builtin_names, template_named};
+pub use crown::Crown;
+pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};

@@ -216,22 +216,6 @@ impl FieldModel {
         self.lines.iter().find(|line| line.id.as_str() == id)
     }
 
-    /// The ground's height at a place, m: z = −crown (2 y / width)² within the field, the touchline's height beyond.
-    #[must_use]
-    pub fn ground_z(&self, y_m: f64) -> f64 {
-        if self.crown_m == 0.0 {
-            return 0.0;
-        }
-        let across = (2.0 * y_m / self.width_m).clamp(-1.0, 1.0);
-        -self.crown_m * across * across
-    }
-
-    /// A nominal point where it really is: lifted onto the crowned ground.
-    #[must_use]
-    pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
-        Vec3::new(nominal_m.x, nominal_m.y, nominal_m.z + self.ground_z(nominal_m.y))
-    }
-
     /// A landmark's place in `world`, m, the crown included.
     #[must_use]
     pub fn landmark_in_world(&self, landmark: &Landmark) -> Vec3 {

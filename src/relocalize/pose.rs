@@ -7,7 +7,7 @@ use super::consensus::{Consensus, find_consensus};
 use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use crate::solve::{Loss, Observation, PtzRanges, Target, Uncertainty, refine_until};
+use crate::solve::{Loss, Observation, PtzRanges, Uncertainty, refine_until};
 use std::collections::BTreeSet;
 
 /// How a pose is looked for.
@@ -186,8 +186,7 @@ pub(super) fn observed(
     features
         .filter_map(|feature| {
             let (_, ray) = matches.nearest(camera, feature)?;
-            let target = Target::Landmark(ray);
-            Some(Observation { image: matches.point(feature), sigma_px, target, click: feature, check: false })
+            Some(Observation::of_point(ray, matches.point(feature), sigma_px, feature))
         })
         .collect()
 }

@@ -138,7 +138,7 @@ impl Offscreen {
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(RenderError::BadSize { width, height, limit });
         }
-        let target = Target::new(&self.device, width, height);
+        let target = ReadbackTexture::new(&self.device, width, height);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         self.renderer.prepare(&self.device, &self.queue, &mut encoder, CANVAS, view, layers);
         target.draw(&mut encoder, &self.renderer, CANVAS, background);
@@ -154,13 +154,13 @@ impl Offscreen {
 }
 
 /// A texture to draw on, and a buffer through which it comes back.
-struct Target {
+struct ReadbackTexture {
     texture: wgpu::Texture,
     buffer: wgpu::Buffer,
     bytes_per_row: u32,
 }
 
-impl Target {
+impl ReadbackTexture {
     fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
         let texture = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("off-screen"),
@@ -253,7 +253,7 @@ mod tests {
         }
         let targets = [1, 2].map(|canvas| {
             let [width, height] = views[canvas - 1].size_px;
-            let target = Target::new(device, width, height);
+            let target = ReadbackTexture::new(device, width, height);
             target.draw(&mut encoder, renderer, CanvasId(canvas as u64), Colour::rgb(0, 0, 0));
             target
         });

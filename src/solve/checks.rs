@@ -1,7 +1,7 @@
 //! What a person should look at before trusting a solved frame, in words with numbers.
 
 use super::frame::SAME_FIT;
-use super::{FrameSolution, Observation, SolveContext, Target, Warning, WarningCode};
+use super::{FrameSolution, Observation, SolveContext, Warning, WarningCode};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, Vec2};
 
@@ -149,7 +149,7 @@ fn separation(
     if corner <= WARN_CORNER_SIGMA_PX * scale || separation_px >= GOOD_SEPARATION_PX * scale {
         return None;
     }
-    let landmarks = || used.iter().filter(|observation| matches!(observation.target, Target::Landmark(_)));
+    let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
     let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
     let cost =
         format!("Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.", short(corner));

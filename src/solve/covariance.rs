@@ -12,11 +12,10 @@
 //! the overlay goes on using: the lines then miss the very points that were clicked (with 0.5 m of base error by 8–16 px
 //! instead of 3–6), so it is not done.
 
-use super::line::line_residual;
-use super::{Observation, PtzPrior, SolveError, Target};
+use super::{Observation, PtzPrior, SolveError};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use nalgebra::{Matrix2, Matrix3x6, SMatrix, Vector6};
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Matrix3x6, Vector6};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
@@ -44,22 +43,11 @@ impl Uncertainty {
         let mut information = Mat3::zeros();
         let mut cross = Matrix3x6::zeros();
         if let Some(prior) = prior {
-            let whitening = prior.whitening(camera.ptz().focal_px);
-            information += whitening * whitening;
+            information += prior.information(camera.ptz().focal_px);
         }
         for observation in observations {
-            let weight = observation.sigma_px.powi(-2);
-            match observation.target {
-                Target::Landmark(at) => {
-                    if let Ok(here) = camera.image_from_world_jacobian(at) {
-                        add(&mut information, &mut cross, &here.by_ptz, &here.by_base, weight);
-                    }
-                }
-                Target::Line(curve) => {
-                    if let Some(here) = line_residual(camera, &curve, observation.image) {
-                        add(&mut information, &mut cross, &here.by_ptz, &here.by_base, weight);
-                    }
-                }
+            if let Some(here) = observation.shape.jacobian(camera, observation.image) {
+                add(&mut information, &mut cross, &here.by_ptz, &here.by_base, observation.sigma_px.powi(-2));
             }
         }
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
@@ -90,16 +78,8 @@ impl Uncertainty {
         }
         let base_sigma = nalgebra::Matrix6::from_diagonal(&self.base_sigma);
         let share = |observation: &Observation| {
-            let squares = match observation.target {
-                Target::Landmark(at) => {
-                    let here = camera.image_from_world_jacobian(at).ok()?;
-                    ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared()
-                }
-                Target::Line(curve) => {
-                    let here = line_residual(camera, &curve, observation.image)?;
-                    ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared()
-                }
-            };
+            let here = observation.shape.jacobian(camera, observation.image)?;
+            let squares = ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared();
             Some(squares / (observation.sigma_px * observation.sigma_px))
         };
         observations.iter().filter_map(share).sum()
@@ -168,11 +148,11 @@ fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
 }
 
 /// Adds the rows of one click to Jᵀ W J and Jᵀ W `J_b`.
-fn add<const ROWS: usize>(
+fn add(
     information: &mut Mat3,
     cross: &mut Matrix3x6<f64>,
-    by_ptz: &SMatrix<f64, ROWS, 3>,
-    by_base: &SMatrix<f64, ROWS, 6>,
+    by_ptz: &Matrix2x3<f64>,
+    by_base: &Matrix2x6<f64>,
     weight: f64,
 ) {
     let weighted = by_ptz.transpose() * weight;

@@ -1,12 +1,12 @@
 //! One frame: its clicks and a known base give pan, tilt and focal length.
 
-use super::line::line_residual;
-use super::refine::{distance_px, refine, squared_sigmas};
+use super::refine::{refine, squared_sigmas};
+use super::shape::ShapeJacobian;
 use super::starts::{camera_distance, starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
     Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, PtzStep, SolveContext, SolveError,
-    Target, Uncertainty, checks,
+    Uncertainty, checks,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
@@ -48,7 +48,7 @@ pub fn solve_frame(
         .map(|(observation, _)| *observation)
         .collect();
     let prior_equations = if context.prior.is_some() { 3 } else { 0 };
-    let equations = prior_equations + seen.iter().map(|observation| observation.target.equations()).sum::<usize>();
+    let equations = prior_equations + seen.iter().map(Observation::equations).sum::<usize>();
     if equations < 3 {
         let unseen = residuals.iter().find(|residual| residual.offset_px.is_none());
         return Err(match unseen {
@@ -84,7 +84,7 @@ pub fn solve_frame(
 
 /// The best camera for clicks that are known to be valid; none if there is none.
 pub(super) fn best_fit(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Option<Candidate> {
-    let equations: usize = used.iter().map(|observation| observation.target.equations()).sum();
+    let equations: usize = used.iter().map(Observation::equations).sum();
     let fits = if equations >= 3 { candidates(base, used, context).ok()? } else { return None };
     Some(choose(fits, context)?.0)
 }
@@ -97,17 +97,14 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
     let ImageSize { width, height } = context.image_size;
     for observation in used {
         let (click, image) = (observation.click, observation.image);
-        let finite_target = match observation.target {
-            Target::Landmark(at) => at.iter().all(|x| x.is_finite()),
-            Target::Line(curve) => curve.at(0.5).at.iter().all(|x| x.is_finite()),
-        };
-        if !(image.is_finite() && observation.sigma_px > 0.0 && observation.sigma_px.is_finite() && finite_target) {
+        let finite_sigma = observation.sigma_px > 0.0 && observation.sigma_px.is_finite();
+        if !(image.is_finite() && finite_sigma && observation.shape.is_finite()) {
             return Err(SolveError::NotFinite { click });
         }
         if !context.image_size.contains(image) {
             return Err(SolveError::OutsideFrame { click, x: image.x, y: image.y, width, height });
         }
-        if let Target::Landmark(at) = observation.target {
+        if let Some(at) = observation.shape.point() {
             let distance_m = (at - base.position_m).norm();
             if !(distance_m > MIN_DISTANCE_M) {
                 return Err(SolveError::AtCamera { click, distance_m });
@@ -117,7 +114,7 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
     if let Some(click) = behind_the_other(base, used) {
         return Err(SolveError::BehindCamera { click });
     }
-    let equations: usize = used.iter().map(|observation| observation.target.equations()).sum();
+    let equations: usize = used.iter().map(Observation::equations).sum();
     if equations + if context.prior.is_some() { 3 } else { 0 } < 3 || used.is_empty() {
         return Err(SolveError::TooFewObservations { equations });
     }
@@ -128,8 +125,8 @@ fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> 
 /// where the base looks.
 fn behind_the_other(base: &CameraBase, used: &[Observation]) -> Option<usize> {
     let [one, two] = used else { return None };
-    let (Target::Landmark(at_one), Target::Landmark(at_two)) = (one.target, two.target) else { return None };
-    let [ray_one, ray_two] = [at_one, at_two].map(|at| base.base_from_world_point(at).normalize());
+    let [ray_one, ray_two] =
+        [one.shape.point()?, two.shape.point()?].map(|at| base.base_from_world_point(at).normalize());
     // Opposite rays have their own error.
     let opposite = ray_one.cross(&ray_two).norm().asin().to_degrees() < MIN_RAY_ANGLE_DEG;
     (ray_one.dot(&ray_two) < 0.0 && !opposite).then_some(if ray_one.z < ray_two.z { one.click } else { two.click })
@@ -182,7 +179,7 @@ fn fit(base: &CameraBase, ptz: Ptz, cost: f64, used: &[Observation], context: &S
     let camera = PtzCamera::new(*base, ptz);
     let (mut squares, mut seen, mut chi_squared) = (0.0, 0u32, 0.0);
     for observation in used {
-        let distance_px = distance_px(&camera, observation);
+        let distance_px = observation.distance_px(&camera);
         chi_squared += squared_sigmas(distance_px, observation.sigma_px);
         if let Some(distance_px) = distance_px {
             squares += distance_px * distance_px;
@@ -219,38 +216,27 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
 
 /// Where a click lies as seen from what it shows.
 fn residual(camera: &PtzCamera, observation: &Observation) -> ClickResidual {
-    let offset_px = match observation.target {
-        Target::Landmark(at) => {
-            camera.image_from_world(at).ok().map(|projected| observation.image.offset_from(projected))
-        }
-        Target::Line(curve) => line_residual(camera, &curve, observation.image).map(|here| here.offset_px),
-    };
+    let offset_px = observation.shape.offset_px(camera, observation.image);
     ClickResidual { click: observation.click, offset_px, sigma_px: observation.sigma_px }
 }
 
 /// A held-out click against what the solution predicts for it.
 fn check(camera: &PtzCamera, uncertainty: &Uncertainty, observation: &Observation) -> CheckResult {
-    let noise = observation.sigma_px * observation.sigma_px;
-    let found = match observation.target {
-        Target::Landmark(at) => camera.image_from_world(at).ok().and_then(|projected| {
-            let offset = observation.image.offset_from(projected);
-            let covariance = uncertainty.overlay_at_world(camera, at)? + Matrix2::identity() * noise;
-            Some((offset.norm(), offset.dot(&(covariance.try_inverse()? * offset)).sqrt()))
-        }),
-        Target::Line(curve) => line_residual(camera, &curve, observation.image).and_then(|here| {
-            let covariance = uncertainty.overlay_at_world(camera, here.nearest_in_world)?;
-            let across = here.across;
-            let variance = across.dot(&(covariance * across)) + noise;
-            Some((here.distance_px.abs(), here.distance_px.abs() / variance.sqrt()))
-        }),
+    let here = observation.shape.jacobian(camera, observation.image);
+    let z_score = |here: &ShapeJacobian| {
+        let overlay = uncertainty.overlay_at_world(camera, here.nearest_in_world)?;
+        let noise = Matrix2::identity() * (observation.sigma_px * observation.sigma_px);
+        let covariance = here.by_image * overlay * here.by_image.transpose() + noise;
+        Some(here.value_px.dot(&(covariance.try_inverse()? * here.value_px)).sqrt())
     };
+    let found = here.and_then(|here| Some((here.value_px.norm(), z_score(&here)?)));
     let (error_px, z_score) = found.unzip();
     CheckResult { click: observation.click, error_px, z_score }
 }
 
 /// The largest distance between two landmark clicks, px.
 fn separation_px(used: &[Observation]) -> Option<f64> {
-    let landmarks = || used.iter().filter(|observation| matches!(observation.target, Target::Landmark(_)));
+    let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
     let pairs = landmarks()
         .enumerate()
         .flat_map(|(i, one)| landmarks().skip(i + 1).map(move |two| one.image.distance_px(two.image)));

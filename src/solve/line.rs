@@ -1,67 +1,19 @@
-//! The distance of a click from a projected line, circle or arc, and its derivatives.
+//! The point of a projected line, circle or arc that is nearest to a click.
 //!
-//! The nearest point of the projected curve is found with distortion and crown in it, so the residual is exact. Because
-//! the offset from the nearest point is perpendicular to the curve, a small motion of that point along the curve changes
-//! nothing: the derivative of the signed distance n · (click − p) is −n · ∂p/∂(parameters) at the nearest point.
+//! It is found with distortion and crown in it, so the residual is exact. Because the offset from the nearest point is
+//! perpendicular to the curve, a small motion of that point along the curve changes nothing: the derivative of the signed
+//! distance n · (click − p) is −n · ∂p/∂(parameters) at the nearest point.
 
-use super::observation::{CurvePoint, WorldCurve};
+use super::world_curve::{CurvePoint, WorldCurve};
 use crate::camera::PtzCamera;
 use crate::field::Curve;
-use crate::geometry::{ImagePoint, Vec2, Vec3};
-use nalgebra::{Matrix1x3, Matrix1x6};
-
-/// A click against a projected curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct LineResidual {
-    /// From the nearest point of the projected curve to the click, px.
-    pub offset_px: Vec2,
-    /// The unit normal of the projected curve, to its left.
-    pub across: Vec2,
-    /// The signed length of the offset; positive on the left of the curve's direction as the picture shows it (y down).
-    pub distance_px: f64,
-    /// By pan (px/rad), tilt (px/rad), focal length (px/px).
-    pub by_ptz: Matrix1x3<f64>,
-    /// By position (px/m) and a rotation vector in `world` (px/rad) of the base.
-    pub by_base: Matrix1x6<f64>,
-    /// By k₁ alone, px.
-    pub by_k1: f64,
-    /// By the nearest world point, px/m.
-    pub by_world: Matrix1x3<f64>,
-    /// The nearest point of the curve, `world`, m.
-    pub nearest_in_world: Vec3,
-}
-
-/// A click against a projected curve; none where no part of the curve near the click has an image.
-pub(crate) fn line_residual(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> Option<LineResidual> {
-    let nearest = nearest_point(camera, curve, click)?;
-    let here = camera.image_from_world_jacobian(nearest.curve.at).ok()?;
-    let along = nearest.image.first;
-    let normal = Vec2::new(along.y, -along.x) / along.norm();
-    let offset_px = click.offset_from(here.point);
-    let towards = -normal.transpose();
-    Some(LineResidual {
-        offset_px,
-        across: normal,
-        distance_px: normal.dot(&offset_px),
-        by_ptz: towards * here.by_ptz,
-        by_base: towards * here.by_base,
-        by_k1: -normal.dot(&here.by_k1),
-        by_world: towards * here.by_world,
-        nearest_in_world: nearest.curve.at,
-    })
-}
-
-/// The signed distance alone (see [`LineResidual::distance_px`]).
-pub(crate) fn line_distance_px(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> Option<f64> {
-    let nearest = nearest_point(camera, curve, click)?;
-    let along = nearest.image.first;
-    let offset = click.offset_from(nearest.image.at);
-    Some(Vec2::new(along.y, -along.x).dot(&offset) / along.norm())
-}
+use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
+use nalgebra::Matrix2;
 
 /// A point of a curve in the world and in the picture.
 #[derive(Clone, Copy)]
-struct Nearest {
+pub(super) struct Nearest {
+    parameter: f64,
     curve: CurvePoint,
     image: ImageCurvePoint,
 }
@@ -74,9 +26,44 @@ struct ImageCurvePoint {
     second: Vec2,
 }
 
+impl Nearest {
+    /// The point, `world`, m.
+    pub const fn in_world(&self) -> Vec3 {
+        self.curve.at
+    }
+
+    /// The curve's parameter there.
+    pub const fn parameter(&self) -> f64 {
+        self.parameter
+    }
+
+    /// From the point's image to a click, px.
+    pub fn offset_to(&self, click: ImagePoint) -> Vec2 {
+        click.offset_from(self.image.at)
+    }
+
+    /// The signed distance of the click from the projected curve, px; positive on the left of the curve's direction as the
+    /// picture shows it (y down).
+    pub fn distance_px(&self, click: ImagePoint) -> f64 {
+        self.normal().dot(&self.offset_to(click))
+    }
+
+    /// The derivative of (signed distance, 0) by the point's image, px/px.
+    pub fn by_image(&self) -> Matrix2<f64> {
+        let normal = self.normal();
+        Matrix2::new(-normal.x, -normal.y, 0.0, 0.0)
+    }
+
+    /// The unit normal of the projected curve, to its left.
+    fn normal(&self) -> Vec2 {
+        let along = self.image.first;
+        Vec2::new(along.y, -along.x) / along.norm()
+    }
+}
+
 /// The point of the projected curve nearest to a click: the best of evenly spaced samples, then Newton on
 /// (p(t) − click) · p'(t) = 0, halving steps that lead away.
-fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> Option<Nearest> {
+pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> Option<Nearest> {
     const SEGMENT_SAMPLES: u32 = 8;
     const ARC_SAMPLES: u32 = 24;
     const STEPS: usize = 40;
@@ -88,16 +75,16 @@ fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> O
         Curve::Segment { .. } => SEGMENT_SAMPLES,
         Curve::Arc { .. } => ARC_SAMPLES,
     };
-    let mut best: Option<(f64, f64, Nearest)> = None;
+    let mut best: Option<(f64, Nearest)> = None;
     for sample in 0..=samples {
         let t = f64::from(sample) / f64::from(samples);
         let Some(here) = projection.at(curve, t) else { continue };
         let distance = here.image.at.distance_px(click);
-        if best.is_none_or(|(_, least, _)| distance < least) {
-            best = Some((t, distance, here));
+        if best.is_none_or(|(least, _)| distance < least) {
+            best = Some((distance, here));
         }
     }
-    let (mut t, mut distance, mut nearest) = best?;
+    let (mut distance, mut nearest) = best?;
     for _ in 0..STEPS {
         let ImageCurvePoint { at, first, second } = nearest.image;
         let offset = at.offset_from(click);
@@ -110,10 +97,10 @@ fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> O
         }
         let mut moved = false;
         while step.abs() * speed_squared.sqrt() > ENOUGH_PX {
-            if let Some(next) = projection.at(curve, t + step) {
+            if let Some(next) = projection.at(curve, nearest.parameter + step) {
                 let next_distance = next.image.at.distance_px(click);
                 if next_distance <= distance {
-                    (t, distance, nearest, moved) = (t + step, next_distance, next, true);
+                    (distance, nearest, moved) = (next_distance, next, true);
                     break;
                 }
             }
@@ -129,7 +116,7 @@ fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: ImagePoint) -> O
 /// Projects points of curves with their first and second derivatives.
 struct CurveProjection<'a> {
     camera: &'a PtzCamera,
-    cam_from_world: crate::geometry::Mat3,
+    cam_from_world: Mat3,
 }
 
 impl<'a> CurveProjection<'a> {
@@ -153,7 +140,7 @@ impl<'a> CurveProjection<'a> {
         let focal_px = self.camera.ptz().focal_px;
         let first = (ideal1 * stretch + ideal * stretch1) * focal_px;
         let second = (ideal2 * stretch + ideal1 * (2.0 * stretch1) + ideal * stretch2) * focal_px;
-        Some(Nearest { curve, image: ImageCurvePoint { at, first, second } })
+        Some(Nearest { parameter: t, curve, image: ImageCurvePoint { at, first, second } })
     }
 }
 
@@ -163,7 +150,6 @@ mod tests {
     use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use crate::field::FieldModel;
     use crate::geometry::Angle;
-    use crate::geometry::rotation::from_rotation_vector;
 
     fn field(crown_m: f64) -> FieldModel {
         FieldModel {
@@ -206,16 +192,15 @@ mod tests {
         let camera = PtzCamera::new(base(), PTZ);
         for curve in curves() {
             for click in [[700.0, 300.0], [1020.0, 700.0], [1300.0, 450.0], [950.0, 480.0]].map(ImagePoint::from) {
-                let found = line_residual(&camera, &curve, click).unwrap();
-                assert!((found.distance_px.abs() - found.offset_px.norm()).abs() < 1e-6, "not perpendicular");
+                let found = nearest_point(&camera, &curve, click).unwrap();
+                let distance_px = found.distance_px(click).abs();
+                assert!((distance_px - found.offset_to(click).norm()).abs() < 1e-6, "not perpendicular");
                 let projection = CurveProjection::new(&camera);
                 let least = (-5000..15_000)
                     .filter_map(|step| projection.at(&curve, f64::from(step) / 10_000.0))
                     .map(|point| point.image.at.distance_px(click))
                     .fold(f64::INFINITY, f64::min);
-                assert!(found.distance_px.abs() <= least + 1e-9, "{} vs {least}", found.distance_px);
-                let alone = line_distance_px(&camera, &curve, click).unwrap();
-                assert!((found.distance_px - alone).abs() < 1e-9);
+                assert!(distance_px <= least + 1e-9, "{distance_px} vs {least}");
             }
         }
     }
@@ -225,49 +210,10 @@ mod tests {
         let camera = PtzCamera::new(base(), PTZ);
         let halfway = curves()[0];
         let on = camera.image_from_world(halfway.at(0.4).at).unwrap();
-        assert!(line_distance_px(&camera, &halfway, on).unwrap().abs() < 1e-9);
+        let distance_px = |click: ImagePoint| nearest_point(&camera, &halfway, click).unwrap().distance_px(click);
+        assert!(distance_px(on).abs() < 1e-9);
         // The halfway line runs away from the camera, up the picture; its left is the picture's left.
-        let left = line_distance_px(&camera, &halfway, on.moved(Vec2::new(-5.0, 0.0))).unwrap();
+        let left = distance_px(on.moved(Vec2::new(-5.0, 0.0)));
         assert!(left > 4.5, "{left}");
-    }
-
-    #[test]
-    fn derivatives_agree_with_central_differences() {
-        let difference = |f: &dyn Fn(f64) -> f64, h: f64| (f(h) - f(-h)) / (2.0 * h);
-        for curve in curves() {
-            for click in [ImagePoint::new(890.0, 420.0), ImagePoint::new(1100.0, 560.0)] {
-                let at =
-                    |base: CameraBase, ptz: Ptz| line_distance_px(&PtzCamera::new(base, ptz), &curve, click).unwrap();
-                let here = line_residual(&PtzCamera::new(base(), PTZ), &curve, click).unwrap();
-                let radians = Angle::from_radians;
-                let numeric = [
-                    difference(&|h| at(base(), Ptz { pan: PTZ.pan + radians(h), ..PTZ }), 1e-6),
-                    difference(&|h| at(base(), Ptz { tilt: PTZ.tilt + radians(h), ..PTZ }), 1e-6),
-                    difference(&|h| at(base(), Ptz { focal_px: PTZ.focal_px + h, ..PTZ }), 1e-3),
-                ];
-                for (column, numeric) in numeric.into_iter().enumerate() {
-                    let error = (here.by_ptz[column] - numeric).abs();
-                    assert!(error < 1e-5 * (1.0 + numeric.abs()), "ptz {column}: {error}");
-                }
-                for axis in 0..3 {
-                    let unit = Vec3::ith(axis, 1.0);
-                    let shifted = |h: f64| CameraBase { position_m: base().position_m + unit * h, ..base() };
-                    let turned = |h: f64| CameraBase {
-                        base_from_world: base().base_from_world * from_rotation_vector(unit * h),
-                        ..base()
-                    };
-                    let position = difference(&|h| at(shifted(h), PTZ), 1e-4);
-                    let rotation = difference(&|h| at(turned(h), PTZ), 1e-6);
-                    assert!((here.by_base[axis] - position).abs() < 1e-5 * (1.0 + position.abs()));
-                    assert!((here.by_base[3 + axis] - rotation).abs() < 1e-5 * (1.0 + rotation.abs()));
-                }
-                let lens = |h: f64| CameraBase {
-                    distortion: FocalCurve { value: base().distortion.value + h, ..base().distortion },
-                    ..base()
-                };
-                let by_k1 = difference(&|h| at(lens(h), PTZ), 1e-5);
-                assert!((here.by_k1 - by_k1).abs() < 1e-5 * (1.0 + by_k1.abs()), "{} {by_k1}", here.by_k1);
-            }
-        }
     }
 }

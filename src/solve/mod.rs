@@ -1,6 +1,7 @@
 //! From observations to parameters: one problem a file.
 //!
-//! [`Observation`] says what a click shows: a landmark, or a line on which it lies. [`FrameSolution`] is what a frame's
+//! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
+//! measured are [`residual::Residual`]s, and everything that is fitted goes through [`least_squares::minimise`]. [`FrameSolution`] is what a frame's
 //! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
 
 pub mod base;
@@ -10,29 +11,39 @@ mod error;
 mod frame;
 mod habits;
 mod identity;
+mod least_squares;
 mod line;
+mod loss;
 mod observation;
 mod one_point;
 mod plane_pose;
+mod prior;
 mod refine;
+mod residual;
+mod shape;
 mod solution;
 mod starts;
 mod two_point;
 mod verdict;
 mod warning;
+mod world_curve;
 
 pub use covariance::Uncertainty;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
 pub use habits::{Habits, Motion, PtzStep};
 pub use identity::{Evidence, IdentityFinding, IdentityKind, Name, Rename, check_identity};
-pub use observation::{Observation, Target, WorldCurve};
+pub use loss::Loss;
+pub use observation::Observation;
 pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
 pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
-pub use refine::{Refined, distance_px, refine, refine_until};
-pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, Loss, PtzPrior, PtzRanges, SolveContext};
+pub use prior::PtzPrior;
+pub use refine::{Refined, refine, refine_until};
+pub use shape::ObservedShape;
+pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, PtzRanges, SolveContext};
 pub use two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
 };
 pub use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX, Judgement, Verdict, WRONG_MISFIT, judge};
 pub use warning::{UnknownWarningCode, Warning, WarningCode};
+pub use world_curve::WorldCurve;

@@ -1,45 +1,36 @@
 //! What a click says: this pixel shows that landmark, or a point of that line.
 
-use super::ObservationError;
-use crate::field::{Curve, FieldModel};
-use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use super::residual::{Linearised, Residual};
+use super::{ObservationError, ObservedShape};
+use crate::camera::PtzCamera;
+use crate::field::{FieldElement, FieldModel};
+use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
+use nalgebra::SMatrix;
 
-/// One click, ready for solving: the pixel, what it shows in `world`, and how well it is known.
+/// One click, ready for solving: the pixel, what it shows and where that lies in `world`, and how well it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Observation {
     /// The clicked pixel, px of the frame.
     pub image: ImagePoint,
     /// 1-σ of the click in each direction, px of the frame.
     pub sigma_px: f64,
-    /// What it shows.
-    pub target: Target,
+    /// Which landmark or line of the field it shows; none where it shows something else, such as a feature of the stadium.
+    pub element: Option<FieldElement>,
+    /// Where that lies.
+    pub shape: ObservedShape,
     /// Which of the frame's clicks this is, from 0.
     pub click: usize,
     /// Held out of the solve; its error is reported.
     pub check: bool,
 }
 
-/// What a click shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Target {
-    /// A point of `world`, m, the crown included: two equations.
-    Landmark(Vec3),
-    /// Some point of a curve: one equation. Straight lines count beyond their ends, arcs as their whole circle.
-    Line(WorldCurve),
-}
-
-impl Target {
-    /// How many equations a click on it gives.
-    #[must_use]
-    pub const fn equations(&self) -> usize {
-        match self {
-            Self::Landmark(_) => 2,
-            Self::Line(_) => 1,
-        }
-    }
-}
-
 impl Observation {
+    /// A pixel that shows a point of `world`, m, which is no landmark of a field.
+    #[must_use]
+    pub const fn of_point(at: Vec3, image: ImagePoint, sigma_px: f64, click: usize) -> Self {
+        Self { image, sigma_px, element: None, shape: ObservedShape::Point(at), click, check: false }
+    }
+
     /// A click on a landmark of the field, with the landmark's own click noise scaled to the frame.
     ///
     /// # Errors
@@ -51,17 +42,12 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let landmark = field.landmark(name).ok_or_else(|| ObservationError::UnknownLandmark {
-            name: name.to_owned(),
-            template: field.template.clone(),
-        })?;
-        Ok(Self {
-            image,
-            sigma_px: landmark.click_sigma_px * image_size.scale_from_1920(),
-            target: Target::Landmark(field.landmark_in_world(landmark)),
-            click,
-            check: false,
-        })
+        let unknown = || ObservationError::UnknownLandmark { name: name.to_owned(), template: field.template.clone() };
+        let landmark = field.landmark(name).ok_or_else(unknown)?;
+        let element = field.landmark_element(name).ok_or_else(unknown)?;
+        Self::of_point(Vec3::zeros(), image, landmark.click_sigma_px * image_size.scale_from_1920(), click)
+            .renamed(field, element)
+            .ok_or_else(unknown)
     }
 
     /// A click on a line of the field.
@@ -75,16 +61,24 @@ impl Observation {
         image_size: ImageSize,
         click: usize,
     ) -> Result<Self, ObservationError> {
-        let line = field
-            .line(name)
-            .ok_or_else(|| ObservationError::UnknownLine { name: name.to_owned(), template: field.template.clone() })?;
-        Ok(Self {
-            image,
-            sigma_px: field.line_click_sigma_px * image_size.scale_from_1920(),
-            target: Target::Line(WorldCurve::on_field(field, line.curve)),
-            click,
-            check: false,
-        })
+        let unknown = || ObservationError::UnknownLine { name: name.to_owned(), template: field.template.clone() };
+        let element = field.line_element(name).ok_or_else(unknown)?;
+        Self::of_point(Vec3::zeros(), image, field.line_click_sigma_px * image_size.scale_from_1920(), click)
+            .renamed(field, element)
+            .ok_or_else(unknown)
+    }
+
+    /// The same click under another name, or on another size of its field; its noise stays. None if the field has no such
+    /// element.
+    #[must_use]
+    pub fn renamed(self, field: &FieldModel, element: FieldElement) -> Option<Self> {
+        Some(Self { element: Some(element), shape: ObservedShape::of_element(field, element)?, ..self })
+    }
+
+    /// The same click on the same field with another crown.
+    #[must_use]
+    pub(super) fn recrowned(&self, from: &FieldModel, to: &FieldModel) -> Self {
+        Self { shape: self.shape.recrowned(from.crown(), to.crown()), ..*self }
     }
 
     /// The same click, held out of the solve.
@@ -92,97 +86,42 @@ impl Observation {
     pub const fn held_out(self) -> Self {
         Self { check: true, ..self }
     }
-}
 
-/// A curve of the field where it really is: lifted onto the crowned ground.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldCurve {
-    /// The nominal curve, `world`, m.
-    nominal: Curve,
-    /// How much the middle is higher than the touchlines, m.
-    crown_m: f64,
-    /// The field's extent along y, m.
-    width_m: f64,
-}
-
-/// A point of a curve and its derivatives by the curve's parameter, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct CurvePoint {
-    pub at: Vec3,
-    pub first: Vec3,
-    pub second: Vec3,
-}
-
-impl WorldCurve {
-    /// A nominal curve of a field.
+    /// How many equations it gives.
     #[must_use]
-    pub const fn on_field(field: &FieldModel, nominal: Curve) -> Self {
-        Self { nominal, crown_m: field.crown_m, width_m: field.width_m }
+    pub const fn equations(&self) -> usize {
+        self.shape.equations()
     }
 
-    /// A curve on flat ground.
+    /// Its distance from what it shows, px; none where that has no image.
     #[must_use]
-    pub const fn flat(nominal: Curve) -> Self {
-        Self { nominal, crown_m: 0.0, width_m: 1.0 }
-    }
-
-    /// The nominal curve.
-    #[must_use]
-    pub const fn nominal(&self) -> &Curve {
-        &self.nominal
-    }
-
-    /// The same curve on ground with another crown.
-    #[must_use]
-    pub(super) const fn with_crown(self, crown_m: f64, width_m: f64) -> Self {
-        Self { crown_m, width_m, ..self }
-    }
-
-    /// The point at a parameter and its derivatives; the crown is z = −c (2y / width)² within the field.
-    pub(crate) fn at(&self, t: f64) -> CurvePoint {
-        let mut at = self.nominal.point_at(t);
-        let mut first = self.nominal.tangent_at(t);
-        let mut second = match self.nominal {
-            Curve::Segment { .. } => Vec3::zeros(),
-            Curve::Arc { centre, sweep, .. } => (centre - at) * sweep.radians().powi(2),
-        };
-        if self.crown_m != 0.0 {
-            let across = (2.0 * at.y / self.width_m).clamp(-1.0, 1.0);
-            at.z -= self.crown_m * across * across;
-            if across.abs() < 1.0 {
-                let slope = -8.0 * self.crown_m / (self.width_m * self.width_m);
-                second.z += slope * (first.y * first.y + (at.y) * second.y);
-                first.z += slope * at.y * first.y;
-            }
-        }
-        CurvePoint { at, first, second }
+    pub fn distance_px(&self, camera: &PtzCamera) -> Option<f64> {
+        self.shape.residual_px(camera, self.image).map(|residual| residual.norm())
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::Angle;
+/// A click in a frame of a known base.
+impl Residual<2, 0, 3> for Observation {
+    type State = PtzCamera;
 
-    #[test]
-    fn derivatives_of_curves_on_a_crowned_field_agree_with_differences() {
-        let segment = Curve::Segment { from: Vec3::new(-3.0, -30.0, 0.0), to: Vec3::new(10.0, 25.0, 0.0) };
-        let circle = Curve::Arc {
-            centre: Vec3::new(2.0, -5.0, 0.0),
-            radius_m: 9.15,
-            start: Angle::from_degrees(20.0),
-            sweep: Angle::from_degrees(-300.0),
-        };
-        for nominal in [segment, circle] {
-            let curve = WorldCurve { nominal, crown_m: 0.3, width_m: 68.0 };
-            for t in [0.0, 0.3, 0.77, 1.1] {
-                let (h, here) = (1e-5, curve.at(t));
-                let (before, after) = (curve.at(t - h), curve.at(t + h));
-                assert!((here.first - (after.at - before.at) / (2.0 * h)).norm() < 1e-6);
-                assert!((here.second - (after.first - before.first) / (2.0 * h)).norm() < 1e-5);
-                let ground = -0.3 * (here.at.y / 34.0).powi(2);
-                assert!((here.at.z - ground).abs() < 1e-12);
-            }
-        }
+    fn element(&self) -> Option<FieldElement> {
+        self.element
+    }
+
+    #[inline]
+    fn sigma(&self) -> f64 {
+        self.sigma_px
+    }
+
+    #[inline]
+    fn value(&self, camera: &PtzCamera) -> Option<Vec2> {
+        self.shape.residual_px(camera, self.image)
+    }
+
+    #[inline]
+    fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<2, 0, 3>> {
+        let (value, mut by_own) = self.shape.residual_by_ptz(camera, self.image)?;
+        by_own.column_mut(2).scale_mut(camera.ptz().focal_px);
+        Some(Linearised { value, by_shared: SMatrix::zeros(), by_own })
     }
 }

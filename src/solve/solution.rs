@@ -1,6 +1,6 @@
 //! What a solve is given beside the clicks, and what it gives back.
 
-use super::{Habits, IdentityFinding, PtzStep, Uncertainty, Warning, WarningCode};
+use super::{Habits, IdentityFinding, Loss, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::{Angle, ImageSize, Mat3, Vec2};
 use std::ops::RangeInclusive;
@@ -27,19 +27,6 @@ pub struct SolveContext {
     pub prior: Option<PtzPrior>,
 }
 
-/// Pan, tilt and focal length known beforehand, each with its 1-σ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PtzPrior {
-    /// What is expected.
-    pub ptz: Ptz,
-    /// 1-σ of the pan.
-    pub sigma_pan: Angle,
-    /// 1-σ of the tilt.
-    pub sigma_tilt: Angle,
-    /// 1-σ of the focal length as a share of it.
-    pub sigma_focal_share: f64,
-}
-
 impl SolveContext {
     /// Nothing is known but the frame's size.
     #[must_use]
@@ -60,30 +47,6 @@ impl SolveContext {
     /// The camera that a tie is decided by: the start, else the nearest neighbour, else the prior.
     pub(super) fn expected(&self) -> Option<Ptz> {
         self.start.or(self.neighbours.first().copied()).or(self.prior.map(|prior| prior.ptz))
-    }
-}
-
-/// How a click's misfit counts, in multiples of its sigma.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Loss {
-    /// The square: best where all clicks are right.
-    Squared,
-    /// The square up to `k` sigmas, then linear: a wrong name pulls, but not without bound.
-    Huber {
-        /// Where the square ends, sigmas.
-        k: f64,
-    },
-    /// c² ln(1 + (z/c)²): far-off clicks hardly pull.
-    Cauchy {
-        /// Where the pull is strongest, sigmas.
-        c: f64,
-    },
-}
-
-impl Default for Loss {
-    /// Huber at 3 sigmas: efficiency 99 % on clean clicks.
-    fn default() -> Self {
-        Self::Huber { k: 3.0 }
     }
 }
 

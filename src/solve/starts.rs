@@ -1,10 +1,9 @@
 //! Where refinement starts: every camera that some of a frame's clicks determine by themselves.
 
-use super::line::line_distance_px;
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
 use super::two_point::{MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, solve_two_points};
-use super::{Loss, Observation, SolveContext, SolveError, Target};
+use super::{Loss, Observation, SolveContext, SolveError};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImagePoint, Vec3};
 
@@ -39,9 +38,9 @@ pub(super) fn starts(
 ) -> Result<Vec<Ptz>, SolveError> {
     let landmarks: Vec<LandmarkClick> = observations
         .iter()
-        .filter_map(|observation| match observation.target {
-            Target::Landmark(at) => Some(LandmarkClick { at, image: observation.image, click: observation.click }),
-            Target::Line(_) => None,
+        .filter_map(|observation| {
+            let Observation { image, click, .. } = *observation;
+            Some(LandmarkClick { at: observation.shape.point()?, image, click })
         })
         .collect();
     let known =
@@ -156,17 +155,8 @@ fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveC
             for tilt in angles(&context.ranges.tilt, step_deg.max(4.0) / 2.0) {
                 let ptz = Ptz { pan, tilt, focal_px };
                 let camera = PtzCamera::new(*base, ptz);
-                let mut score = 0.0;
-                for observation in observations {
-                    let Target::Line(curve) = observation.target else { continue };
-                    let distance = line_distance_px(&camera, &curve, observation.image);
-                    let Some(distance) = distance else {
-                        score = f64::INFINITY;
-                        break;
-                    };
-                    score += distance.abs();
-                }
-                if score.is_finite() {
+                let distances = observations.iter().map(|observation| observation.distance_px(&camera));
+                if let Some(score) = distances.sum::<Option<f64>>() {
                     scored.push((score, ptz));
                 }
             }

@@ -9,7 +9,7 @@ use touchline::geometry::{ImageSize, Vec3};
 use touchline::solve::base::{
     AdjustOptions, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
 };
-use touchline::solve::{Observation, SolveContext, Target, Uncertainty, check_identity, solve_frame, solve_two_points};
+use touchline::solve::{Observation, SolveContext, Uncertainty, check_identity, solve_frame, solve_two_points};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -47,11 +47,7 @@ fn clicks(camera: &PtzCamera, count: usize) -> Vec<Observation> {
 fn two_points_closed_form(bencher: Bencher, k1: f64) {
     let camera = camera(k1);
     let clicks = clicks(&camera, 2);
-    let points = clicks.iter().map(|click| match click.target {
-        Target::Landmark(at) => at,
-        Target::Line(_) => unreachable!("all are landmarks"),
-    });
-    let points: Vec<Vec3> = points.collect();
+    let points: Vec<Vec3> = clicks.iter().filter_map(|click| click.shape.point()).collect();
     bencher.bench_local(|| {
         solve_two_points(
             black_box(camera.base()),
@@ -95,7 +91,8 @@ fn identity_of_a_swap(bencher: Bencher, count: usize) {
     let camera = camera(-0.06);
     let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap();
     let mut clicks = clicks(&camera, count);
-    (clicks[1].target, clicks[2].target) = (clicks[2].target, clicks[1].target);
+    let [one, two] = [clicks[1].element, clicks[2].element].map(Option::unwrap);
+    (clicks[1], clicks[2]) = (clicks[1].renamed(&field, two).unwrap(), clicks[2].renamed(&field, one).unwrap());
     let context = SolveContext::new(SIZE);
     let solution = solve_frame(camera.base(), &clicks, &context).unwrap();
     bencher.bench_local(|| check_identity(camera.base(), &field, black_box(&clicks), &solution, &context).unwrap());

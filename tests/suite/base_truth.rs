@@ -10,10 +10,10 @@ use std::sync::Mutex;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline::solve::Observation;
 use touchline::solve::base::{
     BaseError, BaseOptions, BaseProgress, CrownModel, FrameClicks, LensModel, estimate_base, estimate_base_watched,
 };
-use touchline::solve::{Observation, Target};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -124,7 +124,7 @@ fn bound_m(base: CameraBase, field: &FieldModel, frames: &[FrameClicks], truth: 
         let (mut shared, mut own) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 3, 3>::zeros());
         let mut cross = SMatrix::<f64, 5, 3>::zeros();
         for click in &frame.observations {
-            let Target::Landmark(at) = click.target else { continue };
+            let Some(at) = click.shape.point() else { continue };
             assert_eq!(at.z, 0.0, "{}", field.template);
             let here = camera.image_from_world_jacobian(at).unwrap();
             let (by_base, weight) = (here.by_base.fixed_columns::<5>(0), click.sigma_px.powi(-2));
@@ -222,7 +222,7 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let (many, _) = frames(base, &field, 8, 40, 1.0, &mut rng);
-    let on_halfway_line = |click: &Observation| matches!(click.target, Target::Landmark(at) if at.x == 0.0);
+    let on_halfway_line = |click: &Observation| click.shape.point().is_some_and(|at| at.x == 0.0);
     let mut one_line = many.clone();
     for frame in &mut one_line {
         frame.observations.retain(on_halfway_line);

@@ -5,11 +5,11 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline::field::{FieldModel, Symmetry, builtin};
+use touchline::field::{FieldElement, FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
 use touchline::solve::{
     Evidence, FrameSolution, Habits, IdentityFinding, IdentityKind, Motion, Name, Observation, PtzRanges, PtzStep,
-    SolveContext, Target, Verdict, WarningCode, check_identity, judge, solve_frame,
+    SolveContext, Verdict, WarningCode, check_identity, judge, solve_frame,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -75,7 +75,7 @@ fn identify(field: &FieldModel, clicks: &[Observation]) -> Option<IdentityFindin
 }
 
 fn renamed(click: &Observation, field: &FieldModel, landmark: usize) -> Observation {
-    Observation { target: Target::Landmark(field.landmark_in_world(&field.landmarks[landmark])), ..*click }
+    click.renamed(field, FieldElement::Landmark(landmark)).unwrap()
 }
 
 /// Whether a finding gives every click its true name.
@@ -310,15 +310,9 @@ fn a_mirrored_frame_is_found() {
     let field = field();
     for symmetry in Symmetry::ALL {
         let (clicks, truth) = labels(&field, 9, &mut rng);
-        let twin = |index: usize| symmetry.landmark_twin(&field, &field.landmarks[index]).unwrap();
-        let wrong: Vec<Observation> = clicks
-            .iter()
-            .zip(&truth)
-            .map(|(click, index)| Observation {
-                target: Target::Landmark(field.landmark_in_world(twin(*index))),
-                ..*click
-            })
-            .collect();
+        let twin = |index: usize| FieldElement::Landmark(index).twin(symmetry, &field).unwrap();
+        let wrong: Vec<Observation> =
+            clicks.iter().zip(&truth).map(|(click, index)| click.renamed(&field, twin(*index)).unwrap()).collect();
         let finding = identify(&field, &wrong).unwrap();
         assert_eq!(finding.kind, IdentityKind::Mirrored(symmetry));
         assert!(

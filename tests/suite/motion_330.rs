@@ -77,16 +77,8 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
     let mut before: Option<Ptz> = None;
     for (ptz, clicks) in motion.iter().zip(&clicked) {
         let truth = PtzCamera::new(base, *ptz);
-        let pair: Vec<Observation> = farthest(clicks)
-            .iter()
-            .map(|click| {
-                let name = field
-                    .landmarks
-                    .iter()
-                    .find(|known| touchline::solve::Target::Landmark(known.nominal_m) == click.target);
-                Observation::of_landmark(&crowned, name.unwrap().id.as_str(), click.image, SIZE, click.click).unwrap()
-            })
-            .collect();
+        let pair: Vec<Observation> =
+            farthest(clicks).iter().map(|click| click.renamed(&crowned, click.element.unwrap()).unwrap()).collect();
         let context = SolveContext { neighbours: before.into_iter().collect(), ..SolveContext::new(SIZE) };
         let solved = solve_frame(&found.base, &pair, &context).unwrap();
         before = Some(solved.ptz);

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
-use touchline::solve::{Observation, SolveContext, Target, focal_from_two_rays, solve_frame};
+use touchline::solve::{Observation, SolveContext, focal_from_two_rays, solve_frame};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -112,13 +112,7 @@ fn what_the_separation_of_two_clicks_is_worth() {
                     let inside = |x: f64, upto: u32| x.clamp(0.0, f64::from(upto));
                     let image = exact.moved(noise);
                     let image = ImagePoint::new(inside(image.x, SIZE.width), inside(image.y, SIZE.height));
-                    Observation {
-                        image,
-                        sigma_px: 1.0,
-                        target: Target::Landmark(far_behind(exact)),
-                        click: 0,
-                        check: false,
-                    }
+                    Observation::of_point(far_behind(exact), image, 1.0, 0)
                 });
                 let solution = solve_frame(truth.base(), &clicks, &context).unwrap();
                 let solved = PtzCamera::new(*truth.base(), solution.ptz);

@@ -11,7 +11,7 @@ use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
 use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
-use touchline::solve::{ClickResidual, Observation, SolveContext, Target, solve_frame};
+use touchline::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
@@ -97,7 +97,7 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
             let Some(fit) = fit else { continue };
             let camera = PtzCamera::new(found.base, fit.ptz);
             for click in touchline::calibrate::observations(frame, &field).unwrap() {
-                if let (true, Target::Landmark(at)) = (held(index, click.click), click.target) {
+                if let (true, Some(at)) = (held(index, click.click), click.shape.point()) {
                     errors.extend(camera.image_from_world(at).ok().map(|image| image.distance_px(click.image)));
                 }
             }

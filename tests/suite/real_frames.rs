@@ -6,7 +6,7 @@ use crate::data::shared_data;
 use std::path::Path;
 use touchline::camera::{CameraBase, PtzCamera};
 use touchline::document::Document;
-use touchline::solve::{Observation, SolveContext, Target, Verdict, judge, solve_frame};
+use touchline::solve::{Observation, SolveContext, Verdict, judge, solve_frame};
 
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
 
@@ -57,9 +57,9 @@ fn best_separated(clicks: &[Observation]) -> [Observation; 2] {
 /// Distances of clicks from where a camera puts them, px.
 fn errors<'a>(camera: &PtzCamera, clicks: impl Iterator<Item = &'a Observation>) -> Vec<f64> {
     clicks
-        .filter_map(|click| match click.target {
-            Target::Landmark(at) => Some(camera.image_from_world(at).ok()?.distance_px(click.image)),
-            Target::Line(_) => None,
+        .filter_map(|click| {
+            let at = click.shape.point()?;
+            Some(camera.image_from_world(at).ok()?.distance_px(click.image))
         })
         .collect()
 }

@@ -7,10 +7,10 @@ use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use std::path::Path;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline::field::{FieldModel, builtin};
+use touchline::field::{FieldElement, FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec2, Vec3};
 use touchline::solve::base::{BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
-use touchline::solve::{Observation, SolveContext, Target, solve_frame};
+use touchline::solve::{Observation, ObservedShape, SolveContext, solve_frame};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -183,9 +183,9 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                 let clicked: Vec<Observation> = clicks(&field, &camera, 4, &[], &mut rng)
                     .iter()
                     .map(|click| {
-                        let Target::Landmark(at) = click.target else { unreachable!() };
+                        let at = click.shape.point().unwrap();
                         let z = crowned.ground_z(at.y);
-                        Observation { target: Target::Landmark(Vec3::new(at.x, at.y, z)), ..*click }
+                        Observation { shape: ObservedShape::Point(Vec3::new(at.x, at.y, z)), ..*click }
                     })
                     .collect();
                 let Ok(solved) = solve_frame(&found.base, &clicked, &SolveContext::new(SIZE)) else { continue };
@@ -264,9 +264,9 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             };
             all.iter().enumerate().map(part).collect()
         };
-        let number = |click: &Observation| {
-            let Target::Landmark(at) = click.target else { return 0 };
-            field.landmarks.iter().position(|known| (field.landmark_in_world(known) - at).norm() < 1e-9).unwrap()
+        let number = |click: &Observation| match click.element.unwrap() {
+            FieldElement::Landmark(index) => index,
+            FieldElement::Line(_) => 0,
         };
         for (what, one, two) in [
             ("frames", kept(&|index, _| index % 2 == 0), kept(&|index, _| index % 2 == 1)),

@@ -8,7 +8,7 @@ use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzC
 use touchline::geometry::rotation::from_rotation_vector;
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::solve::{
-    Loss, Observation, PtzPrior, SolveContext, SolveError, Target, Verdict, WarningCode, judge, solve_frame,
+    Loss, Observation, ObservedShape, PtzPrior, SolveContext, SolveError, Verdict, WarningCode, judge, solve_frame,
     solve_two_points,
 };
 
@@ -51,7 +51,7 @@ fn world_behind(camera: &PtzCamera, pixel: ImagePoint) -> Vec3 {
 }
 
 fn landmark(at: Vec3, image: ImagePoint, click: usize) -> Observation {
-    Observation { image, sigma_px: 2.0, target: Target::Landmark(at), click, check: false }
+    Observation::of_point(at, image, 2.0, click)
 }
 
 fn exact_clicks(camera: &PtzCamera, pixels: &[ImagePoint]) -> Vec<Observation> {
@@ -96,7 +96,7 @@ fn about_one_pair_of_forty_has_two_focal_lengths_and_both_are_kept() {
         let base = CameraBase { distortion: FocalCurve::NONE, ..*camera.base() };
         camera = PtzCamera::new(base, camera.ptz());
         let clicks = exact_clicks(&camera, &[random_pixel(&mut rng), random_pixel(&mut rng)]);
-        let [Target::Landmark(one), Target::Landmark(other)] = [clicks[0].target, clicks[1].target] else {
+        let [Some(one), Some(other)] = [clicks[0].shape.point(), clicks[1].shape.point()] else {
             unreachable!("both are landmarks")
         };
         let Ok(roots) = solve_two_points(&base, [one, other], [clicks[0].image, clicks[1].image]) else { continue };
@@ -331,7 +331,7 @@ fn known_clicks() -> [Observation; 2] {
 fn every_degenerate_case_is_named_with_its_numbers() {
     let context = SolveContext::new(SIZE);
     let [one, two] = known_clicks();
-    let Target::Landmark(at) = one.target else { unreachable!("a landmark") };
+    let at = one.shape.point().unwrap();
     let moved = |x: f64, y: f64| Observation { image: ImagePoint::new(x, y), ..two };
     let farther = known_base().position_m + (at - known_base().position_m) * 1.5;
     let behind = known_base().position_m - (at - known_base().position_m);
@@ -353,23 +353,23 @@ fn every_degenerate_case_is_named_with_its_numbers() {
             vec![one, moved(one.image.x + 1.0, one.image.y)],
             "the points are 1.00 px apart, at least 2.0 px are needed",
         ),
-        ("same landmark", base, vec![one, Observation { target: one.target, ..two }], "show landmarks 0.0000° apart"),
+        ("same landmark", base, vec![one, Observation { shape: one.shape, ..two }], "show landmarks 0.0000° apart"),
         (
             "same ray",
             base,
-            vec![one, Observation { target: Target::Landmark(farther), ..two }],
+            vec![one, Observation { shape: ObservedShape::Point(farther), ..two }],
             "points 1 and 2 show landmarks 0.0000° apart",
         ),
         (
             "opposite rays",
             base,
-            vec![one, Observation { target: Target::Landmark(behind), ..two }],
+            vec![one, Observation { shape: ObservedShape::Point(behind), ..two }],
             "show landmarks 180.0000° apart",
         ),
         (
             "behind",
             base,
-            vec![one, Observation { target: Target::Landmark(Vec3::new(0.0, -90.0, 0.0)), ..two }],
+            vec![one, Observation { shape: ObservedShape::Point(Vec3::new(0.0, -90.0, 0.0)), ..two }],
             "point 2 shows something behind the camera: check its name",
         ),
         ("NaN", base, vec![one, moved(f64::NAN, 3.0)], "point 2 is not a finite pixel"),
@@ -382,7 +382,7 @@ fn every_degenerate_case_is_named_with_its_numbers() {
         (
             "NaN landmark",
             base,
-            vec![one, Observation { target: Target::Landmark(Vec3::new(0.0, f64::NAN, 0.0)), ..two }],
+            vec![one, Observation { shape: ObservedShape::Point(Vec3::new(0.0, f64::NAN, 0.0)), ..two }],
             "point 2 is not a finite pixel",
         ),
         (
@@ -394,7 +394,7 @@ fn every_degenerate_case_is_named_with_its_numbers() {
         (
             "at the camera",
             base,
-            vec![one, Observation { target: Target::Landmark(base.position_m), ..two }],
+            vec![one, Observation { shape: ObservedShape::Point(base.position_m), ..two }],
             "point 2 shows a landmark 0.000 m from the camera",
         ),
         ("base", nowhere, vec![one, two], "the camera base is not finite"),

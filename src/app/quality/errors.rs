@@ -4,7 +4,7 @@ use crate::calibrate::observations;
 use crate::document::{CameraId, Document, Fields, Frame, FrameStatus, Target};
 use crate::field::FieldModel;
 use crate::score::quantile;
-use crate::solve::{Observation, distance_px};
+use crate::solve::Observation;
 use std::collections::BTreeMap;
 
 /// A histogram has about so many bins.
@@ -91,7 +91,7 @@ impl ClickErrors {
         // A frame that names what its field lacks has no solve to speak of either.
         let Ok(observed) = observations(frame, field) else { return };
         let used = || observed.iter().filter(|observation| !observation.check);
-        let equations: usize = used().map(|observation| observation.target.equations()).sum();
+        let equations: usize = used().map(Observation::equations).sum();
         // As the verdict has it: two clicks and nothing else are no evidence.
         let evident = equations > UNKNOWNS && used().count() > 2;
         if !evident && used().count() > 0 {
@@ -109,7 +109,7 @@ impl ClickErrors {
                 click: observation.click,
                 target,
                 check: observation.check,
-                error_px: distance_px(&camera, observation).map_or(f64::INFINITY, |px| px / scale),
+                error_px: observation.distance_px(&camera).map_or(f64::INFINITY, |px| px / scale),
                 expected_px: share * usual_px(observation) / scale,
             });
         }
@@ -118,7 +118,7 @@ impl ClickErrors {
 
 /// The median distance of right clicks, px of the frame.
 fn usual_px(observation: &Observation) -> f64 {
-    let median = if observation.target.equations() == 2 { MEDIAN_OF_POINTS } else { MEDIAN_OF_NUMBERS };
+    let median = if observation.equations() == 2 { MEDIAN_OF_POINTS } else { MEDIAN_OF_NUMBERS };
     median * observation.sigma_px
 }
 

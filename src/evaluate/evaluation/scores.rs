@@ -10,7 +10,7 @@ use crate::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
     landmark_errors, median, squared_sigmas,
 };
-use crate::solve::{self, Observation, ObservationError, distance_px};
+use crate::solve::{Observation, ObservationError};
 
 /// What a frame scores.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,7 +102,7 @@ fn add_clicks(
     shown: FieldView,
 ) -> Result<(), ObservationError> {
     for observation in observations(truth, shown.field)? {
-        let distance_px = distance_px(shown.camera, &observation).unwrap_or(f64::INFINITY);
+        let distance_px = observation.distance_px(shown.camera).unwrap_or(f64::INFINITY);
         let target = truth.clicks[observation.click].target.as_ref();
         let used = estimate.clicks.iter().any(|click| click.target.as_ref() == target && !click.check);
         if used {
@@ -122,7 +122,7 @@ fn add_clicks(
 }
 
 fn on_ground_m(shown: FieldView, target: Option<&Target>, observation: &Observation) -> Option<f64> {
-    let solve::Target::Landmark(at) = observation.target else { return None };
+    let at = observation.shape.point()?;
     let landmark = shown.field.landmark(target?.as_str())?;
     if landmark.nominal_m.z == 0.0 { ground_error_m(shown.camera, observation.image, at) } else { None }
 }

@@ -6,7 +6,7 @@ use crate::field::FieldModel;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::score::{PlaneView, median};
 use crate::solve::base::{AdjustOptions, BaseModel, BasePriors, CrownModel, FrameClicks, LensModel, adjust_base};
-use crate::solve::{Loss, Observation, Target, pose_from_plane, refine};
+use crate::solve::{Loss, Observation, pose_from_plane, refine};
 use rayon::prelude::*;
 
 /// Points of the picture that are compared, along its sides.
@@ -60,12 +60,8 @@ impl Sampled {
     }
 
     fn observations(&self) -> Vec<Observation> {
-        let landmark = |(click, (ground, image)): (usize, &(Vec2, ImagePoint))| Observation {
-            image: *image,
-            sigma_px: 1.0,
-            target: Target::Landmark(Vec3::new(ground.x, ground.y, 0.0)),
-            click,
-            check: false,
+        let landmark = |(click, (ground, image)): (usize, &(Vec2, ImagePoint))| {
+            Observation::of_point(Vec3::new(ground.x, ground.y, 0.0), *image, 1.0, click)
         };
         self.points.iter().enumerate().map(landmark).collect()
     }

@@ -1,6 +1,6 @@
 //! A forest as bytes, little-endian, and back with every number checked.
 
-use super::tree::{Branch, Forest, MeanRay, Node, Target, Tree};
+use super::tree::{Branch, Child, Forest, MeanRay, Node, Tree};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, Sketch};
 use thiserror::Error;
 
@@ -177,9 +177,9 @@ impl<'a> Reader<'a> {
 
 /// A branch leads to a leaf, or to a node from `first` on: a way down never comes back.
 fn check_branch(branch: Branch, first: usize, nodes: usize, leaves: usize) -> Result<(), ForestFileError> {
-    let holds = match branch.target() {
-        Target::Node(index) => index >= first && index < nodes,
-        Target::Leaf(index) => index < leaves,
+    let holds = match branch.child() {
+        Child::Node(index) => index >= first && index < nodes,
+        Child::Leaf(index) => index < leaves,
     };
     if holds { Ok(()) } else { Err(ForestFileError::Damaged { what: "a branch leads nowhere" }) }
 }

@@ -5,7 +5,7 @@
 //! that is likely. Before a stage compares, it touches all the memory that it will need, so that the waits overlap.
 
 use super::PredictOptions;
-use super::tree::{Branch, Forest, Target, Tree};
+use super::tree::{Branch, Child, Forest, Tree};
 use crate::features::{DESCRIPTOR_NORM, Descriptor, Sketch};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -138,14 +138,14 @@ impl Examination<'_> {
             while under_way {
                 under_way = false;
                 for ((way, leaf), descriptor) in ways.iter_mut().zip(&mut leaves).zip(together) {
-                    match way.target() {
-                        Target::Node(index) => {
+                    match way.child() {
+                        Child::Node(index) => {
                             let node = &tree.nodes[index];
                             let above = descriptor.0[usize::from(node.dimension)] > node.threshold;
                             *way = node.branches[usize::from(above)];
                             under_way = true;
                         }
-                        Target::Leaf(index) => *leaf = index as u32,
+                        Child::Leaf(index) => *leaf = index as u32,
                     }
                 }
             }
@@ -259,8 +259,8 @@ fn descend(
     missed: &mut BinaryHeap<Missed>,
 ) -> usize {
     loop {
-        match branch.target() {
-            Target::Node(index) => {
+        match branch.child() {
+            Child::Node(index) => {
                 let node = &tree.nodes[index];
                 let value = descriptor.0[usize::from(node.dimension)];
                 let above = value > node.threshold;
@@ -271,7 +271,7 @@ fn descend(
                 }
                 branch = node.branches[usize::from(above)];
             }
-            Target::Leaf(leaf) => return leaf,
+            Child::Leaf(leaf) => return leaf,
         }
     }
 }

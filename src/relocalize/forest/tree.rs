@@ -14,7 +14,7 @@ const LEAF: u32 = 1 << 31;
 pub(super) const MAX_ITEMS: usize = LEAF as usize;
 
 /// What a branch leads to.
-pub(super) enum Target {
+pub(super) enum Child {
     Node(usize),
     Leaf(usize),
 }
@@ -28,8 +28,8 @@ impl Branch {
         Self(index as u32 | LEAF)
     }
 
-    pub(super) const fn target(self) -> Target {
-        if self.0 & LEAF == 0 { Target::Node(self.0 as usize) } else { Target::Leaf((self.0 & !LEAF) as usize) }
+    pub(super) const fn child(self) -> Child {
+        if self.0 & LEAF == 0 { Child::Node(self.0 as usize) } else { Child::Leaf((self.0 & !LEAF) as usize) }
     }
 }
 

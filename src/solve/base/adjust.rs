@@ -1,18 +1,14 @@
-//! Bundle adjustment: the base and every frame's pan, tilt and focal length together.
-//!
-//! Levenberg–Marquardt with analytic Jacobians and robust loss. Frames see each other only through the base, so their own
-//! three parameters are eliminated (Schur complement) and one small system is solved per step.
+//! The base adjusted to the clicks of many frames.
 
-use super::frame_block::{FrameBlock, NominalClick};
-use super::parameters::{
-    CROWN, K1, PRINCIPAL_POINT, ROTATION, SHARED, SLOPE, Shared, SharedMatrix, SharedVector, free_parameters,
-};
-use super::scatter::Scatter;
-use super::{BaseModel, FrameClicks, LensModel};
+use super::base_click::BaseClick;
+use super::bundle::{Bundle, BundleState};
+use super::parameters::{OF_BASE, ROTATION, Shared, free_parameters};
+use super::shared_prior::{Expected, SharedPrior};
+use super::{BaseModel, CrownModel, FrameClicks, LensModel};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
-use crate::field::FieldModel;
+use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec3};
-use crate::solve::Loss;
+use crate::solve::{Loss, Observation};
 
 /// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only where the clicks are few.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,218 +90,77 @@ pub fn adjust_base(
     model: &BaseModel,
     options: &AdjustOptions,
 ) -> AdjustedBase {
-    let per_1920 = f64::from(image_width_px) / 1920.0;
-    let active: Vec<(Vec<NominalClick>, Ptz)> = frames
-        .iter()
-        .zip(start_ptz)
-        .filter_map(|(frame, ptz)| {
-            let clicks = frame.used().map(|observation| NominalClick::of(observation, field)).collect();
-            Some((clicks, (*ptz)?))
-        })
-        .collect();
-    let (clicks, ptz): (Vec<_>, Vec<_>) = active.into_iter().unzip();
-    let mut state = State { shared: starting(field, start, per_1920, model), ptz };
-    let problem = Problem { clicks, model, options, per_1920, free: free_parameters(model) };
-
-    let mut blocks = problem.blocks(&state);
-    let mut cost = problem.cost(&state, &blocks);
-    let mut damping = 1e-4;
-    let mut iterations = 0;
-    while iterations < options.max_iterations && damping < 1e12 {
-        iterations += 1;
-        let Some(next) = problem.step(&state, &blocks, damping) else {
-            damping *= 10.0;
-            continue;
-        };
-        let next_blocks = problem.blocks(&next);
-        let next_cost = problem.cost(&next, &next_blocks);
-        if next_cost < cost {
-            let gain = (cost - next_cost) / cost;
-            (state, blocks, cost) = (next, next_blocks, next_cost);
-            damping = (damping * 0.1).max(1e-12);
-            if gain < 1e-10 {
-                break;
-            }
-        } else {
-            damping *= 10.0;
-        }
-    }
-
-    let noise_scale = problem.noise_scale(&state);
-    let covariance = problem.shared_covariance(&state, &blocks, noise_scale);
+    let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
+    let clicks = frames.iter().map(|frame| frame.used().map(on_ground).collect());
+    let (clicks, ptz) = clicks.zip(start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
+    let bundle = Bundle::<OF_BASE> {
+        frames: clicks,
+        priors: options.priors.of_model(model, image_width_px),
+        free: free_parameters(model),
+        loss: options.loss,
+    };
+    let shared = starting(field, start, image_width_px, model);
+    let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
+    let noise_scale = bundle.noise_scale(&found.state);
+    let covariance = bundle.covariance(&found, noise_scale);
     let deviation = |index: usize| covariance[(index, index)].max(0.0).sqrt();
-    let (mut base, added) = state.shared.base.in_pan_gauge();
+    let BundleState { shared, ptz } = &found.state;
+    let (mut base, added) = shared.base.in_pan_gauge();
     base.sigma = BaseSigma {
         position_m: Vec3::from_fn(|axis, _| deviation(axis)),
         rotation: Vec3::new(deviation(ROTATION), deviation(ROTATION + 1), 0.0),
     };
-    let mut solved = state.ptz.into_iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..ptz });
+    let mut solved = ptz.iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..*ptz });
     AdjustedBase {
         base,
-        crown_m: state.shared.crown_m,
+        crown_m: shared.crown.height_m,
         ptz: start_ptz.iter().map(|ptz| ptz.and_then(|_| solved.next())).collect(),
         noise_scale,
         position_covariance: covariance.fixed_view::<3, 3>(0, 0).into_owned(),
-        cost,
-        iterations,
+        cost: crate::solve::least_squares::Equations::cost(&found.equations),
+        iterations: found.iterations,
     }
 }
 
 /// The start's shared parameters as the model has them.
-fn starting(field: &FieldModel, start: &CameraBase, per_1920: f64, model: &BaseModel) -> Shared {
-    let at_focal_px = 2000.0 * per_1920;
+pub(super) fn starting(field: &FieldModel, start: &CameraBase, image_width_px: u32, model: &BaseModel) -> Shared {
+    let at_focal_px = LENS_FOCAL_PX * per_1920(image_width_px);
+    let value = start.distortion.at(at_focal_px);
     let distortion = match model.lens {
         LensModel::Pinhole => FocalCurve { at_focal_px, ..FocalCurve::NONE },
-        LensModel::K1 => FocalCurve { at_focal_px, value: start.distortion.at(at_focal_px), per_1000_px: 0.0 },
-        LensModel::K1Focal => {
-            let value = start.distortion.at(at_focal_px);
-            FocalCurve { at_focal_px, value, per_1000_px: start.distortion.per_1000_px }
-        }
+        LensModel::K1 => FocalCurve { at_focal_px, value, per_1000_px: 0.0 },
+        LensModel::K1Focal => FocalCurve { at_focal_px, value, per_1000_px: start.distortion.per_1000_px },
     };
-    let crown_m = model.crown.fixed_m().unwrap_or(field.crown_m);
-    Shared { base: CameraBase { distortion, ..*start }, crown_m, width_m: field.width_m }
+    let height_m = model.crown.fixed_m().unwrap_or(field.crown_m);
+    Shared::new(CameraBase { distortion, ..*start }, Crown { height_m, ..field.crown() })
 }
 
-/// All parameters.
-#[derive(Clone, Debug)]
-struct State {
-    shared: Shared,
-    ptz: Vec<Ptz>,
+/// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.
+const LENS_FOCAL_PX: f64 = 2000.0;
+
+fn per_1920(image_width_px: u32) -> f64 {
+    f64::from(image_width_px) / 1920.0
 }
 
-/// What does not change during the adjustment.
-struct Problem<'a> {
-    clicks: Vec<Vec<NominalClick>>,
-    model: &'a BaseModel,
-    options: &'a AdjustOptions,
-    per_1920: f64,
-    free: [bool; SHARED],
-}
-
-impl Problem<'_> {
-    fn blocks(&self, state: &State) -> Vec<FrameBlock> {
-        self.clicks
-            .iter()
-            .zip(&state.ptz)
-            .map(|(clicks, ptz)| FrameBlock::at(&state.shared, *ptz, clicks, self.options.loss, &self.free))
-            .collect()
-    }
-
-    fn cost(&self, state: &State, blocks: &[FrameBlock]) -> f64 {
-        let prior: f64 = self.priors(state).iter().map(|(_, residual, _)| residual * residual).sum();
-        prior + blocks.iter().map(|block| block.cost).sum::<f64>()
-    }
-
-    /// The priors: which parameter, its residual in sigmas, and 1 / sigma.
-    fn priors(&self, state: &State) -> Vec<(usize, f64, f64)> {
-        let (priors, shared) = (&self.options.priors, &state.shared);
-        let down = shared.base.base_from_world.row(1).transpose();
-        let (pitch, roll) = (priors.pitch.radians(), priors.roll.radians());
-        // Turning by (ω_x, ω_y) moves the base's downward axis by (ω_y, −ω_x) in world.
-        let mut found = vec![(ROTATION, -down.y / pitch, 1.0 / pitch), (ROTATION + 1, down.x / roll, 1.0 / roll)];
-        let curve = shared.base.distortion;
-        if self.model.lens != LensModel::Pinhole {
-            found.push((K1, (curve.value - priors.k1.0) / priors.k1.1, 1.0 / priors.k1.1));
+impl BasePriors {
+    /// Those of the parameters that a model leaves free.
+    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32) -> Vec<SharedPrior> {
+        let per_1920 = per_1920(image_width_px);
+        let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
+        let mut found = vec![prior(Expected::Pitch, self.pitch.radians()), prior(Expected::Roll, self.roll.radians())];
+        if model.lens != LensModel::Pinhole {
+            found.push(prior(Expected::K1(self.k1.0), self.k1.1));
         }
-        if self.model.lens == LensModel::K1Focal {
-            let (mean, sigma) = (priors.k1_slope.0 / self.per_1920, priors.k1_slope.1 / self.per_1920);
-            found.push((SLOPE, (curve.per_1000_px - mean) / sigma, 1.0 / sigma));
+        if model.lens == LensModel::K1Focal {
+            found.push(prior(Expected::Slope(self.k1_slope.0 / per_1920), self.k1_slope.1 / per_1920));
         }
-        if self.free[CROWN] {
-            let (mean, sigma) = priors.crown_m;
-            found.push((CROWN, (shared.crown_m - mean) / sigma, 1.0 / sigma));
+        if model.crown == CrownModel::Free {
+            found.push(prior(Expected::Crown(self.crown_m.0), self.crown_m.1));
         }
-        if let Some(nominal) = self.model.principal_point {
-            let sigma = priors.principal_point_px * self.per_1920;
-            let offset = shared.base.principal_point.offset_from(nominal);
-            found.push((PRINCIPAL_POINT, offset.x / sigma, 1.0 / sigma));
-            found.push((PRINCIPAL_POINT + 1, offset.y / sigma, 1.0 / sigma));
+        if let Some(nominal) = model.principal_point {
+            let sigma_px = self.principal_point_px * per_1920;
+            found.extend((0..2).map(|axis| prior(Expected::PrincipalPoint(nominal, axis), sigma_px)));
         }
         found
     }
-
-    /// The Schur complement of the shared parameters and its gradient, damped.
-    fn reduced(&self, state: &State, blocks: &[FrameBlock], damping: f64) -> Option<(SharedMatrix, SharedVector)> {
-        let mut matrix = SharedMatrix::zeros();
-        let mut gradient = SharedVector::zeros();
-        for block in blocks {
-            matrix += block.shared;
-            gradient += block.shared_gradient;
-        }
-        for (parameter, residual, inverse_sigma) in self.priors(state) {
-            matrix[(parameter, parameter)] += inverse_sigma * inverse_sigma;
-            gradient[parameter] += residual * inverse_sigma;
-        }
-        for (parameter, free) in self.free.iter().enumerate() {
-            let diagonal = &mut matrix[(parameter, parameter)];
-            *diagonal = if *free { *diagonal * (1.0 + damping) } else { 1.0 };
-        }
-        for block in blocks {
-            let inverse = damped(&block.own, damping).try_inverse()?;
-            let gain = block.cross * inverse;
-            matrix -= gain * block.cross.transpose();
-            gradient -= gain * block.own_gradient;
-        }
-        Some((matrix, gradient))
-    }
-
-    fn step(&self, state: &State, blocks: &[FrameBlock], damping: f64) -> Option<State> {
-        let (matrix, gradient) = self.reduced(state, blocks, damping)?;
-        let shared_step = -matrix.cholesky()?.solve(&gradient);
-        let ptz = state.ptz.iter().zip(blocks).map(|(ptz, block)| {
-            let right = block.own_gradient + block.cross.transpose() * shared_step;
-            let step = -(damped(&block.own, damping).try_inverse()? * right);
-            Some(Ptz {
-                pan: ptz.pan + Angle::from_radians(step.x),
-                tilt: ptz.tilt + Angle::from_radians(step.y),
-                focal_px: ptz.focal_px * step.z.clamp(-0.5, 0.5).exp(),
-            })
-        });
-        Some(State { shared: state.shared.stepped(&shared_step), ptz: ptz.collect::<Option<Vec<_>>>()? })
-    }
-
-    /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off
-    /// their places. Infinite if singular.
-    fn shared_covariance(&self, state: &State, blocks: &[FrameBlock], noise_scale: f64) -> SharedMatrix {
-        // A frame whose own parameters its clicks leave open says nothing about the base.
-        let determined: Vec<FrameBlock> =
-            blocks.iter().filter(|block| block.own.try_inverse().is_some()).cloned().collect();
-        let Some(inverse) = self.reduced(state, &determined, 0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
-            return SharedMatrix::from_diagonal_element(f64::INFINITY);
-        };
-        let mut scatter = Scatter::default();
-        for ((clicks, ptz), block) in self.clicks.iter().zip(&state.ptz).zip(blocks) {
-            let alone = |click: &NominalClick| {
-                let one = std::slice::from_ref(click);
-                (*click, FrameBlock::at(&state.shared, *ptz, one, self.options.loss, &self.free))
-            };
-            scatter.add_frame(block, clicks.iter().map(alone));
-        }
-        let free = self.free.iter().filter(|free| **free).count();
-        scatter.covariance(&inverse, noise_scale, free, state.shared.width_m)
-    }
-
-    /// χ² of the inner half of the clicks over what it should be, at least 1.
-    fn noise_scale(&self, state: &State) -> f64 {
-        /// Median of χ² with two degrees of freedom.
-        const MEDIAN: f64 = 1.386;
-        let mut squares: Vec<f64> = Vec::new();
-        for (clicks, ptz) in self.clicks.iter().zip(&state.ptz) {
-            let camera = crate::camera::PtzCamera::new(state.shared.base, *ptz);
-            squares.extend(clicks.iter().filter_map(|click| {
-                let observation = click.observation(&state.shared, 0);
-                Some((crate::solve::refine::distance_px(&camera, &observation)? / click.sigma_px).powi(2))
-            }));
-        }
-        squares.sort_by(f64::total_cmp);
-        squares.get(squares.len() / 2).map_or(1.0, |median| (median / MEDIAN).max(1.0))
-    }
-}
-
-fn damped(own: &Mat3, damping: f64) -> Mat3 {
-    let mut own = *own;
-    for i in 0..3 {
-        own[(i, i)] *= 1.0 + damping;
-    }
-    own
 }

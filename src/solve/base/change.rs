@@ -7,14 +7,16 @@
 //! of them count less. What is found must also show in pixels.
 
 use super::FrameClicks;
-use super::frame_block::{FrameBlock, NominalClick};
-use super::median::median;
-use super::parameters::{K1, ROTATION, SHARED, Shared, SharedVector};
+use super::base_click::BaseClick;
+use super::bundle::{Bundle, BundleState, frame_equations};
+use super::median_high::median_high;
+use super::parameters::{K1, OF_BASE, ROTATION, Shared};
+use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, Vec3};
-use crate::solve::refine::{distance_px, refine};
-use crate::solve::{Loss, Observation};
+use crate::solve::least_squares::{BlockEquations, Stopping, minimise};
+use crate::solve::{Loss, Observation, refine};
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
@@ -67,7 +69,7 @@ pub fn base_change(
     ptz: &[Option<Ptz>],
     base: &CameraBase,
 ) -> Option<BaseChange> {
-    let shared = Shared { base: *base, crown_m: field.crown_m, width_m: field.width_m };
+    let shared = Shared::new(*base, field.crown());
     let telling: Vec<Telling> = frames
         .iter()
         .zip(ptz)
@@ -101,7 +103,7 @@ pub fn base_change(
 /// A frame that says something about the base.
 struct Telling {
     place: usize,
-    clicks: Vec<NominalClick>,
+    clicks: Vec<BaseClick>,
     observations: Vec<Observation>,
     ptz: Ptz,
 }
@@ -109,18 +111,12 @@ struct Telling {
 impl Telling {
     fn new(place: usize, frame: &FrameClicks, ptz: Ptz, field: &FieldModel) -> Self {
         let observations: Vec<Observation> = frame.used().copied().collect();
-        let clicks = observations.iter().map(|observation| NominalClick::of(observation, field)).collect();
+        let clicks = observations.iter().map(|observation| BaseClick::new(observation, field.crown())).collect();
         Self { place, clicks, observations, ptz }
     }
 
-    fn block(&self, shared: &Shared, ptz: Ptz) -> FrameBlock {
-        let mut free = [false; SHARED];
-        free[..MOVED].fill(true);
-        FrameBlock::at(shared, ptz, &self.clicks, Loss::default(), &free)
-    }
-
     fn pull(&self, shared: &Shared) -> Pull {
-        Pull::of(&self.block(shared, self.ptz))
+        Pull::of(&frame_equations(shared, self.ptz, &self.clicks, Loss::default()))
     }
 }
 
@@ -136,12 +132,9 @@ impl Pull {
         Self { gradient: Moved::zeros(), information: MovedMatrix::zeros() }
     }
 
-    /// The Schur complement: pan, tilt and focal length follow. A frame that leaves those open says nothing.
-    fn of(block: &FrameBlock) -> Self {
-        let Some(inverse) = block.own.try_inverse() else { return Self::none() };
-        let gain = block.cross * inverse;
-        let information = block.shared - gain * block.cross.transpose();
-        let gradient = block.shared_gradient - gain * block.own_gradient;
+    /// Pan, tilt and focal length follow. A frame that leaves those open says nothing.
+    fn of(frame: &BlockEquations<OF_BASE, 3>) -> Self {
+        let Some((information, gradient)) = frame.eliminated() else { return Self::none() };
         Self {
             gradient: gradient.fixed_rows::<MOVED>(0).into_owned(),
             information: information.fixed_view::<MOVED, MOVED>(0, 0).into_owned(),
@@ -225,37 +218,22 @@ struct Displaced {
 }
 
 impl Displaced {
-    /// Gauss–Newton with the prior; a step that makes it worse ends it.
+    /// The base adjusted to some frames, held near the start by what is known of bumps; the lens stays.
     fn fitted(start: &Shared, frames: &[Telling]) -> Self {
-        const STEPS: usize = 8;
-        let mut ptz: Vec<Ptz> = frames.iter().map(|frame| frame.ptz).collect();
-        let (mut shared, mut moved) = (*start, Moved::zeros());
-        let mut least = f64::INFINITY;
-        let mut best = Self { shared, information: MovedMatrix::zeros() };
-        for _ in 0..STEPS {
-            let blocks: Vec<FrameBlock> =
-                frames.iter().zip(&ptz).map(|(frame, ptz)| frame.block(&shared, *ptz)).collect();
-            let cost = blocks.iter().map(|block| block.cost).sum::<f64>() + moved.dot(&(prior() * moved));
-            if !(cost < least) {
-                break;
-            }
-            let sum = blocks.iter().map(Pull::of).fold(Pull::none(), |sum, pull| sum.plus(&pull));
-            best = Self { shared, information: sum.information };
-            if least - cost < 1e-6 * cost {
-                break;
-            }
-            least = cost;
-            let Some(inverse) = (sum.information + prior()).try_inverse() else { break };
-            let step = -(inverse * (sum.gradient + prior() * moved));
-            let mut of_shared = SharedVector::zeros();
-            of_shared.fixed_rows_mut::<MOVED>(0).copy_from(&step);
-            for (ptz, block) in ptz.iter_mut().zip(&blocks) {
-                *ptz = followed(*ptz, block, &of_shared);
-            }
-            shared = shared.stepped(&of_shared);
-            moved += step;
-        }
-        best
+        const UNTIL: Stopping = Stopping { max_iterations: 8, short_step: 0.0, small_gain: 1e-6 };
+        let mut free = [false; OF_BASE];
+        free[..MOVED].fill(true);
+        let bundle = Bundle {
+            frames: frames.iter().map(|frame| frame.clicks.clone()).collect(),
+            priors: near(&start.base, BUMP_M, BUMP_TURN).collect(),
+            free,
+            loss: Loss::default(),
+        };
+        let ptz = frames.iter().map(|frame| frame.ptz).collect();
+        let found = minimise(&bundle, BundleState { shared: *start, ptz }, UNTIL);
+        let pulls = found.equations.blocks.iter().map(Pull::of);
+        let sum = pulls.fold(Pull::none(), |sum, pull| sum.plus(&pull));
+        Self { shared: found.state.shared, information: sum.information }
     }
 
     /// Median distance of some frames' clicks, each frame pointed anew, px.
@@ -266,10 +244,10 @@ impl Displaced {
             .flat_map_iter(|frame| {
                 let refined = refine(&base, frame.ptz, &frame.observations, Loss::default(), None);
                 let camera = PtzCamera::new(base, refined.ptz);
-                frame.observations.iter().filter_map(move |click| distance_px(&camera, click)).collect::<Vec<_>>()
+                frame.observations.iter().filter_map(move |click| click.distance_px(&camera)).collect::<Vec<_>>()
             })
             .collect();
-        median(errors)
+        median_high(errors)
     }
 
     /// How far position and rotation are known.
@@ -280,16 +258,5 @@ impl Displaced {
             position_m: Vec3::from_fn(|axis, _| deviation(axis)),
             rotation: Vec3::new(deviation(ROTATION), deviation(ROTATION + 1), 0.0),
         }
-    }
-}
-
-/// A frame's camera as it follows a step of the base.
-fn followed(ptz: Ptz, block: &FrameBlock, step: &SharedVector) -> Ptz {
-    let Some(inverse) = block.own.try_inverse() else { return ptz };
-    let own = -(inverse * (block.own_gradient + block.cross.transpose() * step));
-    Ptz {
-        pan: ptz.pan + Angle::from_radians(own.x),
-        tilt: ptz.tilt + Angle::from_radians(own.y),
-        focal_px: ptz.focal_px * own.z.clamp(-0.5, 0.5).exp(),
     }
 }

@@ -4,8 +4,8 @@ use super::FrameClicks;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldModel, LandmarkId, Symmetry};
 use crate::geometry::ImageSize;
-use crate::solve::refine::{distance_px, squared_sigmas};
-use crate::solve::{Loss, Observation, SolveContext, Target, solve_frame};
+use crate::solve::refine::squared_sigmas;
+use crate::solve::{Loss, Observation, SolveContext, solve_frame};
 
 /// A click farther off than this many sigmas (of clicks as they scatter here) is disputed.
 const DISPUTED_SIGMAS: f64 = 5.0;
@@ -52,7 +52,7 @@ pub(super) fn disputed_clicks(
         let Some(ptz) = ptz else { continue };
         let camera = PtzCamera::new(*base, *ptz);
         for click in frame.used() {
-            let error_px = distance_px(&camera, click);
+            let error_px = click.distance_px(&camera);
             if squared_sigmas(error_px, click.sigma_px * noise_scale) <= DISPUTED_SIGMAS * DISPUTED_SIGMAS {
                 continue;
             }
@@ -118,16 +118,13 @@ pub(super) fn mirrored_frames(
 
 /// A landmark click under the names of another side; lines stay out of it.
 fn mirrored(click: &Observation, symmetry: Symmetry) -> Option<Observation> {
-    match click.target {
-        Target::Landmark(at) => Some(Observation { target: Target::Landmark(symmetry.apply(at)), ..*click }),
-        Target::Line(_) => None,
-    }
+    Some(Observation { element: None, shape: click.shape.mirrored_point(symmetry)?, ..*click })
 }
 
 fn median_and_cost(base: &CameraBase, ptz: Option<Ptz>, clicks: &[Observation], loss: Loss) -> (f64, f64) {
     let camera = ptz.map(|ptz| PtzCamera::new(*base, ptz));
     let distances: Vec<Option<f64>> =
-        clicks.iter().map(|click| camera.as_ref().and_then(|camera| distance_px(camera, click))).collect();
+        clicks.iter().map(|click| camera.as_ref().and_then(|camera| click.distance_px(camera))).collect();
     let cost = distances
         .iter()
         .zip(clicks)

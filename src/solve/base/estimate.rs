@@ -2,8 +2,8 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
-use super::median::median;
-use super::model_choice::{CrossValidation, FOLDS, choose, recrowned};
+use super::median_high::median_high;
+use super::model_choice::{CrossValidation, FOLDS, choose};
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
@@ -13,7 +13,6 @@ use super::{
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3};
-use crate::solve::refine::distance_px;
 use std::ops::ControlFlow;
 
 /// What a person may ask for.
@@ -138,7 +137,7 @@ pub fn estimate_base_watched(
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
-        (*base, median(distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
+        (*base, median_high(distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
     });
     let (mut base, mut ptz) = match start_base(frames, image_size, principal_point) {
         Ok(start) => (start.base, start.ptz),
@@ -243,7 +242,7 @@ fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions
 }
 
 fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {
-    let observations = frame.observations.iter().map(|click| recrowned(click, from, to)).collect();
+    let observations = frame.observations.iter().map(|click| click.recrowned(from, to)).collect();
     FrameClicks { observations, start: frame.start }
 }
 
@@ -251,7 +250,7 @@ fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFi
     let errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
-    Some(FrameFit { ptz, median_px: median(errors)?, rms_px })
+    Some(FrameFit { ptz, median_px: median_high(errors)?, rms_px })
 }
 
 /// The distances of all clicks of solved frames, px, in order.
@@ -260,7 +259,7 @@ fn distances(base: &CameraBase, frames: &[FrameClicks], ptz: &[Option<Ptz>]) -> 
     for (frame, ptz) in frames.iter().zip(ptz) {
         let Some(ptz) = ptz else { continue };
         let camera = PtzCamera::new(*base, *ptz);
-        found.extend(frame.used().filter_map(|click| distance_px(&camera, click)));
+        found.extend(frame.used().filter_map(|click| click.distance_px(&camera)));
     }
     found
 }

@@ -1,17 +1,20 @@
 //! The field's length and width from the clicks, where a person asks for it.
 //!
 //! Both shift landmarks against each other in ways that a camera can nearly imitate, so they are found after the base, with
-//! priors at what is assumed and within what the rules allow. Newton's method on the adjusted cost as a function of the one
-//! or two numbers, by differences: every evaluation is a bundle adjustment that starts where the last one ended, and any
-//! template will do, whatever its expressions.
+//! priors at what is assumed and within what the rules allow: as further shared parameters of the bundle adjustment. How
+//! landmarks and lines move with them is taken from fields of two sizes, whatever the template's expressions are; where
+//! they do not move in proportion, the fit is repeated at the size found.
 
-use super::adjust::adjust_base;
+use super::adjust::starting;
+use super::base_click::BaseClick;
+use super::bundle::{Bundle, BundleState};
+use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
 use super::scatter::USUAL_DISPLACEMENT;
+use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};
-use crate::field::FieldModel;
-use crate::solve::{Observation, Target, WorldCurve};
-use nalgebra::{DMatrix, DVector};
+use crate::field::{Crown, FieldElement, FieldModel};
+use crate::solve::{Observation, ObservedShape};
 
 /// A length of the field that may differ from what is assumed.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,189 +63,150 @@ pub struct SizeStart<'a> {
     pub options: &'a AdjustOptions,
 }
 
-/// Steps of the differences, m.
+/// The change of size by which the movement of landmarks is measured, m.
 const STEP_M: f64 = 0.2;
 
-/// Newton steps at most, and the longest of them, m.
-const MAX_STEPS: usize = 6;
-const MAX_STEP_M: f64 = 4.0;
+/// Fits at most, each at the size that the one before found.
+const MAX_FITS: usize = 6;
 
-/// A shorter step ends the search, m.
+/// A size that moves by less ends the search, m.
 const ENOUGH_M: f64 = 0.005;
 
 /// Fits the field's size; `sized` gives the field (crown as in `start`) for values of the parameters in their order. None
-/// where nothing is to be fitted, or where the clicks leave it open.
+/// where nothing is to be fitted, where it is more than two lengths, or where the clicks leave it open.
 #[must_use]
 pub fn fit_field_size(
     sized: &dyn Fn(&[f64]) -> Option<FieldModel>,
     params: &[SizeParam],
     start: &SizeStart<'_>,
 ) -> Option<Vec<FittedSize>> {
-    if params.is_empty() {
+    if params.is_empty() || params.len() > SIZES {
         return None;
     }
-    let shown: Vec<Vec<Option<Shown>>> = start
-        .frames
-        .iter()
-        .map(|frame| frame.observations.iter().map(|click| Shown::of(click, start.field)).collect())
-        .collect();
-    let mut search =
-        Search { sized, params, start, shown, base: *start.base, ptz: start.ptz.to_vec(), noise_scale: 1.0 };
+    let fit = SizeFit { sized, params, start };
+    let shared = starting(start.field, start.base, start.image_width_px, start.model);
+    let mut state = BundleState { shared, ptz: start.ptz.iter().flatten().copied().collect() };
     let mut values: Vec<f64> = params.iter().map(|param| param.assumed_m.clamp(param.min_m, param.max_m)).collect();
-    let mut cost = search.cost(&values, true)?;
-    for _ in 0..MAX_STEPS {
-        let (gradient, curvature) = search.slopes(&values, cost)?;
-        let newton = -curvature.cholesky()?.solve(&gradient);
-        let mut step = newton.map(|step| step.clamp(-MAX_STEP_M, MAX_STEP_M));
-        let found = (0..5).find_map(|_| {
-            let next: Vec<f64> = values
-                .iter()
-                .zip(step.iter())
-                .zip(params)
-                .map(|((value, step), param)| (value + step).clamp(param.min_m, param.max_m))
-                .collect();
-            step *= 0.5;
-            search.cost(&next, false).filter(|next_cost| *next_cost <= cost).map(|_| next)
-        });
-        let Some(next) = found else { break };
-        let moved = next.iter().zip(&values).map(|(next, value)| (next - value).abs()).fold(0.0, f64::max);
-        cost = search.cost(&next, true)?;
-        values = next;
-        if moved < ENOUGH_M {
-            break;
+    // A size at the end of what the rules allow stays there.
+    let mut held = [false; SIZES];
+    for round in 1.. {
+        let (bundle, shared) = fit.bundle(&values, &state.shared, held)?;
+        let mut found = bundle.minimum(BundleState { shared, ptz: state.ptz }, start.options.max_iterations);
+        let mut moved_m: f64 = 0.0;
+        for (size, (value, param)) in values.iter_mut().zip(params).enumerate() {
+            let wanted = *value + found.state.shared.larger_m[size];
+            let allowed = wanted.clamp(param.min_m, param.max_m);
+            held[size] |= allowed != wanted;
+            moved_m = moved_m.max((allowed - *value).abs());
+            *value = allowed;
         }
+        if moved_m < ENOUGH_M || round == MAX_FITS {
+            found.equations.free = fit.free([false; SIZES]);
+            let noise_scale = bundle.noise_scale(&found.state);
+            let (information, _) = found.equations.reduced(0.0)?;
+            let covariance = information.try_inverse()?;
+            let variances = (0..values.len()).map(|size| covariance[(SIZE + size, SIZE + size)] * noise_scale);
+            return fit.fitted(&values, variances);
+        }
+        state = found.state;
     }
-    let (_, curvature) = search.slopes(&values, cost)?;
-    // The cost is a sum of squares: half its curvature is the information.
-    let covariance = (curvature * 0.5).try_inverse()? * search.noise_scale;
-    let displaced = search.displaced(&values)?;
-    let fitted = |(index, param): (usize, &SizeParam)| {
-        let variance = covariance[(index, index)] + displaced[index];
-        (variance.is_finite() && variance > 0.0).then(|| FittedSize {
-            name: param.name.clone(),
-            assumed_m: param.assumed_m,
-            value_m: values[index],
-            sigma_m: variance.sqrt(),
-        })
-    };
-    params.iter().enumerate().map(fitted).collect()
+    None
 }
 
-/// What a click shows, by its place in the field's lists: the same in a field of another size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shown {
-    Landmark(usize),
-    Line(usize),
-}
-
-impl Shown {
-    fn of(click: &Observation, field: &FieldModel) -> Option<Self> {
-        const SAME_PLACE_M: f64 = 1e-6;
-        match click.target {
-            Target::Landmark(at) => {
-                let here = |landmark: &_| (field.landmark_in_world(landmark) - at).norm() < SAME_PLACE_M;
-                field.landmarks.iter().position(here).map(Self::Landmark)
-            }
-            Target::Line(curve) => field.lines.iter().position(|line| line.curve == *curve.nominal()).map(Self::Line),
-        }
-    }
-
-    fn target(self, field: &FieldModel) -> Option<Target> {
-        match self {
-            Self::Landmark(index) => {
-                field.landmarks.get(index).map(|landmark| Target::Landmark(field.landmark_in_world(landmark)))
-            }
-            Self::Line(index) => {
-                field.lines.get(index).map(|line| Target::Line(WorldCurve::on_field(field, line.curve)))
-            }
-        }
-    }
-}
-
-struct Search<'a> {
+/// What does not change from one fit to the next.
+struct SizeFit<'a> {
     sized: &'a dyn Fn(&[f64]) -> Option<FieldModel>,
     params: &'a [SizeParam],
     start: &'a SizeStart<'a>,
-    shown: Vec<Vec<Option<Shown>>>,
-    base: CameraBase,
-    ptz: Vec<Option<Ptz>>,
-    noise_scale: f64,
 }
 
-impl Search<'_> {
-    /// The adjusted cost at a size, the priors included; `keep` takes the adjusted base over as the next start.
-    fn cost(&mut self, values: &[f64], keep: bool) -> Option<f64> {
-        let field = (self.sized)(values)?;
-        let frames: Vec<FrameClicks> = self
-            .start
-            .frames
-            .iter()
-            .zip(&self.shown)
-            .map(|(frame, shown)| {
-                let moved = |(click, shown): (&Observation, &Option<Shown>)| {
-                    Some(Observation { target: (*shown)?.target(&field)?, ..*click })
-                };
-                let observations = frame.observations.iter().zip(shown).filter_map(moved).collect();
-                FrameClicks { observations, start: frame.start }
-            })
-            .collect();
-        let (model, options) = (self.start.model, self.start.options);
-        let adjusted = adjust_base(&field, &frames, &self.base, &self.ptz, self.start.image_width_px, model, options);
-        if keep {
-            (self.base, self.ptz, self.noise_scale) = (adjusted.base, adjusted.ptz, adjusted.noise_scale);
-        }
-        let priors = values.iter().zip(self.params);
-        let prior: f64 = priors.map(|(value, param)| ((value - param.assumed_m) / param.sigma_m).powi(2)).sum();
-        Some(adjusted.cost + prior).filter(|cost| cost.is_finite())
+impl SizeFit<'_> {
+    /// The field at some size with one length changed by up to [`STEP_M`] within what the rules allow, and by how much.
+    fn changed(&self, values: &[f64], size: usize) -> Option<(FieldModel, f64)> {
+        let by_m = if values[size] + STEP_M <= self.params[size].max_m { STEP_M } else { -STEP_M };
+        let mut changed = values.to_vec();
+        changed[size] += by_m;
+        Some(((self.sized)(&changed)?, by_m))
     }
 
-    /// Gradient and curvature of the cost, by differences.
-    fn slopes(&mut self, values: &[f64], cost: f64) -> Option<(DVector<f64>, DMatrix<f64>)> {
-        let count = values.len();
-        let mut at = |moves: &[(usize, f64)]| {
-            let mut moved = values.to_vec();
-            for &(index, by) in moves {
-                moved[index] += by;
-            }
-            self.cost(&moved, false)
+    /// The parameters that are free, sizes that are held left out.
+    fn free(&self, held: [bool; SIZES]) -> [bool; OF_BASE_AND_SIZE] {
+        let mut free = free_parameters(self.start.model);
+        for size in 0..self.params.len() {
+            free[SIZE + size] = !held[size];
+        }
+        free
+    }
+
+    /// The adjustment with the clicks on a field of some size, and its start: `shared` there.
+    fn bundle(
+        &self,
+        values: &[f64],
+        shared: &Shared,
+        held: [bool; SIZES],
+    ) -> Option<(Bundle<OF_BASE_AND_SIZE>, Shared)> {
+        let start = self.start;
+        let field = (self.sized)(values)?;
+        let changed: Vec<(FieldModel, f64)> =
+            (0..values.len()).map(|size| self.changed(values, size)).collect::<Option<_>>()?;
+        let crown = Crown { width_m: field.width_m, ..shared.crown };
+        let mut shared = Shared::new(shared.base, crown);
+        for (size, (larger, by_m)) in changed.iter().enumerate() {
+            shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
+        }
+        // Clicks on something that is no part of the field say nothing about its size.
+        let on_field = |click: &Observation| {
+            let element = click.element?;
+            let sized = BaseClick::new(&click.renamed(&field, element)?, field.crown());
+            changed.iter().enumerate().try_fold(sized, |sized, (size, (larger, by_m))| {
+                let shape = ObservedShape::of_element(larger, element)?.recrowned(larger.crown(), Crown::FLAT);
+                Some(sized.growing(size, &shape, *by_m))
+            })
         };
-        let (mut gradient, mut curvature) = (DVector::zeros(count), DMatrix::zeros(count, count));
-        let mut forward = vec![0.0; count];
-        for index in 0..count {
-            let (above, below) = (at(&[(index, STEP_M)])?, at(&[(index, -STEP_M)])?);
-            forward[index] = above;
-            gradient[index] = (above - below) / (2.0 * STEP_M);
-            curvature[(index, index)] = (above - 2.0 * cost + below) / (STEP_M * STEP_M);
-        }
-        for one in 0..count {
-            for two in one + 1..count {
-                let both = at(&[(one, STEP_M), (two, STEP_M)])?;
-                let mixed = (both - forward[one] - forward[two] + cost) / (STEP_M * STEP_M);
-                (curvature[(one, two)], curvature[(two, one)]) = (mixed, mixed);
-            }
-        }
-        Some((gradient, curvature))
+        let solved = start.frames.iter().zip(start.ptz).filter(|(_, ptz)| ptz.is_some());
+        let frames = solved.map(|(frame, _)| frame.used().filter_map(on_field).collect()).collect();
+        let mut priors = start.options.priors.of_model(start.model, start.image_width_px);
+        priors.extend(self.params.iter().zip(values).enumerate().map(|(size, (param, value))| SharedPrior {
+            of: Expected::Larger(param.assumed_m - value, size),
+            sigma: param.sigma_m,
+        }));
+        let bundle = Bundle { frames, priors, free: self.free(held), loss: start.options.loss };
+        Some((bundle, shared))
+    }
+
+    /// The sizes with their sigmas: the variances of clicks that scatter, and of landmarks that lie off their places.
+    fn fitted(&self, values: &[f64], variances: impl Iterator<Item = f64>) -> Option<Vec<FittedSize>> {
+        let displaced = self.displaced(values)?;
+        let of = |(((param, value), variance), displaced): (((&SizeParam, &f64), f64), f64)| {
+            let variance = variance + displaced;
+            (variance.is_finite() && variance > 0.0).then(|| FittedSize {
+                name: param.name.clone(),
+                assumed_m: param.assumed_m,
+                value_m: *value,
+                sigma_m: variance.sqrt(),
+            })
+        };
+        self.params.iter().zip(values).zip(variances).zip(displaced).map(of).collect()
     }
 
     /// The variance of each length, m², because the landmarks that move with it lie off their places.
     fn displaced(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
-        let mut clicked: Vec<usize> = self
-            .shown
-            .iter()
-            .flatten()
-            .filter_map(|shown| if let Some(Shown::Landmark(index)) = shown { Some(*index) } else { None })
+        let clicks = self.start.frames.iter().flat_map(|frame| &frame.observations);
+        let mut clicked: Vec<usize> = clicks
+            .filter_map(|click| match click.element {
+                Some(FieldElement::Landmark(index)) => Some(index),
+                _ => None,
+            })
             .collect();
         clicked.sort_unstable();
         clicked.dedup();
         let variance = (USUAL_DISPLACEMENT * field.width_m).powi(2);
-        let of = |index: usize| {
-            let mut moved = values.to_vec();
-            moved[index] += STEP_M;
-            let larger = (self.sized)(&moved)?;
+        let of = |size: usize| {
+            let (changed, by_m) = self.changed(values, size)?;
             let slopes = clicked.iter().map(|&landmark| {
-                let by = larger.landmarks[landmark].nominal_m - field.landmarks[landmark].nominal_m;
-                by.norm_squared() / (STEP_M * STEP_M)
+                let by = changed.landmarks[landmark].nominal_m - field.landmarks[landmark].nominal_m;
+                by.norm_squared() / (by_m * by_m)
             });
             Some(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE))
         };

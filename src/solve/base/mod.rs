@@ -5,16 +5,18 @@
 //! cross-validation.
 
 mod adjust;
+mod base_click;
+mod bundle;
 mod change;
 mod disputes;
 mod estimate;
 mod field_fit;
-mod frame_block;
-mod median;
+mod median_high;
 mod model_choice;
 mod parameters;
 mod progress;
 mod scatter;
+mod shared_prior;
 mod start;
 
 pub use adjust::{AdjustOptions, AdjustedBase, BasePriors, adjust_base};
@@ -48,7 +50,7 @@ impl FrameClicks {
     /// How many equations they give.
     #[must_use]
     pub fn equations(&self) -> usize {
-        self.used().map(|observation| observation.target.equations()).sum()
+        self.used().map(Observation::equations).sum()
     }
 }
 

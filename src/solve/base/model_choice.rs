@@ -6,8 +6,7 @@ use super::{AdjustOptions, AdjustedBase, FrameClicks};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
-use crate::solve::refine::{distance_px, refine};
-use crate::solve::{Loss, Observation, Target};
+use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -153,13 +152,13 @@ impl CrossValidation<'_> {
         for (index, frame) in self.frames.iter().enumerate().filter(|(index, _)| held_out(*index)) {
             let Some(start) = self.start_ptz[index] else { continue };
             let half = |half: usize| -> Vec<Observation> {
-                frame.used().skip(half).step_by(2).map(|click| recrowned(click, self.field, &field)).collect()
+                frame.used().skip(half).step_by(2).map(|click| click.recrowned(self.field, &field)).collect()
             };
             let (even, odd) = (half(0), half(1));
             for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
                 let refined = refine(&adjusted.base, start, fitted, Loss::default(), None);
                 let camera = PtzCamera::new(adjusted.base, refined.ptz);
-                errors.extend(judged.iter().filter_map(|click| distance_px(&camera, click)));
+                errors.extend(judged.iter().filter_map(|click| click.distance_px(&camera)));
             }
         }
         Fold { errors, position_m: adjusted.base.position_m }
@@ -185,7 +184,7 @@ impl CrossValidation<'_> {
             let Some(ptz) = ptz else { continue };
             let camera = PtzCamera::new(adjusted.base, *ptz);
             let held_out = frame.observations.iter().filter(|click| click.check);
-            errors.extend(held_out.filter_map(|click| distance_px(&camera, &recrowned(click, self.field, &field))));
+            errors.extend(held_out.filter_map(|click| click.recrowned(self.field, &field).distance_px(&camera)));
         }
         Fold { errors, position_m: adjusted.base.position_m }
     }
@@ -217,18 +216,6 @@ fn jackknife(folds: &[Fold]) -> Vec3 {
 
 /// Groups into which frames or clicks are dealt.
 pub(super) const FOLDS: usize = 5;
-
-/// An observation of one field as one of the same field with another crown.
-pub(super) fn recrowned(observation: &Observation, from: &FieldModel, to: &FieldModel) -> Observation {
-    let target = match observation.target {
-        Target::Landmark(mut at) => {
-            at.z += to.ground_z(at.y) - from.ground_z(at.y);
-            Target::Landmark(at)
-        }
-        Target::Line(curve) => Target::Line(curve.with_crown(to.crown_m, to.width_m)),
-    };
-    Observation { target, ..*observation }
-}
 
 /// The best model. With many frames richer ones (later in the list) only where they are worth it; with few frames their
 /// priors know more than the clicks, so simpler ones only where they are clearly better.

@@ -2,36 +2,46 @@
 
 use super::{BaseModel, CrownModel, LensModel};
 use crate::camera::{CameraBase, FocalCurve};
+use crate::field::Crown;
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Vec2, Vec3};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SVector;
 
-/// How many shared parameters there can be.
-pub(super) const SHARED: usize = 10;
-
-/// Where each stands, after the position (m) at 0: rotation about world x and y (rad), k₁, its slope per 1000 px, crown (m), principal point
-/// (px).
+/// Where each stands, after the position (m) at 0: rotation about world x and y (rad), k₁, its slope per 1000 px, height of
+/// the crown (m), principal point (px), and how much larger the field is than assumed (m).
 pub(super) const ROTATION: usize = 3;
 pub(super) const K1: usize = 5;
 pub(super) const SLOPE: usize = 6;
 pub(super) const CROWN: usize = 7;
 pub(super) const PRINCIPAL_POINT: usize = 8;
+pub(super) const SIZE: usize = 10;
 
-pub(super) type SharedVector = SVector<f64, SHARED>;
-pub(super) type SharedMatrix = SMatrix<f64, SHARED, SHARED>;
+/// How many lengths of the field can be fitted.
+pub(super) const SIZES: usize = 2;
+
+/// How many shared parameters there are on a field of known size, and on one whose size is fitted.
+pub(super) const OF_BASE: usize = SIZE;
+pub(super) const OF_BASE_AND_SIZE: usize = SIZE + SIZES;
 
 /// What all frames of a camera share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shared {
     pub base: CameraBase,
-    pub crown_m: f64,
-    /// Extent of the field along y, m; the crown's scale.
-    pub width_m: f64,
+    pub crown: Crown,
+    /// How much the field's lengths exceed those that the clicks were made for, m.
+    pub larger_m: [f64; SIZES],
+    /// The change of the field's width with each of these lengths.
+    pub width_by_size: [f64; SIZES],
 }
 
 impl Shared {
+    /// A base on a field whose size is as the clicks have it.
+    pub const fn new(base: CameraBase, crown: Crown) -> Self {
+        Self { base, crown, larger_m: [0.0; SIZES], width_by_size: [0.0; SIZES] }
+    }
+
     /// The parameters after a step.
-    pub fn stepped(&self, step: &SharedVector) -> Self {
+    pub fn stepped<const SHARED: usize>(&self, step: &SVector<f64, SHARED>) -> Self {
         let position_m = self.base.position_m + Vec3::new(step[0], step[1], step[2]);
         let turn = from_rotation_vector(Vec3::new(step[ROTATION], step[ROTATION + 1], 0.0));
         let curve = self.base.distortion;
@@ -41,17 +51,23 @@ impl Shared {
             self.base.principal_point.moved(Vec2::new(step[PRINCIPAL_POINT], step[PRINCIPAL_POINT + 1]));
         let base_from_world = nearest_rotation(&(self.base.base_from_world * turn));
         let base = CameraBase { position_m, base_from_world, principal_point, distortion, ..self.base };
-        Self { base, crown_m: self.crown_m + step[CROWN], ..*self }
+        let mut stepped = Self { base, ..*self };
+        stepped.crown.height_m += step[CROWN];
+        for (size, by) in step.iter().skip(SIZE).enumerate() {
+            stepped.larger_m[size] += by;
+            stepped.crown.width_m += self.width_by_size[size] * by;
+        }
+        stepped
     }
 }
 
-/// Which parameters a model leaves free.
-pub(super) fn free_parameters(model: &BaseModel) -> [bool; SHARED] {
+/// Which parameters a model leaves free; the field's size is not among them.
+pub(super) fn free_parameters<const SHARED: usize>(model: &BaseModel) -> [bool; SHARED] {
     let mut free = [false; SHARED];
     free[..K1].fill(true);
     free[K1] = model.lens != LensModel::Pinhole;
     free[SLOPE] = model.lens == LensModel::K1Focal;
     free[CROWN] = model.crown == CrownModel::Free;
-    free[PRINCIPAL_POINT..].fill(model.principal_point.is_some());
+    free[PRINCIPAL_POINT..SIZE].fill(model.principal_point.is_some());
     free
 }

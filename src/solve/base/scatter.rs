@@ -11,8 +11,8 @@
 //!   estimator of random effects), drawn towards what real grounds have where the clicks are too few to tell;
 //! - covariance: s² H⁻¹ + τ² H⁻¹ (Σ `G_l` `G_l`ᵀ) H⁻¹.
 
-use super::frame_block::{FrameBlock, NominalClick, NominalTarget};
-use super::parameters::{SHARED, SharedMatrix};
+use crate::field::FieldElement;
+use crate::solve::least_squares::BlockEquations;
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// How far landmarks lie off their places as people click them, 1-σ in each direction, as a share of the field's width: 6
@@ -24,8 +24,9 @@ const USUAL_WEIGHT: f64 = 6.0;
 
 /// What all clicks on one landmark or line have in common.
 #[derive(Clone, Debug)]
-struct Shown {
-    target: NominalTarget,
+struct Shown<const SHARED: usize> {
+    /// None: a single click on something that is no part of the field.
+    element: Option<FieldElement>,
     /// `G_l`.
     mixed: SMatrix<f64, SHARED, 2>,
     /// `N_l`.
@@ -36,40 +37,51 @@ struct Shown {
 
 /// The clicks of an adjustment, gathered by what they show.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Scatter {
-    shown: Vec<Shown>,
+pub(super) struct Scatter<const SHARED: usize> {
+    shown: Vec<Shown<SHARED>>,
     equations: usize,
     frames: usize,
     squares: f64,
 }
 
-impl Scatter {
-    /// Adds a frame: its block, and each of its clicks with a block of its own.
-    pub fn add_frame(&mut self, frame: &FrameBlock, clicks: impl Iterator<Item = (NominalClick, FrameBlock)>) {
+impl<const SHARED: usize> Scatter<SHARED> {
+    /// Adds a frame: its equations, and of each of its clicks what it is on, how many equations it gives, and those.
+    pub fn add_frame(
+        &mut self,
+        frame: &BlockEquations<SHARED, 3>,
+        clicks: impl Iterator<Item = (Option<FieldElement>, usize, BlockEquations<SHARED, 3>)>,
+    ) {
         let Some(inverse) = frame.own.try_inverse() else { return };
         let gain = frame.cross * inverse;
         self.frames += 1;
-        for (click, block) in clicks {
-            self.equations += click.equations();
+        for (element, equations, block) in clicks {
+            self.equations += equations;
             self.squares += block.squares;
             let mixed = block.shared.fixed_columns::<2>(0) - gain * block.cross.fixed_rows::<2>(0).transpose();
             let information = block.shared.fixed_view::<2, 2>(0, 0).into_owned();
             let score = block.shared_gradient.fixed_rows::<2>(0).into_owned();
-            match self.shown.iter_mut().find(|known| known.target == click.target) {
+            match self.shown.iter_mut().find(|known| element.is_some() && known.element == element) {
                 Some(known) => {
                     known.mixed += mixed;
                     known.information += information;
                     known.score += score;
                 }
-                None => self.shown.push(Shown { target: click.target, mixed, information, score }),
+                None => self.shown.push(Shown { element, mixed, information, score }),
             }
         }
     }
 
     /// The covariance of the shared parameters, `free` of which are free, given the inverse of their normal equations and by
     /// how much clicks scatter more than stated. `width_m` is the field's.
-    pub fn covariance(&self, inverse: &SharedMatrix, noise_scale: f64, free: usize, width_m: f64) -> SharedMatrix {
-        let together = self.shown.iter().map(|shown| shown.mixed * shown.mixed.transpose()).sum::<SharedMatrix>();
+    pub fn covariance(
+        &self,
+        inverse: &SMatrix<f64, SHARED, SHARED>,
+        noise_scale: f64,
+        free: usize,
+        width_m: f64,
+    ) -> SMatrix<f64, SHARED, SHARED> {
+        let together: SMatrix<f64, SHARED, SHARED> =
+            self.shown.iter().map(|shown| shown.mixed * shown.mixed.transpose()).sum();
         let tau_squared = self.displacement_squared(free, (USUAL_DISPLACEMENT * width_m).powi(2));
         inverse * noise_scale + inverse * together * inverse * tau_squared
     }

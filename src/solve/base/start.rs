@@ -4,13 +4,13 @@
 //! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
 //! wins. Wrong names in some frames so cannot spoil the start.
 
-use super::median::median;
+use super::median_high::median_high;
 use super::{BaseError, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::plane_pose::pose_from_plane;
-use crate::solve::refine::{distance_px, squared_sigmas};
-use crate::solve::{Loss, SolveContext, Target, solve_frame};
+use crate::solve::refine::squared_sigmas;
+use crate::solve::{Loss, SolveContext, solve_frame};
 
 /// Frames on which a position is tried.
 const SAMPLE: usize = 12;
@@ -56,7 +56,8 @@ pub fn start_base(
     let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
     let sample = spread(frames.iter().filter(|frame| frame.equations() >= 6), SAMPLE);
     let mut positions = spread(poses.iter().map(|pose| pose.0), MAX_POSITIONS);
-    positions.push(Vec3::from_fn(|axis, _| median(poses.iter().map(|pose| pose.0[axis]).collect()).unwrap_or(0.0)));
+    positions
+        .push(Vec3::from_fn(|axis, _| median_high(poses.iter().map(|pose| pose.0[axis]).collect()).unwrap_or(0.0)));
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {
@@ -85,7 +86,7 @@ fn frame_cost(base: &CameraBase, frame: &FrameClicks, image_size: ImageSize) -> 
     frame
         .used()
         .map(|click| {
-            let distance = camera.as_ref().and_then(|camera| distance_px(camera, click));
+            let distance = camera.as_ref().and_then(|camera| click.distance_px(camera));
             SCORE_LOSS.of(squared_sigmas(distance, click.sigma_px)).0
         })
         .sum()
@@ -97,10 +98,7 @@ fn ground_landmarks(frame: &FrameClicks) -> Vec<(Vec2, ImagePoint)> {
     const GROUND_M: f64 = 0.4;
     frame
         .used()
-        .filter_map(|click| match click.target {
-            Target::Landmark(at) if at.z.abs() < GROUND_M => Some((at.xy(), click.image)),
-            _ => None,
-        })
+        .filter_map(|click| click.shape.point().filter(|at| at.z.abs() < GROUND_M).map(|at| (at.xy(), click.image)))
         .collect()
 }
 

@@ -2,13 +2,10 @@
 
 use super::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::field::{Curve, FieldLine, FieldModel, Landmark, Symmetry};
-use crate::geometry::Vec3;
+use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
 use crate::solve::frame::best_fit;
 use crate::solve::habits::PtzStep;
-use crate::solve::line::line_residual;
-use crate::solve::refine::distance_px;
-use crate::solve::{FrameSolution, Loss, Observation, SolveContext, Target, WorldCurve};
+use crate::solve::{FrameSolution, Loss, Observation, ObservedShape, SolveContext};
 use std::collections::BTreeSet;
 
 /// A name fits a click that lies within this many sigmas of it.
@@ -58,7 +55,7 @@ pub(super) struct Search<'a> {
 impl Search<'_> {
     /// Surplus equations, at least 1.
     pub fn redundancy(&self) -> usize {
-        let equations: usize = self.clicks.iter().map(|click| click.target.equations()).sum();
+        let equations: usize = self.clicks.iter().map(Observation::equations).sum();
         equations.saturating_sub(3).max(1)
     }
 
@@ -109,50 +106,24 @@ impl Search<'_> {
 
     /// All names of the mirrored side; none if the field lacks one of them, or nothing would change.
     fn mirrored(&self, symmetry: Symmetry) -> Option<Hypothesis> {
-        let mut named = Vec::with_capacity(self.clicks.len());
-        for click in self.clicks {
-            named.push(match click.target {
-                Target::Landmark(at) => self.as_landmark(symmetry.landmark_twin(self.field, self.landmark_at(at)?)?),
-                Target::Line(curve) => self.as_line(symmetry.line_twin(self.field, self.line_of(&curve)?)?),
-            });
-        }
+        let twins: Option<Vec<FieldElement>> =
+            self.clicks.iter().map(|click| click.element?.twin(symmetry, self.field)).collect();
         let Hypothesis { clicks, renames, .. } =
-            self.with_names(IdentityKind::Mirrored(symmetry), named.into_iter().map(Some))?;
+            self.with_names(IdentityKind::Mirrored(symmetry), twins?.into_iter().map(Some))?;
         // Where all but two clicks lie on the mirror, it is a swap.
         let kind = if self.exchanges_two(&clicks) { IdentityKind::Swapped } else { IdentityKind::Mirrored(symmetry) };
         Some(Hypothesis { kind, clicks, renames })
     }
 
-    fn landmark_at(&self, at: Vec3) -> Option<&Landmark> {
-        const SAME_PLACE_M: f64 = 1e-6;
-        self.field.landmarks.iter().find(|landmark| (self.field.landmark_in_world(landmark) - at).norm() < SAME_PLACE_M)
-    }
-
-    fn line_of(&self, curve: &WorldCurve) -> Option<&FieldLine> {
-        self.field.lines.iter().find(|line| line.curve == *curve.nominal())
-    }
-
-    fn as_landmark(&self, landmark: &Landmark) -> Named {
-        let target = Target::Landmark(self.field.landmark_in_world(landmark));
-        Named { target, name: Name::Landmark(landmark.id.clone()), label: landmark.label.clone() }
-    }
-
-    fn as_line(&self, line: &FieldLine) -> Named {
-        let target = Target::Line(WorldCurve::on_field(self.field, line.curve));
-        Named { target, name: Name::Line(line.id.clone()), label: line.label.clone() }
-    }
-
     /// The clicks under new names, one for each click, none where it keeps its own; none if nothing changes.
-    fn with_names(&self, kind: IdentityKind, names: impl Iterator<Item = Option<Named>>) -> Option<Hypothesis> {
+    fn with_names(&self, kind: IdentityKind, names: impl Iterator<Item = Option<FieldElement>>) -> Option<Hypothesis> {
         let mut clicks = self.clicks.to_vec();
         let mut renames = Vec::new();
-        for (click, named) in clicks.iter_mut().zip(names) {
-            if let Some(Named { target, name, label }) = named
-                && target != click.target
-            {
-                click.target = target;
-                renames.push(Rename { click: click.click, name, label });
-            }
+        for (click, element) in clicks.iter_mut().zip(names) {
+            let Some(element) = element.filter(|element| click.element != Some(*element)) else { continue };
+            *click = click.renamed(self.field, element)?;
+            let label = element.label(self.field)?.to_owned();
+            renames.push(Rename { click: click.click, name: Name::of(element, self.field)?, label });
         }
         (!renames.is_empty()).then_some(Hypothesis { kind, clicks, renames })
     }
@@ -169,13 +140,12 @@ impl Search<'_> {
     }
 
     fn swap(&self, i: usize, j: usize) -> Option<Hypothesis> {
-        let (Target::Landmark(one), Target::Landmark(two)) = (self.clicks[i].target, self.clicks[j].target) else {
-            return None;
-        };
-        let (to_two, to_one) = (self.as_landmark(self.landmark_at(two)?), self.as_landmark(self.landmark_at(one)?));
+        let landmark =
+            |index: usize| self.clicks[index].element.filter(|element| matches!(element, FieldElement::Landmark(_)));
+        let (one, two) = (landmark(i)?, landmark(j)?);
         let named = (0..self.clicks.len()).map(|index| match index {
-            _ if index == i => Some(to_two.clone()),
-            _ if index == j => Some(to_one.clone()),
+            _ if index == i => Some(two),
+            _ if index == j => Some(one),
             _ => None,
         });
         self.with_names(IdentityKind::Swapped, named)
@@ -200,7 +170,7 @@ impl Search<'_> {
         let odd: Vec<usize> = (0..self.clicks.len())
             .filter(|&i| {
                 let click = &self.clicks[i];
-                distance_px(&camera, click).is_none_or(|distance| distance > FITS_SIGMAS * click.sigma_px)
+                click.distance_px(&camera).is_none_or(|distance| distance > FITS_SIGMAS * click.sigma_px)
             })
             .collect();
         // More odd ones than others are no majority.
@@ -229,48 +199,40 @@ impl Search<'_> {
 
     /// Whether clicks differ from the given ones in two names that changed places.
     fn exchanges_two(&self, clicks: &[Observation]) -> bool {
-        let changed: Vec<usize> = (0..clicks.len()).filter(|&i| clicks[i].target != self.clicks[i].target).collect();
+        let changed: Vec<usize> = (0..clicks.len()).filter(|&i| clicks[i].element != self.clicks[i].element).collect();
         matches!(*changed, [i, j]
-            if clicks[i].target == self.clicks[j].target && clicks[j].target == self.clicks[i].target)
+            if clicks[i].element == self.clicks[j].element && clicks[j].element == self.clicks[i].element)
     }
 
     /// The landmark (for a click on a line: the line) nearest to a click, if it fits.
-    fn name_for(&self, camera: &PtzCamera, click: &Observation) -> Option<Named> {
-        let candidates: Vec<Named> = match click.target {
-            Target::Landmark(_) => self.field.landmarks.iter().map(|landmark| self.as_landmark(landmark)).collect(),
-            Target::Line(_) => self.field.lines.iter().map(|line| self.as_line(line)).collect(),
-        };
-        candidates
-            .into_iter()
-            .filter(|named| named.target != click.target)
-            .filter_map(|named| {
-                let distance = distance_px(camera, &Observation { target: named.target, ..*click })?;
-                if !reaches(camera, &named.target, click) {
-                    return None;
-                }
-                (distance < FITS_SIGMAS * click.sigma_px).then_some((distance, named))
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-            .map(|(_, named)| named)
+    fn name_for(&self, camera: &PtzCamera, click: &Observation) -> Option<FieldElement> {
+        let named = click.element?;
+        let others = named.alike(self.field).filter(|element| *element != named);
+        let fitting = others.filter_map(|element| {
+            let renamed = click.renamed(self.field, element)?;
+            let distance = renamed.distance_px(camera).filter(|distance| *distance < FITS_SIGMAS * click.sigma_px)?;
+            reaches(camera, &renamed).then_some((distance, element))
+        });
+        fitting.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, element)| element)
     }
 
     /// Two or more clicks on a part of the field, named as points of another part: names that differ in their beginning
     /// only, such as those of goal area and penalty area.
     fn other_parts(&self) -> Vec<Hypothesis> {
-        let named: Vec<Option<Name>> = self.clicks.iter().map(|click| self.name_of(click)).collect();
         let mut parts: BTreeSet<(String, String)> = BTreeSet::new();
-        for name in named.iter().flatten() {
-            let id = name.as_str();
+        for element in self.clicks.iter().filter_map(|click| click.element) {
+            let Some(id) = element.name(self.field) else { continue };
             for (end, _) in id.match_indices('_') {
                 let (part, rest) = id.split_at(end);
-                let others = self.ids_like(name).filter_map(|other| other.strip_suffix(rest));
+                let ids = element.alike(self.field).filter_map(|other| other.name(self.field));
+                let others = ids.filter_map(|other| other.strip_suffix(rest));
                 parts.extend(others.filter(|other| *other != part).map(|other| (part.to_owned(), other.to_owned())));
             }
         }
         let mut found: Vec<Hypothesis> = Vec::new();
         // The longest beginnings first: they name the part best.
         for (part, other) in parts.into_iter().rev() {
-            let renamed = named.iter().map(|name| self.in_part(name.as_ref()?, &part, &other));
+            let renamed = self.clicks.iter().map(|click| self.in_part(click.element?, &part, &other));
             let [in_words, other_in_words] = [&part, &other].map(|part| part.replace('_', " "));
             let kind = IdentityKind::OtherPart { named: in_words, fits: other_in_words };
             let Some(hypothesis) = self.with_names(kind, renamed) else { continue };
@@ -281,45 +243,27 @@ impl Search<'_> {
         found
     }
 
-    /// The name of a click.
-    fn name_of(&self, click: &Observation) -> Option<Name> {
-        match click.target {
-            Target::Landmark(at) => Some(Name::Landmark(self.landmark_at(at)?.id.clone())),
-            Target::Line(curve) => Some(Name::Line(self.line_of(&curve)?.id.clone())),
-        }
-    }
-
-    /// The names of everything of a name's kind.
-    fn ids_like(&self, name: &Name) -> Box<dyn Iterator<Item = &str> + '_> {
-        match name {
-            Name::Landmark(_) => Box::new(self.field.landmarks.iter().map(|landmark| landmark.id.as_str())),
-            Name::Line(_) => Box::new(self.field.lines.iter().map(|line| line.id.as_str())),
-        }
-    }
-
-    /// What a name of one part is called in the other.
-    fn in_part(&self, name: &Name, part: &str, other: &str) -> Option<Named> {
-        let rest = name.as_str().strip_prefix(part).filter(|rest| rest.starts_with('_'))?;
+    /// What an element of one part is called in the other.
+    fn in_part(&self, element: FieldElement, part: &str, other: &str) -> Option<FieldElement> {
+        let rest = element.name(self.field)?.strip_prefix(part).filter(|rest| rest.starts_with('_'))?;
         let id = format!("{other}{rest}");
-        match name {
-            Name::Landmark(_) => self.field.landmark(&id).map(|landmark| self.as_landmark(landmark)),
-            Name::Line(_) => self.field.line(&id).map(|line| self.as_line(line)),
-        }
+        element.alike(self.field).find(|element| element.name(self.field) == Some(&id))
     }
 
     /// Two or more clicks on a straight line, taken for a parallel one.
     fn parallel_lines(&self) -> Vec<Hypothesis> {
         let mut found = Vec::new();
         for (index, click) in self.clicks.iter().enumerate() {
-            let Target::Line(curve) = click.target else { continue };
-            let on_it = |other: &Observation| other.target == click.target;
+            let Some(FieldElement::Line(line)) = click.element else { continue };
+            let on_it = |other: &Observation| other.element == click.element;
             let first = !self.clicks[..index].iter().any(on_it);
             if !first || !self.clicks[index + 1..].iter().any(on_it) {
                 continue;
             }
-            for line in self.field.lines.iter().filter(|line| are_parallel(curve.nominal(), &line.curve)) {
-                let there = self.as_line(line);
-                let renamed = self.clicks.iter().map(|click| on_it(click).then(|| there.clone()));
+            let Some(named) = self.field.lines.get(line) else { continue };
+            let parallel = |other: &FieldLine| are_parallel(&named.curve, &other.curve);
+            for (other, _) in self.field.lines.iter().enumerate().filter(|(_, other)| parallel(other)) {
+                let renamed = self.clicks.iter().map(|click| on_it(click).then_some(FieldElement::Line(other)));
                 found.extend(self.with_names(IdentityKind::WrongName, renamed));
             }
         }
@@ -327,25 +271,16 @@ impl Search<'_> {
     }
 }
 
-/// What a click shows under a new name.
-#[derive(Clone)]
-struct Named {
-    target: Target,
-    name: Name,
-    label: String,
-}
-
-/// Whether a line's paint reaches to a click: its straight continuation is another line's, or nothing.
-fn reaches(camera: &PtzCamera, target: &Target, click: &Observation) -> bool {
+/// Whether a line's paint reaches to a click on it: its straight continuation is another line's, or nothing.
+fn reaches(camera: &PtzCamera, click: &Observation) -> bool {
     /// Beyond its ends, as a share of its length.
     const BEYOND: f64 = 0.1;
-    let Target::Line(curve) = target else { return true };
-    let Curve::Segment { from, to } = curve.nominal() else { return true };
-    let along = to - from;
-    line_residual(camera, curve, click.image).is_some_and(|here| {
-        let share = (here.nearest_in_world - from).dot(&along) / along.norm_squared();
-        (-BEYOND..=1.0 + BEYOND).contains(&share)
-    })
+    let ObservedShape::Curve(curve) = &click.shape else { return true };
+    if !matches!(curve.nominal(), Curve::Segment { .. }) {
+        return true;
+    }
+    let nearest = click.shape.jacobian(camera, click.image);
+    nearest.is_some_and(|here| (-BEYOND..=1.0 + BEYOND).contains(&here.parameter))
 }
 
 /// Whether two straight lines run the same way.

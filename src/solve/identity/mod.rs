@@ -10,7 +10,7 @@ mod words;
 
 use super::{FrameSolution, Loss, Observation, SolveContext};
 use crate::camera::{CameraBase, Ptz};
-use crate::field::{FieldModel, LandmarkId, LineId, Symmetry};
+use crate::field::{FieldElement, FieldModel, LandmarkId, LineId, Symmetry};
 use hypotheses::{Judged, Search};
 
 /// Renaming must lower χ² by this much, and to this share.
@@ -82,6 +82,14 @@ pub enum Name {
 }
 
 impl Name {
+    /// The name of a field's landmark or line; none if the field has no such element.
+    fn of(element: FieldElement, field: &FieldModel) -> Option<Self> {
+        match element {
+            FieldElement::Landmark(index) => field.landmarks.get(index).map(|known| Self::Landmark(known.id.clone())),
+            FieldElement::Line(index) => field.lines.get(index).map(|known| Self::Line(known.id.clone())),
+        }
+    }
+
     /// As documents write it.
     #[must_use]
     pub fn as_str(&self) -> &str {
@@ -111,7 +119,7 @@ pub struct IdentityFinding {
 
 /// Looks for a better or equally good set of names for a solved frame's clicks; the best, if there is one.
 ///
-/// `observations` are those that were solved, made from `field`. A frame of many clicks that fit, and whose camera does
+/// `observations` are those that were solved, made from `field`; without their elements no other name is found for them. A frame of many clicks that fit, and whose camera does
 /// what it usually does, is left alone: that takes no time.
 #[must_use]
 pub fn check_identity(

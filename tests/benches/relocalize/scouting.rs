@@ -10,7 +10,6 @@ use touchline::features::{FeatureOptions, extract};
 use touchline::field::FieldModel;
 use touchline::media::load_image;
 use touchline::relocalize::{Forest, PoseOptions, RelocalizeOptions, Relocalized, SeenRange, TrainOptions, relocalize};
-use touchline::solve::Target;
 use touchline::solve::base::BaseOptions;
 use touchline::store::read;
 
@@ -90,11 +89,9 @@ pub fn click_error_px(set: &Set, frame: usize, ptz: Ptz, field: &FieldModel) -> 
     let observed = observations(&set.document.frames[frame], field).unwrap();
     let mut distances: Vec<f64> = observed
         .iter()
-        .filter_map(|observation| match observation.target {
-            Target::Landmark(at) => {
-                Some(camera.image_from_world(at).map_or(f64::INFINITY, |image| image.distance_px(observation.image)))
-            }
-            Target::Line(_) => None,
+        .filter_map(|observation| {
+            let at = observation.shape.point()?;
+            Some(camera.image_from_world(at).map_or(f64::INFINITY, |image| image.distance_px(observation.image)))
         })
         .collect();
     quantile(&mut distances, 0.5) / set.features[frame].image_size.scale_from_1920()

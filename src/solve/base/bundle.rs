@@ -1,0 +1,115 @@
+//! Bundle adjustment: the base and every frame's pan, tilt and focal length together.
+//!
+//! Frames see each other only through what they share, so their own three parameters are eliminated (see
+//! [`BorderedEquations`]).
+
+use super::base_click::{BaseClick, FrameView};
+use super::parameters::Shared;
+use super::scatter::Scatter;
+use super::shared_prior::SharedPrior;
+use crate::camera::Ptz;
+use crate::solve::Loss;
+use crate::solve::least_squares::{
+    BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
+};
+use crate::solve::refine;
+use crate::solve::residual::Residual;
+use nalgebra::SMatrix;
+
+/// Everything that does not change while the base and its frames are adjusted, for `SHARED` shared parameters.
+pub(super) struct Bundle<const SHARED: usize> {
+    /// The clicks of each frame.
+    pub frames: Vec<Vec<BaseClick>>,
+    pub priors: Vec<SharedPrior>,
+    /// Which of the shared parameters are free.
+    pub free: [bool; SHARED],
+    /// How strongly far-off clicks still pull.
+    pub loss: Loss,
+}
+
+/// All parameters.
+#[derive(Clone, Debug)]
+pub(super) struct BundleState {
+    pub shared: Shared,
+    /// Pan, tilt, focal length of each frame.
+    pub ptz: Vec<Ptz>,
+}
+
+impl<const SHARED: usize> Problem for Bundle<SHARED> {
+    type State = BundleState;
+    type Equations = BorderedEquations<SHARED, 3>;
+
+    fn equations(&self, at: &BundleState) -> BorderedEquations<SHARED, 3> {
+        let mut priors = BlockEquations::zero();
+        for prior in &self.priors {
+            priors.add(prior, &at.shared, self.loss);
+        }
+        let frames = self.frames.iter().zip(&at.ptz);
+        let blocks = frames.map(|(clicks, ptz)| frame_equations(&at.shared, *ptz, clicks, self.loss)).collect();
+        BorderedEquations { priors, blocks, free: self.free }
+    }
+
+    fn stepped(&self, from: &BundleState, step: &BorderedStep<SHARED, 3>) -> BundleState {
+        let ptz = from.ptz.iter().zip(&step.own).map(|(ptz, step)| refine::stepped(ptz, step)).collect();
+        BundleState { shared: from.shared.stepped(&step.shared), ptz }
+    }
+}
+
+/// The normal equations of one frame's clicks.
+pub(super) fn frame_equations<const SHARED: usize>(
+    shared: &Shared,
+    ptz: Ptz,
+    clicks: &[BaseClick],
+    loss: Loss,
+) -> BlockEquations<SHARED, 3> {
+    let view = FrameView::new(shared, ptz);
+    let mut equations = BlockEquations::zero();
+    for click in clicks {
+        equations.add(click, &view, loss);
+    }
+    equations
+}
+
+impl<const SHARED: usize> Bundle<SHARED> {
+    /// Walks from a start to the best fit.
+    pub fn minimum(&self, start: BundleState, max_iterations: usize) -> Minimum<Self> {
+        /// A step that lowers the cost by less than this share of it is the last.
+        const SMALL_GAIN: f64 = 1e-10;
+        minimise(self, start, Stopping { max_iterations, short_step: 0.0, small_gain: SMALL_GAIN })
+    }
+
+    /// χ² of the inner half of the clicks over what it should be, at least 1.
+    pub fn noise_scale(&self, at: &BundleState) -> f64 {
+        /// Median of χ² with two degrees of freedom.
+        const MEDIAN: f64 = 1.386;
+        let mut squares: Vec<f64> = Vec::new();
+        for (clicks, ptz) in self.frames.iter().zip(&at.ptz) {
+            let view = FrameView::new(&at.shared, *ptz);
+            squares.extend(clicks.iter().filter_map(|click| click.squared_sigmas(&view)));
+        }
+        squares.sort_by(f64::total_cmp);
+        squares.get(squares.len() / 2).map_or(1.0, |median| (median / MEDIAN).max(1.0))
+    }
+
+    /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off
+    /// their places. Infinite if singular.
+    pub fn covariance(&self, at: &Minimum<Self>, noise_scale: f64) -> SMatrix<f64, SHARED, SHARED> {
+        // A frame whose own parameters its clicks leave open says nothing about the base.
+        let mut determined = at.equations.clone();
+        determined.blocks.retain(|block| block.own.try_inverse().is_some());
+        let Some(inverse) = determined.reduced(0.0).and_then(|(matrix, _)| matrix.try_inverse()) else {
+            return SMatrix::from_diagonal_element(f64::INFINITY);
+        };
+        let mut scatter = Scatter::default();
+        let BundleState { shared, ptz } = &at.state;
+        for ((clicks, ptz), block) in self.frames.iter().zip(ptz).zip(&at.equations.blocks) {
+            let alone = |click: &BaseClick| {
+                let equations = frame_equations(shared, *ptz, std::slice::from_ref(click), self.loss);
+                (Residual::<2, SHARED, 3>::element(click), click.equations(), equations)
+            };
+            scatter.add_frame(block, clicks.iter().map(alone));
+        }
+        let free = self.free.iter().filter(|free| **free).count();
+        scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m)
+    }
+}

@@ -1,0 +1,153 @@
+//! What is known of the shared parameters before the clicks, one number each.
+
+use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Shared};
+use crate::camera::CameraBase;
+use crate::field::FieldElement;
+use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
+use crate::solve::Loss;
+use crate::solve::residual::{Linearised, Residual};
+use nalgebra::{SMatrix, SVector};
+
+/// A number that is known beforehand with a 1-σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SharedPrior {
+    pub of: Expected,
+    /// 1-σ, in the number's unit.
+    pub sigma: f64,
+}
+
+/// Which number, and what it should be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Expected {
+    /// The base's downward axis leans neither forward nor backward, rad.
+    Pitch,
+    /// Nor to the side, rad.
+    Roll,
+    /// k₁ at the curve's focal length.
+    K1(f64),
+    /// The change of k₁ per 1000 px.
+    Slope(f64),
+    /// The height of the crown, m.
+    Crown(f64),
+    /// The principal point along one axis of the picture, px.
+    PrincipalPoint(ImagePoint, usize),
+    /// The position along one axis of `world`, m.
+    Position(Vec3, usize),
+    /// No turn from another base about one axis of `world`, rad.
+    Turn(Mat3, usize),
+    /// How much one of the field's lengths exceeds what the clicks were made for, m.
+    Larger(f64, usize),
+}
+
+impl Expected {
+    /// The number less what it should be, and its derivatives: by which parameters, and how much.
+    fn off(&self, shared: &Shared) -> (f64, [(usize, f64); 2]) {
+        let base = &shared.base;
+        let down = base.base_from_world.row(1);
+        let alone = |value: f64, parameter: usize| (value, [(parameter, 1.0), (parameter, 0.0)]);
+        match *self {
+            // Turning by ω moves the downward axis by down × ω.
+            Self::Pitch => (-down[1], [(ROTATION, -down[2]), (ROTATION + 1, 0.0)]),
+            Self::Roll => (down[0], [(ROTATION, 0.0), (ROTATION + 1, -down[2])]),
+            Self::K1(expected) => alone(base.distortion.value - expected, K1),
+            Self::Slope(expected) => alone(base.distortion.per_1000_px - expected, SLOPE),
+            Self::Crown(expected_m) => alone(shared.crown.height_m - expected_m, CROWN),
+            Self::PrincipalPoint(expected, axis) => {
+                alone(base.principal_point.offset_from(expected)[axis], PRINCIPAL_POINT + axis)
+            }
+            Self::Position(expected_m, axis) => alone(base.position_m[axis] - expected_m[axis], axis),
+            Self::Turn(from, axis) => {
+                let other = CameraBase { base_from_world: from, ..*base };
+                let turn = base.rotation_from(&other);
+                let by_turn = rotation_vector_by_turn(turn);
+                (turn[axis], [(ROTATION, by_turn[(axis, 0)]), (ROTATION + 1, by_turn[(axis, 1)])])
+            }
+            Self::Larger(expected_m, size) => alone(shared.larger_m[size] - expected_m, SIZE + size),
+        }
+    }
+}
+
+/// The derivative of a rotation vector by a further turn on its right, for vectors short of half a turn: the inverse of the
+/// right Jacobian of SO(3) (Solà, Deray and Atchuthan, arXiv 1812.01537, eq. 144).
+fn rotation_vector_by_turn(vector: Vec3) -> Mat3 {
+    let cross = crate::geometry::rotation::skew(vector);
+    let angle = vector.norm();
+    let second_order =
+        if angle < 1e-4 { 1.0 / 12.0 } else { (1.0 - 0.5 * angle / (0.5 * angle).tan()) / (angle * angle) };
+    Mat3::identity() + cross * 0.5 + cross * cross * second_order
+}
+
+impl<const SHARED: usize> Residual<1, SHARED, 3> for SharedPrior {
+    type State = Shared;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    fn value(&self, shared: &Shared) -> Option<SVector<f64, 1>> {
+        Some(SVector::<f64, 1>::new(self.of.off(shared).0))
+    }
+
+    fn linearised(&self, shared: &Shared) -> Option<Linearised<1, SHARED, 3>> {
+        let (value, derivatives) = self.of.off(shared);
+        let mut by_shared = SMatrix::zeros();
+        for (parameter, by) in derivatives {
+            by_shared[parameter] += by;
+        }
+        Some(Linearised { value: SVector::<f64, 1>::new(value), by_shared, by_own: SMatrix::zeros() })
+    }
+
+    fn loss(&self, _: Loss) -> Loss {
+        Loss::Squared
+    }
+}
+
+/// A base known to stand and look as another one does, within a 1-σ of its position (m) and of its rotation.
+pub(super) fn near(base: &CameraBase, sigma_m: f64, sigma_turn: Angle) -> impl Iterator<Item = SharedPrior> + use<> {
+    let CameraBase { position_m, base_from_world, .. } = *base;
+    let position = (0..3).map(move |axis| SharedPrior { of: Expected::Position(position_m, axis), sigma: sigma_m });
+    let turn =
+        (0..2).map(move |axis| SharedPrior { of: Expected::Turn(base_from_world, axis), sigma: sigma_turn.radians() });
+    position.chain(turn)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::parameters::{OF_BASE_AND_SIZE, SIZES};
+    use super::*;
+    use crate::camera::{BaseAngles, FocalCurve};
+    use crate::field::Crown;
+    use crate::geometry::rotation::from_rotation_vector;
+    use crate::solve::residual::assert_derivatives;
+
+    #[test]
+    fn each_changes_with_the_parameters_as_its_jacobian_says() {
+        let angles =
+            BaseAngles { roll: Angle::from_degrees(2.0), pitch: Angle::from_degrees(-3.0), ..BaseAngles::default() };
+        let base = CameraBase {
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2 },
+            ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
+        };
+        let shared = Shared {
+            larger_m: [0.5, -0.2],
+            width_by_size: [0.0, 1.0],
+            ..Shared::new(base, Crown { height_m: 0.15, width_m: 68.0 })
+        };
+        let from = base.base_from_world * from_rotation_vector(Vec3::new(0.02, -0.05, 0.03));
+        let mut all =
+            vec![Expected::Pitch, Expected::Roll, Expected::K1(0.01), Expected::Slope(0.1), Expected::Crown(0.1)];
+        all.extend((0..2).map(|axis| Expected::PrincipalPoint(ImagePoint::new(960.0, 540.0), axis)));
+        all.extend((0..3).map(|axis| Expected::Position(Vec3::zeros(), axis)));
+        all.extend((0..2).map(|axis| Expected::Turn(from, axis)));
+        all.extend((0..SIZES).map(|size| Expected::Larger(0.3, size)));
+        for of in all {
+            let prior = SharedPrior { of, sigma: 0.4 };
+            let stepped = |step: &SVector<f64, OF_BASE_AND_SIZE>, _: &Vec3| shared.stepped(step);
+            assert_derivatives::<1, OF_BASE_AND_SIZE, 3, _>(&prior, stepped, &format!("{of:?}"));
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Pan, tilt and focal length known before a frame's clicks.
+
+use super::Loss;
+use super::residual::{Linearised, Residual};
+use crate::camera::{Ptz, PtzCamera};
+use crate::field::FieldElement;
+use crate::geometry::{Angle, Mat3, Vec3};
+use nalgebra::SMatrix;
+
+/// Pan, tilt and focal length known beforehand, each with its 1-σ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PtzPrior {
+    /// What is expected.
+    pub ptz: Ptz,
+    /// 1-σ of the pan.
+    pub sigma_pan: Angle,
+    /// 1-σ of the tilt.
+    pub sigma_tilt: Angle,
+    /// 1-σ of the focal length as a share of it.
+    pub sigma_focal_share: f64,
+}
+
+impl PtzPrior {
+    /// 1 / σ of (pan rad, tilt rad, log f).
+    fn inverse_sigmas(&self) -> Vec3 {
+        Vec3::new(self.sigma_pan.radians(), self.sigma_tilt.radians(), self.sigma_focal_share).map(f64::recip)
+    }
+
+    /// Its information on (pan rad, tilt rad, focal px) at a focal length.
+    pub(super) fn information(&self, focal_px: f64) -> Mat3 {
+        let inverse = self.inverse_sigmas().component_div(&Vec3::new(1.0, 1.0, focal_px));
+        Mat3::from_diagonal(&inverse.component_mul(&inverse))
+    }
+}
+
+/// Three numbers in sigmas.
+impl Residual<3, 0, 3> for PtzPrior {
+    type State = PtzCamera;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        1.0
+    }
+
+    fn value(&self, camera: &PtzCamera) -> Option<Vec3> {
+        let ptz = camera.ptz();
+        let off = Vec3::new(
+            (ptz.pan - self.ptz.pan).wrapped().radians(),
+            (ptz.tilt - self.ptz.tilt).radians(),
+            (ptz.focal_px / self.ptz.focal_px).ln(),
+        );
+        Some(off.component_mul(&self.inverse_sigmas()))
+    }
+
+    fn linearised(&self, camera: &PtzCamera) -> Option<Linearised<3, 0, 3>> {
+        let by_own = Mat3::from_diagonal(&self.inverse_sigmas());
+        Some(Linearised { value: self.value(camera)?, by_shared: SMatrix::zeros(), by_own })
+    }
+
+    fn loss(&self, _: Loss) -> Loss {
+        Loss::Squared
+    }
+}
