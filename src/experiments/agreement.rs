@@ -1,7 +1,7 @@
 //! How two annotators agree, for people and for scripts.
 
-use super::Table;
 use crate::evaluate::{Agreement, FrameAgreement};
+use crate::report::Table;
 use crate::score::ClickNoise;
 use serde_json::{Value, json};
 use std::fmt::Write as _;

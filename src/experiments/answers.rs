@@ -1,9 +1,9 @@
 //! Frames asked of a forest, and how far its answers are from the truth.
 
 use super::sets::{FrameSet, Split};
-use super::{Cell, Table};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::relocalize::{RelocalizeOptions, TrainOptions, relocalize, train};
+use crate::report::{Cell, Table};
 use crate::score::{CameraError, camera_error, horizontal_view, iou_part, quantile};
 use rayon::prelude::*;
 use std::ops::ControlFlow;

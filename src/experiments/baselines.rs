@@ -2,12 +2,11 @@
 //! nearest neighbours among all references' features.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
-use super::figure::{Axis, Figure, Mark, Series};
 use super::ransac::{Match, by_four_points, through};
 use super::sets::FrameSet;
 use super::setting::rng;
 use super::workshop::Progress;
-use super::{Cell, ExperimentError, Report, Table, Workshop};
+use super::{ExperimentError, Workshop};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::features::Descriptor;
 use crate::geometry::{Angle, ImagePoint, Vec3};
@@ -15,6 +14,8 @@ use crate::relocalize::{
     PoseOptions, RayCandidate, RayMatches, RelocalizeOptions, SeenRange, TrainOptions, pose_from_candidates,
     relocalize, train,
 };
+use crate::report::figure::{Axis, Figure, Mark, Series};
+use crate::report::{Cell, Column, Report, Table};
 use crate::score::{horizontal_view, quantile};
 use crate::solve::pose_from_plane;
 use rand::seq::SliceRandom;
@@ -42,7 +43,7 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
     let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(most)).collect();
     counts.dedup();
     let stride = workshop.options.sized(4, 2);
-    report.say(&format!(
+    report.text(&format!(
         "Frames: {}. References are drawn at random from the teachers of a sequence; one frame in {stride} is asked. \
          The first method is the one that the paper compares with: the reference with most matches (ratio test), four-point \
          RANSAC, a homography, and the camera of it; it does not use the base. The second takes each feature's nearest \
@@ -228,7 +229,7 @@ fn write(report: &mut Report, by_count: &[(usize, [Vec<AskedFrame>; 3])]) {
     let mut shares = Figure::new("", references(), Axis::linear("share of frames with IoU ≥ 0.95").within(0.0, 1.05));
     let mut times = Figure::new("", references(), Axis::log("time of one frame (ms)"));
     let mut time_table = Table::new(&[("references", "references")]);
-    time_table.columns.extend(METHODS.map(|name| super::Column::new(&name.replace([' ', ','], "_"), name)));
+    time_table.columns.extend(METHODS.map(|name| Column::new(&name.replace([' ', ','], "_"), name)));
     for (method, name) in METHODS.into_iter().enumerate() {
         let tallies: Vec<(Cell, Tally)> =
             by_count.iter().map(|(count, asked)| ((*count).into(), Tally::of(asked[method].iter()))).collect();
@@ -254,7 +255,7 @@ fn write(report: &mut Report, by_count: &[(usize, [Vec<AskedFrame>; 3])]) {
         time_table.push(row);
     }
     report.figure("shares", "Right answers over the number of references.", shares);
-    report.say(
+    report.text(
         "The paper's claim: the time of its baseline grows with the number of references, that of the forest does not. The \
          times of this run stand in the file of times.",
     );

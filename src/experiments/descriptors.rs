@@ -3,11 +3,12 @@
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
 use super::sets::{FrameSet, KnownFrame, Split, as_picture};
 use super::workshop::Progress;
-use super::{Cell, ExperimentError, Report, Workshop};
+use super::{ExperimentError, Workshop};
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::{BinaryDescriptor, BinaryKind, Descriptor, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
 use crate::media::FrameReader;
 use crate::relocalize::{PoseOptions, RayCandidate, RayMatches, SeenRange, pose_from_candidates};
+use crate::report::{Cell, Report};
 use crate::score::horizontal_view;
 use rayon::prelude::*;
 
@@ -36,7 +37,7 @@ struct Described<D> {
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.highlights(progress)?;
     let mut report = Report::new("descriptors", &set.heading("Descriptors: SIFT, ORB, AKAZE"));
-    report.say(&format!(
+    report.text(&format!(
         "Frames: {}. At most {MOST_FEATURES} features a picture, OpenCV's own settings; every feature's nearest neighbour among \
          all references' features is its ray, then the pose from two points. No forest: a forest splits numbers, not bits.",
         set.title
@@ -55,7 +56,7 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
         progress(done + 2, 3);
     }
     report.table("kinds", "By kind of features.", tally_table(("features", "features"), &tallies));
-    report.say(
+    report.text(
         "The paper compares SIFT with SURF, IoU .83 against .74 on its data; SURF is non-free and absent from Debian's \
          OpenCV, so it is quoted and not measured.",
     );

@@ -1,9 +1,9 @@
 //! An evaluation for people: tables, and figures of the errors.
 
-use super::figure::{Axis, Figure, Line, Mark, Series};
-use super::{Cell, Column, Report, Table};
 use crate::evaluate::{Evaluation, FrameScores, Group, GroupKind, Measure};
 use crate::geometry::Angle;
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Cell, Column, Report, Table};
 use crate::score::Summary;
 use std::fmt::Write as _;
 
@@ -21,7 +21,7 @@ const DRAWN: [Measure; 6] = [
 #[must_use]
 pub fn evaluation_report(evaluation: &Evaluation, groups: &[Group]) -> Report {
     let mut report = Report::new("evaluation", "Evaluation");
-    report.say(&evaluation_tables(groups, Table::to_markdown));
+    report.text(&evaluation_tables(groups, Table::to_markdown));
     let scored = || evaluation.frames.iter().filter_map(|frame| frame.scores.as_ref().ok());
     for measure in DRAWN {
         let values: Vec<f64> = scored().filter_map(|scores: &FrameScores| scores.get(measure)).collect();

@@ -1,10 +1,7 @@
-//! The paper's tables and figures, measured again, and what evaluations are written with.
+//! The paper's tables and figures, measured again, and evaluations written as reports.
 //!
 //! | what | where |
 //! |---|---|
-//! | one table as text, Markdown, CSV and JSON | [`Table`] |
-//! | one diagram as SVG and PNG | [`figure`] |
-//! | words, tables and figures of one experiment, and its files | [`Report`] |
 //! | the experiments | [`Experiment`], [`Workshop`] |
 //! | two annotators' agreement | [`agreement_tables`], [`agreement_json`] |
 //! | an evaluation for people | [`evaluation_report`], [`evaluation_tables`] |
@@ -15,10 +12,8 @@
 mod agreement;
 mod answers;
 mod baselines;
-mod contact_sheet;
 mod descriptors;
 mod evaluation;
-pub mod figure;
 mod given;
 mod homographies;
 mod motion;
@@ -26,17 +21,13 @@ mod options;
 mod pose;
 mod ransac;
 mod relocalization;
-mod report;
 mod sets;
 mod setting;
 mod synthetic;
-mod table;
 mod workshop;
 
 pub use agreement::{agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables};
 pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
 pub use options::{Experiment, ExperimentError, ExperimentOptions, UnknownExperiment};
-pub use report::{Block, Report, ReportFile};
 pub use sets::{OwnDocument, OwnDocuments};
-pub use table::{Cell, Column, Table};
 pub use workshop::{Progress, Workshop};

@@ -1,14 +1,15 @@
 //! A real broadcast camera's motion, drawn: a few of its frames teach, all others are asked.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, tally_table};
-use super::figure::{Axis, Figure, Line, Mark, Series};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
 use super::workshop::{Progress, counted};
-use super::{ExperimentError, Report, Table, Workshop, evaluation_tables};
+use super::{ExperimentError, Workshop, evaluation_tables};
 use crate::camera::Ptz;
 use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
 use crate::evaluate::evaluate;
 use crate::relocalize::{RelocalizeOptions, TrainOptions};
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Report, Table};
 use std::path::Path;
 
 /// Runs the experiment on the motion that a folder holds.
@@ -30,7 +31,7 @@ pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Rep
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
     let place = real.base.position_m;
-    report.say(&format!(
+    report.text(&format!(
         "Frames: {}. {} The camera and its pan, tilt and focal length are those of {} consecutive frames published with \
          \"Pan-tilt-zoom SLAM for Sports Videos\" (Lu, Chen, Little, BMVC 2019); it stands low behind a corner, {:.1} m along \
          and {:.1} m across from the centre mark, {:.1} m up. The pictures are drawn: their truth is exact, and what is found \
@@ -44,7 +45,7 @@ pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Rep
     ));
     report.table("path", "The motion.", path_table(&real.ptz));
     report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
-    report.say(&evaluated(&set, &asked)?);
+    report.text(&evaluated(&set, &asked)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
         ("pan", "pan (°)", (|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64),

@@ -1,14 +1,15 @@
 //! Which experiments there are, and how they are run.
 
-use super::figure::FigureError;
 use super::workshop::{Progress, Workshop};
-use super::{Report, baselines, descriptors, homographies, motion, pose, ransac, relocalization, synthetic};
+use super::{baselines, descriptors, homographies, motion, pose, ransac, relocalization, synthetic};
 use crate::evaluate::EvaluationError;
 use crate::exchange::AuthorsError;
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::media::MediaError;
 use crate::proposals::PictureError;
+use crate::report::Report;
+use crate::report::figure::FigureError;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;

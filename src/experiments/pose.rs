@@ -3,9 +3,10 @@
 use super::answers::{Tally, ask, tally_table};
 use super::sets::SetKind;
 use super::workshop::Progress;
-use super::{Cell, ExperimentError, Report, Workshop};
+use super::{ExperimentError, Workshop};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::relocalize::{RelocalizeOptions, TrainOptions};
+use crate::report::{Cell, Report};
 
 /// Runs the experiment.
 ///
@@ -20,7 +21,7 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
         }
         SetKind::Published | SetKind::Own => "The lens is what the documents' cameras hold (`distortion`).",
     };
-    report.say(&format!(
+    report.text(&format!(
         "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs.",
         set.title
     ));

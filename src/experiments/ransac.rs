@@ -1,11 +1,12 @@
 //! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as outliers grow.
 
-use super::figure::{Axis, Figure, Mark, Series};
+use super::ExperimentOptions;
 use super::setting::{SIZE, normal, rng};
 use super::workshop::Progress;
-use super::{Cell, ExperimentOptions, Report, Table};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
+use crate::report::figure::{Axis, Figure, Mark, Series};
+use crate::report::{Cell, Report, Table};
 use crate::score::quantile;
 use crate::solve::{Loss, Observation, refine, solve_two_points};
 use crate::synthetic::Preset;
@@ -35,7 +36,7 @@ const OUTLIERS: [f64; 7] = [0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.8];
 pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     let mut report = Report::new("ransac", "RANSAC: rounds for four, two and one points");
     report.table("table-1", "Rounds for success in 99 % of all cases at 50 % outliers.", table_1(options));
-    report.say(
+    report.text(
         "The paper states 71, 16 and 7 rounds; 71.36 and 16.01 rounds are needed, which is 72 and 17 whole ones. Simulated: 200 \
          matches, half of them wrong, drawn without repetition until a sample is all right.",
     );
@@ -55,7 +56,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
             (outliers, [outcome(0), outcome(1)])
         })
         .collect();
-    report.say(&format!(
+    report.text(&format!(
         "Two points (a known base: pan, tilt, focal length) against four (a homography, nothing known) on the same matches of \
          points on the ground: {MATCHES} a picture, {NOISE_PX} px noise, a match agrees within {AGREES_PX} px, rounds until a \
          better sample would have been missed with 1 %, {MOST_ROUNDS} at most, then a fit to all that agree. {trials} pictures \

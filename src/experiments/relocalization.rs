@@ -1,13 +1,14 @@
 //! The forest on sequences: by sequence, by field of view, by gate and by number of trees.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_name, tally_table};
-use super::contact_sheet::contact_sheet;
-use super::figure::{Axis, Figure, Line, Mark, Series};
 use super::sets::{FrameSet, SetKind};
 use super::workshop::Progress;
-use super::{Cell, ExperimentError, Report, Table, Workshop};
+use super::{ExperimentError, Workshop};
+use crate::media::FrameReader;
 use crate::proposals::overlay_error_px;
 use crate::relocalize::{PredictOptions, RelocalizeOptions, TrainOptions};
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Cell, Column, Report, SheetFrame, Table, contact_sheet};
 use crate::score::quantile;
 
 /// The gates of the `threshold` experiment: squared distances of descriptors of unit length.
@@ -16,6 +17,8 @@ const GATES: [f32; 6] = [0.05, 0.1, 0.2, 0.3, 0.45, 0.6];
 const WITHIN_DEG: [f64; 4] = [0.005, 0.01, 0.02, 0.1];
 /// The same for frames whose truth was fitted to clicks.
 const WITHIN_FITTED_DEG: [f64; 4] = [0.02, 0.05, 0.1, 0.5];
+/// How many frames the contact sheet shows.
+const SHEET_FRAMES: usize = 6;
 /// How many of the worst frames are named.
 const WORST_SHOWN: usize = 5;
 /// Errors of the overlay within which frames are counted, px at 1920 px width.
@@ -37,7 +40,7 @@ fn ask_set(workshop: &Workshop, set: &FrameSet) -> Vec<AskedFrame> {
 
 /// Says what the frames are.
 fn introduce(report: &mut Report, set: &FrameSet, words: &str) {
-    report.say(&format!("Frames: {}. {} {words}", set.title, set.teaching));
+    report.text(&format!("Frames: {}. {} {words}", set.title, set.teaching));
 }
 
 /// What the paper's sets are, for those who compare.
@@ -53,7 +56,7 @@ pub fn highlights(workshop: &Workshop, progress: Progress) -> Result<Report, Exp
     let mut report = Report::new("highlights", &set.heading(heading));
     introduce(&mut report, set, "");
     if !own {
-        report.say(PAPERS_SETS);
+        report.text(PAPERS_SETS);
     }
     sequences(&mut report, workshop, set)?;
     Ok(report)
@@ -103,7 +106,7 @@ fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) -> Result
         "One frame, features found already; other frames were asked at the same time.",
         times,
     );
-    if let Some(png) = contact_sheet(set, &asked)? {
+    if let Some(png) = contact_sheet(&worst_to_best(set, &asked)?)? {
         report.picture(
             "sheet",
             "Six frames from the worst to the best: the answer's lines over the picture; from above what the picture shows by the \
@@ -112,6 +115,31 @@ fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) -> Result
         );
     }
     Ok(())
+}
+
+/// Six of the frames asked, from the worst to the best.
+fn worst_to_best<'a>(set: &'a FrameSet, asked: &[AskedFrame]) -> Result<Vec<SheetFrame<'a>>, ExperimentError> {
+    let mut order: Vec<&AskedFrame> = asked.iter().collect();
+    let iou = |asked: &AskedFrame| asked.found.map_or(-1.0, |found| found.iou.unwrap_or(0.0));
+    order.sort_by(|a, b| iou(a).total_cmp(&iou(b)));
+    let tiles = SHEET_FRAMES.min(order.len());
+    let chosen = (0..tiles).map(|tile| order[tile * (order.len() - 1) / (tiles - 1).max(1)]);
+    let mut reader = FrameReader::new();
+    let sheet_frame = |asked: &AskedFrame| {
+        let known = &set.frames[asked.frame];
+        let caption = match asked.found {
+            Some(found) => format!("view {:.0}°, IoU {:.4}", asked.view_deg, found.iou.unwrap_or(f64::NAN)),
+            None => format!("view {:.0}°, not found", asked.view_deg),
+        };
+        Ok(SheetFrame {
+            picture: known.picture(&mut reader)?,
+            caption,
+            field: &known.field,
+            truth: known.truth,
+            estimate: asked.found.map(|found| found.camera),
+        })
+    };
+    chosen.map(sheet_frame).collect()
 }
 
 /// How far the overlay is off where a label may be wrong itself: shares of frames, and the worst frames by name.
@@ -155,7 +183,7 @@ fn error_px(set: &FrameSet, asked: &AskedFrame) -> Option<f64> {
 fn overlay_table(set: &FrameSet, parts: &[(&str, Vec<&AskedFrame>)]) -> Table {
     let mut table = Table::new(&[("sequence", "sequence"), ("frames", "frames")]);
     for within in OVERLAY_PX {
-        table.columns.push(super::Column::new(&format!("within_{within}_px"), &format!("within {within} px")));
+        table.columns.push(Column::new(&format!("within_{within}_px"), &format!("within {within} px")));
     }
     for (name, asked) in parts {
         let errors: Vec<f64> = asked.iter().filter_map(|asked| error_px(set, asked)).collect();
@@ -264,9 +292,9 @@ pub fn trees(workshop: &Workshop, progress: Progress) -> Result<Report, Experime
     let counts: Vec<u32> = if workshop.options.quick { vec![1, 2, 5] } else { (1..=10).collect() };
     let mut table = Table::new(&[("trees", "trees")]);
     for within in bounds {
-        table.columns.push(super::Column::new(&format!("within_{within}_deg"), &format!("within {within}°")));
+        table.columns.push(Column::new(&format!("within_{within}_deg"), &format!("within {within}°")));
     }
-    table.columns.push(super::Column::new("found", "found"));
+    table.columns.push(Column::new("found", "found"));
     let mut curves: Vec<Vec<[f64; 2]>> = vec![Vec::new(); bounds.len()];
     for (done, &trees) in counts.iter().enumerate() {
         let asked = ask_plainly(set, &TrainOptions { trees, ..training(workshop) }, &asking(workshop));

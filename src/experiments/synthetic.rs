@@ -4,12 +4,13 @@
 //! Here stand beside it the Cramér–Rao bound, below which no unbiased estimate can lie, the closed form alone, and the
 //! closed form with the two approximations of the authors' program.
 
-use super::figure::{Axis, Figure, Line, Mark, Series};
+use super::ExperimentOptions;
 use super::setting::{SIZE, Sighting, base, drawn_ptz, normals, rng, sightings};
 use super::workshop::Progress;
-use super::{Cell, ExperimentOptions, Report, Table};
 use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::{Angle, Mat3, rotation};
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Cell, Report, Table};
 use crate::score::camera_error;
 use crate::solve::{Loss, Observation, refine, solve_two_points};
 use rayon::prelude::*;
@@ -77,7 +78,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     let setting = Setting { seed: options.seed, cameras, trials, step: &step };
 
     let mut report = Report::new("synthetic", "Synthetic: pan, tilt and focal length from noisy rays");
-    report.say(&format!(
+    report.text(&format!(
         "The paper's setting: base of the published sequence, pan 15 to 75°, tilt −14 to −5°, focal length 1500 to 5000 px, \
          {} × {} px, 200 rays a frame. {cameras} cameras, {trials} trials each. Nine rays in ten should lie outside the field; \
          the pictures have room for {:.1} %. Error bars: standard deviation over the cameras.",
@@ -167,14 +168,14 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
         "Mean errors over all cameras and trials; efficiency is bound over error.",
         noise_table(&by_noise),
     );
-    report.say(
+    report.text(
         "The paper reports less than 0.02° and 2.5 px at σ = 3 px; an independent implementation of the full refinement found \
          .00193° and .450 px, .00382° and .891 px, .00581° and 1.347 px at σ = 1, 2, 3 (bound: .00195 / .448, .00389 / .897, \
          .00584 / 1.345). A mean over so many trials itself varies by about 1 %, so an efficiency slightly above 1 is chance.",
     );
     let failed: usize = by_noise.iter().map(|(_, methods)| methods.iter().map(|m| m.failed).sum::<usize>()).sum();
     if failed > 0 {
-        report.say(&format!("{failed} pairs of points gave no camera and are left out."));
+        report.text(&format!("{failed} pairs of points gave no camera and are left out."));
     }
 }
 
@@ -227,7 +228,7 @@ fn position_noise(setting: &Setting, report: &mut Report) {
         })
         .collect();
     base_part(report, "c", "error of the base's position, σ on each axis (m)", &measured);
-    report.say("At 0.1 m an independent implementation found .13° and 8 px. Pixels are exact here.");
+    report.text("At 0.1 m an independent implementation found .13° and 8 px. Pixels are exact here.");
 }
 
 /// Figure (d): the base's rotation is known wrongly.
@@ -245,7 +246,7 @@ fn rotation_noise(setting: &Setting, report: &mut Report) {
         })
         .collect();
     base_part(report, "d", "error of the base's rotation, σ about each axis (°)", &measured);
-    report.say(
+    report.text(
         "At 0.1° an independent implementation found .08° and .02 px: pan and tilt make up for two of the three axes, what is \
          left is the roll. Pixels are exact here.",
     );

@@ -1,7 +1,7 @@
 //! A small plot: a box with two scales, lines and numbers at its sides.
 
 use super::theme;
-use crate::experiments::figure::Ruler;
+use crate::report::figure::Ruler;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
 
 /// The size of the numbers, points.

@@ -10,7 +10,7 @@ const FLOORS: &[&[&str]] = &[
     &["markings"],
     &["solve", "score", "features"],
     &["document", "relocalize", "synthetic"],
-    &["calibrate", "evaluate", "exchange", "proposals", "scene", "store"],
+    &["calibrate", "evaluate", "exchange", "proposals", "report", "scene", "store"],
     &["app", "experiments"],
     &["jobs", "render"],
     &["ui", "cli"],

@@ -5,9 +5,10 @@ mod read;
 
 pub use read::holds_homographies;
 
-use super::figure::{Axis, Figure, Line, Mark, Series};
 use super::workshop::Progress;
-use super::{Cell, ExperimentError, Report, Table, Workshop};
+use super::{ExperimentError, Workshop};
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Cell, Report, Table};
 use crate::score::{PlaneView, Summary};
 use fit::{Fitted, Group, Sampled, groups, under_one_base};
 use rayon::prelude::*;
@@ -55,7 +56,7 @@ pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Rep
 
     let mut report = Report::new("homographies", "Homographies: our camera, and a fixed base");
     let [length, width] = read.template_yd;
-    report.say(&format!(
+    report.text(&format!(
         "{} published homographies of the World Cup 2014 set (Homayounfar, Fidler, Urtasun, CVPR 2017), template {length} × \
          {width} yards; no pictures. A homography has eight degrees of freedom, our camera without a base seven: position, \
          rotation, focal length; square pixels, the principal point in the middle, no distortion. It is fitted to points of the \
@@ -80,7 +81,7 @@ pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Rep
          length under one base for all (the median of the positions, a level head).",
         figure,
     );
-    report.say(
+    report.text(
         "What is left with seven degrees of freedom is not the mathematics: drawn homographies of a camera are fitted to below \
          a thousandth of a pixel. The published ones were made by people's clicks without a camera in mind, on lenses that \
          bend, pitches that are higher in the middle and of another size than the template; each takes its share of the eighth \
@@ -99,7 +100,7 @@ pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Rep
     };
     let mut found = sought("homography", &sampled);
     found.extend(sought("own camera", &by_camera));
-    report.say(
+    report.text(
         "A fixed base: the frames are of several matches in several stadiums, and the set does not say which. So bases are \
          sought: every frame's own position, with a level head and with its own lean, is tried as the base of all frames within 12 m of it; a frame \
          agrees if pan, tilt and focal length alone bring it within a distance of its homography, or of the camera fitted to \

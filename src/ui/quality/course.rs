@@ -6,7 +6,7 @@ use crate::app::quality::{Course, CoursePoint, Drawn, Kind, Quantity, TimeAxis, 
 use crate::app::review::{DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::document::Frame;
-use crate::experiments::figure::Ruler;
+use crate::report::figure::Ruler;
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme};

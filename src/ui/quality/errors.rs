@@ -3,7 +3,7 @@
 use super::{card, legend, nothing_yet};
 use crate::app::Action;
 use crate::app::quality::{ClickErrors, Histogram, Spread};
-use crate::experiments::figure::Ruler;
+use crate::report::figure::Ruler;
 use crate::ui::plot::Plot;
 use crate::ui::{Panel, theme};
 use egui::{

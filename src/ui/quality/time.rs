@@ -1,7 +1,7 @@
 //! Numbers along the time.
 
 use crate::app::quality::TimeAxis;
-use crate::experiments::figure::Ruler;
+use crate::report::figure::Ruler;
 
 /// Numbers along the time, about so many.
 pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)> {

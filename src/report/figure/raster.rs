@@ -40,13 +40,13 @@ fn draw(picture: &mut RgbImage, shape: &Shape, typeface: &Typeface) {
         }
         Shape::Area { points, colour } => fill(picture, &polygon(points), *colour),
         Shape::Disc { centre, radius, colour } => fill(picture, &polygon(&circle(*centre, *radius)), *colour),
-        Shape::Text { words, at, size, anchor, upright } => {
+        Shape::Text { text, at, size, anchor, upright } => {
             let place = |[x, y]: [f32; 2]| {
-                // Upright words run upwards.
+                // Upright text runs upwards.
                 let [x, y] = if *upright { [y, -x] } else { [x, y] }.map(f64::from);
                 scaled([at[0] + x, at[1] + y])
             };
-            fill(picture, &curves(&typeface.outlines(words, *size, *anchor), place), [0, 0, 0]);
+            fill(picture, &curves(&typeface.outlines(text, *size, *anchor), place), [0, 0, 0]);
         }
     }
 }

@@ -1,11 +1,11 @@
-//! What an experiment found: words, tables and figures, and the files they become.
+//! A report: text, tables and figures in order, and the files they become.
 
 use super::Table;
 use super::figure::{Figure, FigureError};
 use serde_json::{Map, json};
 use std::fmt::Write as _;
 
-/// What an experiment found.
+/// A report: text, tables and figures in order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     /// Its name, with which the files begin.
@@ -22,7 +22,7 @@ pub struct Report {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     /// Markdown.
-    Words(String),
+    Text(String),
     /// A table, also written as CSV.
     Table {
         /// Its file's name without an ending.
@@ -62,9 +62,9 @@ impl Report {
         Self { name: name.to_owned(), title: title.to_owned(), ..Self::default() }
     }
 
-    /// Adds words.
-    pub fn say(&mut self, words: &str) {
-        self.blocks.push(Block::Words(words.to_owned()));
+    /// Adds Markdown text.
+    pub fn text(&mut self, text: &str) {
+        self.blocks.push(Block::Text(text.to_owned()));
     }
 
     /// Adds a table.
@@ -119,7 +119,7 @@ impl Report {
         }
         for block in self.blocks.iter().chain(&self.times) {
             match block {
-                Block::Words(_) => {}
+                Block::Text(_) => {}
                 Block::Table { stem, table, .. } => files.push((format!("{stem}.csv"), table.to_csv().into_bytes())),
                 Block::Figure { stem, figure, .. } => {
                     files.push((format!("{stem}.svg"), figure.to_svg()?.into_bytes()));
@@ -146,7 +146,7 @@ fn markdown(title: &str, blocks: &[Block]) -> String {
     for block in blocks {
         // Writing to a string cannot fail.
         let _ = match block {
-            Block::Words(words) => writeln!(out, "\n{}", words.trim()),
+            Block::Text(text) => writeln!(out, "\n{}", text.trim()),
             Block::Table { caption, table, .. } => writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end()),
             Block::Figure { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}"),
             Block::Picture { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}"),

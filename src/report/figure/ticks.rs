@@ -8,7 +8,7 @@ pub struct Ruler {
     scale: Scale,
     from: f64,
     to: f64,
-    /// Numbers with their words.
+    /// Numbers and how they are written.
     pub ticks: Vec<(f64, String)>,
 }
 
@@ -73,7 +73,7 @@ impl Ruler {
             .filter(|power| power.rem_euclid(stride) == 0)
             .flat_map(|power| between.iter().map(move |factor| factor * 10f64.powi(power)));
         let inside = ticks.filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9));
-        Self { scale: Scale::Log, from, to, ticks: inside.map(|value| (value, log_words(value))).collect() }
+        Self { scale: Scale::Log, from, to, ticks: inside.map(|value| (value, log_label(value))).collect() }
     }
 
     /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
@@ -105,7 +105,7 @@ fn round_up(value: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|v| *v >= value * (1.0 - 1e-9)).unwrap_or(power)
 }
 
-fn log_words(value: f64) -> String {
+fn log_label(value: f64) -> String {
     if (1e-4..1e6).contains(&value) {
         let decimals = (-value.log10().floor()).clamp(0.0, 9.0) as usize;
         format!("{value:.decimals$}")
@@ -118,33 +118,33 @@ fn log_words(value: f64) -> String {
 mod tests {
     use super::*;
 
-    fn words(axis: &Axis, values: &[f64]) -> Vec<String> {
+    fn labels(axis: &Axis, values: &[f64]) -> Vec<String> {
         Ruler::new(axis, values.iter().copied()).ticks.into_iter().map(|tick| tick.1).collect()
     }
 
     #[test]
     fn linear_axes_end_at_numbers() {
         let axis = Axis::linear("x");
-        assert_eq!(words(&axis, &[0.03, 4.7]), ["0", "1", "2", "3", "4", "5"]);
-        assert_eq!(words(&axis, &[0.0, 0.0098]), ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010"]);
-        assert_eq!(words(&axis.clone().within(0.0, 1.0), &[7.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(words(&axis, &[-2.0, 3.0]), ["-2", "-1", "0", "1", "2", "3"]);
-        assert!(!words(&axis, &[]).is_empty() && !words(&axis, &[2.0, 2.0]).is_empty());
+        assert_eq!(labels(&axis, &[0.03, 4.7]), ["0", "1", "2", "3", "4", "5"]);
+        assert_eq!(labels(&axis, &[0.0, 0.0098]), ["0.000", "0.002", "0.004", "0.006", "0.008", "0.010"]);
+        assert_eq!(labels(&axis.clone().within(0.0, 1.0), &[7.0]), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(&axis, &[-2.0, 3.0]), ["-2", "-1", "0", "1", "2", "3"]);
+        assert!(!labels(&axis, &[]).is_empty() && !labels(&axis, &[2.0, 2.0]).is_empty());
     }
 
     #[test]
     fn a_small_plot_has_few_numbers() {
-        let words = |ruler: Ruler| ruler.ticks.into_iter().map(|tick| tick.1).collect::<Vec<_>>();
-        assert_eq!(words(Ruler::around([-37.0, 41.0], 2.0)), ["-50", "0", "50"]);
-        assert_eq!(words(Ruler::within([3.0, 97.0], 2.0)), ["50"]);
+        let labels = |ruler: Ruler| ruler.ticks.into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        assert_eq!(labels(Ruler::around([-37.0, 41.0], 2.0)), ["-50", "0", "50"]);
+        assert_eq!(labels(Ruler::within([3.0, 97.0], 2.0)), ["50"]);
         assert_eq!(Ruler::around([-37.0, 41.0], 2.0).range(), [-50.0, 50.0]);
     }
 
     #[test]
     fn log_axes_have_powers_and_leave_out_what_is_not_positive() {
         let axis = Axis::log("x");
-        assert_eq!(words(&axis, &[0.0, 0.012, 90.0]), ["0.01", "0.1", "1", "10", "100"]);
-        assert_eq!(words(&axis, &[2.0, 15.0]), ["2", "5", "10", "20"]);
+        assert_eq!(labels(&axis, &[0.0, 0.012, 90.0]), ["0.01", "0.1", "1", "10", "100"]);
+        assert_eq!(labels(&axis, &[2.0, 15.0]), ["2", "5", "10", "20"]);
         let ruler = Ruler::new(&axis, [1.0, 100.0].into_iter());
         assert_eq!(ruler.share(10.0).map(|share| (share * 1e9).round()), Some(0.5e9));
         assert_eq!(ruler.share(0.0), None);

@@ -32,11 +32,11 @@ pub enum Shape {
     Area { points: Vec<[f64; 2]>, colour: Rgb },
     /// A filled circle.
     Disc { centre: [f64; 2], radius: f64, colour: Rgb },
-    /// Words; `at` is on their baseline.
-    Text { words: String, at: [f64; 2], size: f64, anchor: Anchor, upright: bool },
+    /// Text; `at` is on its baseline.
+    Text { text: String, at: [f64; 2], size: f64, anchor: Anchor, upright: bool },
 }
 
-/// Which part of some words lies at their place.
+/// Which part of a text lies at its place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     Start,

@@ -5,11 +5,11 @@ use super::ticks::Ruler;
 use super::typeface::Typeface;
 use super::{Figure, FigureError, Line, Mark, Series};
 
-/// The size of a figure without title and legend, px. Printed 84 mm wide, a column, the words are 7.5 points high.
+/// The size of a figure without title and legend, px. Printed 84 mm wide, a column, the text is 7.5 points high.
 const WIDTH: f64 = 420.0;
 const HEIGHT: f64 = 288.0;
-const WORDS: f64 = 13.0;
-const SMALL_WORDS: f64 = 12.0;
+const TEXT: f64 = 13.0;
+const SMALL_TEXT: f64 = 12.0;
 const INK: Rgb = [0, 0, 0];
 const GRID: Rgb = [225, 225, 225];
 const MARK_RADIUS: f64 = 3.2;
@@ -48,7 +48,7 @@ impl Figure {
         let bars = self.series.iter().flat_map(|series| &series.bars).flatten().copied();
         let x = Ruler::new(&self.x, points().map(|point| point[0]));
         let y = Ruler::new(&self.y, points().map(|point| point[1]).chain(bars));
-        let widest = y.ticks.iter().map(|(_, words)| typeface.width(words, SMALL_WORDS)).fold(0.0, f64::max);
+        let widest = y.ticks.iter().map(|(_, label)| typeface.width(label, SMALL_TEXT)).fold(0.0, f64::max);
         let (left, right) = (34.0 + widest, WIDTH - 16.0);
         let heading = if self.title.is_empty() { 0.0 } else { TITLE_ROW };
         let mut shapes = Vec::new();
@@ -66,28 +66,28 @@ impl Figure {
         let Plot { left, right, top, bottom, .. } = *plot;
         let line = |from, to, colour| Shape::Path { points: vec![from, to], width: 1.0, colour, dashes: &[] };
         let text =
-            |words: &str, at, size, anchor, upright| Shape::Text { words: words.to_owned(), at, size, anchor, upright };
-        for (value, words) in &plot.x.ticks {
+            |text: &str, at, size, anchor, upright| Shape::Text { text: text.to_owned(), at, size, anchor, upright };
+        for (value, label) in &plot.x.ticks {
             let Some(share) = plot.x.share(*value) else { continue };
             let x = left + share * (right - left);
             shapes.push(line([x, top], [x, bottom], GRID));
             shapes.push(line([x, bottom], [x, bottom + 4.0], INK));
-            shapes.push(text(words, [x, bottom + 17.0], SMALL_WORDS, Anchor::Middle, false));
+            shapes.push(text(label, [x, bottom + 17.0], SMALL_TEXT, Anchor::Middle, false));
         }
-        for (value, words) in &plot.y.ticks {
+        for (value, label) in &plot.y.ticks {
             let Some(share) = plot.y.share(*value) else { continue };
             let y = bottom - share * (bottom - top);
             shapes.push(line([left, y], [right, y], GRID));
             shapes.push(line([left - 4.0, y], [left, y], INK));
-            shapes.push(text(words, [left - 7.0, y + 4.2], SMALL_WORDS, Anchor::End, false));
+            shapes.push(text(label, [left - 7.0, y + 4.2], SMALL_TEXT, Anchor::End, false));
         }
         let frame = vec![[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         shapes.push(Shape::Path { points: frame, width: 1.0, colour: INK, dashes: &[] });
         let middle = f64::midpoint(left, right);
-        shapes.push(text(&self.x.label, [middle, bottom + 35.0], WORDS, Anchor::Middle, false));
-        shapes.push(text(&self.y.label, [15.0, f64::midpoint(top, bottom)], WORDS, Anchor::Middle, true));
+        shapes.push(text(&self.x.label, [middle, bottom + 35.0], TEXT, Anchor::Middle, false));
+        shapes.push(text(&self.y.label, [15.0, f64::midpoint(top, bottom)], TEXT, Anchor::Middle, true));
         if !self.title.is_empty() {
-            shapes.push(text(&self.title, [middle, 19.0], WORDS, Anchor::Middle, false));
+            shapes.push(text(&self.title, [middle, 19.0], TEXT, Anchor::Middle, false));
         }
     }
 
@@ -99,7 +99,7 @@ impl Figure {
             return 0;
         }
         for series in named {
-            let width = LEGEND_SAMPLE + 5.0 + typeface.width(&series.name, SMALL_WORDS);
+            let width = LEGEND_SAMPLE + 5.0 + typeface.width(&series.name, SMALL_TEXT);
             if x > left && x + width > right {
                 (x, row) = (left, row + 1);
             }
@@ -108,9 +108,9 @@ impl Figure {
             add_line(shapes, series, vec![from, to]);
             add_mark(shapes, series, [f64::midpoint(from[0], to[0]), y]);
             shapes.push(Shape::Text {
-                words: series.name.clone(),
+                text: series.name.clone(),
                 at: [to[0] + 5.0, y + 4.2],
-                size: SMALL_WORDS,
+                size: SMALL_TEXT,
                 anchor: Anchor::Start,
                 upright: false,
             });

@@ -33,7 +33,7 @@ pub fn write(drawing: &Drawing, title: &str) -> String {
                 let [x, y] = centre.map(number);
                 writeln!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{}\" fill=\"{}\"/>", number(*radius), hex(*colour))
             }
-            Shape::Text { words, at, size, anchor, upright } => {
+            Shape::Text { text, at, size, anchor, upright } => {
                 let [x, y] = at.map(number);
                 let anchor = match anchor {
                     Anchor::Start => "start",
@@ -41,10 +41,10 @@ pub fn write(drawing: &Drawing, title: &str) -> String {
                     Anchor::End => "end",
                 };
                 let turn = if *upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-                let (words, size) = (escaped(words), number(*size));
+                let (text, size) = (escaped(text), number(*size));
                 writeln!(
                     out,
-                    "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"#000\"{turn}>{words}</text>"
+                    "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\" text-anchor=\"{anchor}\" fill=\"#000\"{turn}>{text}</text>"
                 )
             }
         };

@@ -1,4 +1,4 @@
-//! The typeface of figures: how wide words are, and their outlines.
+//! The typeface of figures: the width of text, and its outlines.
 
 use super::shape::Anchor;
 use ab_glyph::{Font as _, FontRef, InvalidFont, OutlineCurve, PxScale, ScaleFont as _};
@@ -29,25 +29,25 @@ impl Typeface {
         PxScale::from(size as f32 * self.font.height_unscaled() / em)
     }
 
-    /// How wide words are, px.
-    pub fn width(&self, words: &str, size: f64) -> f64 {
+    /// The width of text, px.
+    pub fn width(&self, text: &str, size: f64) -> f64 {
         let font = self.font.as_scaled(self.scale(size));
-        words.chars().map(|letter| f64::from(font.h_advance(font.glyph_id(letter)))).sum()
+        text.chars().map(|letter| f64::from(font.h_advance(font.glyph_id(letter)))).sum()
     }
 
-    /// The outlines of words at the origin of their baseline.
-    pub fn outlines(&self, words: &str, size: f64, anchor: Anchor) -> Vec<Stroke> {
+    /// The outlines of text at the origin of its baseline.
+    pub fn outlines(&self, text: &str, size: f64, anchor: Anchor) -> Vec<Stroke> {
         let scale = self.scale(size);
         let factor = scale.y / self.font.height_unscaled();
         let scaled = self.font.as_scaled(scale);
-        let width = self.width(words, size) as f32;
+        let width = self.width(text, size) as f32;
         let mut x = match anchor {
             Anchor::Start => 0.0,
             Anchor::Middle => -width / 2.0,
             Anchor::End => -width,
         };
         let mut strokes = Vec::new();
-        for letter in words.chars() {
+        for letter in text.chars() {
             let glyph = scaled.glyph_id(letter);
             if let Some(outline) = self.font.outline(glyph) {
                 let at = |point: ab_glyph::Point| [x + point.x * factor, -point.y * factor];
