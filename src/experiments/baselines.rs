@@ -2,10 +2,10 @@
 //! nearest neighbours among all references' features.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
+use super::progress::Progress;
 use super::ransac::{Match, by_four_points, through};
 use super::sets::FrameSet;
 use super::setting::rng;
-use super::workshop::Progress;
 use super::{ExperimentError, Workshop};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::features::Descriptor;

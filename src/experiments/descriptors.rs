@@ -1,8 +1,8 @@
 //! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is its ray, then the pose.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
+use super::progress::Progress;
 use super::sets::{FrameSet, KnownFrame, Split, as_picture};
-use super::workshop::Progress;
 use super::{ExperimentError, Workshop};
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::{BinaryDescriptor, BinaryKind, Descriptor, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};

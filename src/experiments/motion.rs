@@ -1,9 +1,9 @@
 //! A real broadcast camera's motion, drawn: a few of its frames teach, all others are asked.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, tally_table};
+use super::progress::{Progress, counted};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
-use super::workshop::{Progress, counted};
-use super::{ExperimentError, Workshop, evaluation_tables};
+use super::{ExperimentError, ExperimentOptions, evaluation_tables};
 use crate::camera::Ptz;
 use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
 use crate::evaluate::evaluate;
@@ -16,9 +16,8 @@ use std::path::Path;
 ///
 /// # Errors
 /// The motion cannot be read, or the frames cannot be drawn.
-pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
+pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
     let real = RealMotion::read(&folder.join(MOTION_FILE))?;
-    let options = &workshop.options;
     let stride = options.sized(1, 22);
     let every = options.sized(30, 3);
     let drawn = real.ptz.len().div_ceil(stride);

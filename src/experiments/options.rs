@@ -1,17 +1,6 @@
 //! Which experiments there are, and how they are run.
 
-use super::workshop::{Progress, Workshop};
-use super::{baselines, descriptors, homographies, motion, pose, ransac, relocalization, synthetic};
-use crate::evaluate::EvaluationError;
-use crate::exchange::AuthorsError;
-use crate::features::FeatureError;
-use crate::field::FieldError;
-use crate::media::MediaError;
-use crate::proposals::PictureError;
-use crate::report::Report;
-use crate::report::figure::FigureError;
 use std::fmt;
-use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use thiserror::Error;
 
@@ -95,28 +84,6 @@ impl Experiment {
     pub const fn needs_data(self) -> bool {
         matches!(self, Self::Homographies | Self::Motion)
     }
-
-    /// Runs it.
-    ///
-    /// # Errors
-    /// What it needs is missing or cannot be read.
-    pub fn run(self, workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-        match self {
-            Self::Synthetic => Ok(synthetic::run(&workshop.options, progress)),
-            Self::Ransac => Ok(ransac::run(&workshop.options, progress)),
-            Self::Highlights => relocalization::highlights(workshop, progress),
-            Self::Worldcup => relocalization::worldcup(workshop, progress),
-            Self::Errors => relocalization::errors(workshop, progress),
-            Self::Threshold => relocalization::threshold(workshop, progress),
-            Self::Trees => relocalization::trees(workshop, progress),
-            Self::Fov => relocalization::fov(workshop, progress),
-            Self::Baselines => baselines::run(workshop, progress),
-            Self::Descriptors => descriptors::run(workshop, progress),
-            Self::Pose => pose::run(workshop, progress),
-            Self::Homographies => homographies::run(workshop, &workshop.given_for(self)?, progress),
-            Self::Motion => motion::run(workshop, &workshop.given_for(self)?, progress),
-        }
-    }
 }
 
 impl fmt::Display for Experiment {
@@ -156,80 +123,5 @@ impl ExperimentOptions {
     #[must_use]
     pub const fn sized(&self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
-    }
-}
-
-/// Why an experiment has no report.
-#[derive(Debug, Error)]
-pub enum ExperimentError {
-    /// A figure cannot be drawn.
-    #[error(transparent)]
-    Figure(#[from] FigureError),
-    /// The field of a frame is not valid.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// Features cannot be found.
-    #[error(transparent)]
-    Features(#[from] FeatureError),
-    /// A picture cannot be made or read.
-    #[error(transparent)]
-    Media(#[from] MediaError),
-    /// A drawn picture cannot be encoded.
-    #[error("a drawn picture cannot be encoded")]
-    Image(#[from] image::ImageError),
-    /// A picture of the user's own cannot be had.
-    #[error("{frame}")]
-    Picture {
-        /// The frame.
-        frame: String,
-        /// What is wrong.
-        source: PictureError,
-    },
-    /// The two documents share no camera with solved frames.
-    #[error(
-        "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"
-    )]
-    NothingInCommon,
-    /// No document has two clips of a camera, and there is no second document.
-    #[error(
-        "no camera has solved frames in two clips (`clip` of a frame): give a second document whose frames are to be asked"
-    )]
-    OneClip,
-    /// The authors' files cannot be read.
-    #[error(transparent)]
-    Published(#[from] AuthorsError),
-    /// A file of the given data cannot be read.
-    #[error("{}: {reason}", path.display())]
-    Given {
-        /// The file or folder.
-        path: PathBuf,
-        /// What is wrong.
-        reason: String,
-    },
-    /// The given data is not there, or not what the experiment is about.
-    #[error("{}", not_given(*experiment, folder.as_deref()))]
-    NotGiven {
-        /// The experiment.
-        experiment: Experiment,
-        /// The folder that was given.
-        folder: Option<PathBuf>,
-    },
-    /// The answers cannot be evaluated.
-    #[error(transparent)]
-    Evaluation(#[from] EvaluationError),
-}
-
-/// What an experiment wants of a folder of data.
-fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
-    let wanted = match experiment {
-        Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
-        Experiment::Motion => "soccer_ground_truth.json",
-        Experiment::Worldcup => "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup",
-        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; leave --data away"),
-        _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
-    };
-    match folder {
-        Some(folder) => format!("{experiment} wants {wanted}; {} has none", folder.display()),
-        None => format!("{experiment} is about given data: --data DIR, a folder with {wanted}"),
     }
 }

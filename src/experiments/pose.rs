@@ -1,8 +1,8 @@
 //! The pose with and without distortion in the optimisation.
 
 use super::answers::{Tally, ask, tally_table};
+use super::progress::Progress;
 use super::sets::SetKind;
-use super::workshop::Progress;
 use super::{ExperimentError, Workshop};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::relocalize::{RelocalizeOptions, TrainOptions};

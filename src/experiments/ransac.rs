@@ -1,8 +1,8 @@
 //! Rounds of RANSAC: table 1 of the paper, confirmed by simulation, and two points against four as outliers grow.
 
 use super::ExperimentOptions;
+use super::progress::Progress;
 use super::setting::{SIZE, normal, rng};
-use super::workshop::Progress;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3, homography};
 use crate::report::figure::{Axis, Figure, Mark, Series};

@@ -1,8 +1,8 @@
 //! The forest on sequences: by sequence, by field of view, by gate and by number of trees.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_name, tally_table};
+use super::progress::Progress;
 use super::sets::{FrameSet, SetKind};
-use super::workshop::Progress;
 use super::{ExperimentError, Workshop};
 use crate::media::FrameReader;
 use crate::proposals::overlay_error_px;

@@ -5,8 +5,8 @@
 //! closed form with the two approximations of the authors' program.
 
 use super::ExperimentOptions;
+use super::progress::Progress;
 use super::setting::{SIZE, Sighting, base, drawn_ptz, normals, rng, sightings};
-use super::workshop::Progress;
 use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::{Angle, Mat3, rotation};
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};

@@ -2,6 +2,7 @@
 
 use super::given::folder_with;
 use super::homographies::holds_homographies;
+use super::progress::{Progress, counted};
 use super::sets::{
     FrameSet, MOTION_FILE, OwnDocuments, PublishedKind, highlights, of_own, published, published_folder, worldcup,
 };
@@ -9,7 +10,6 @@ use super::{Experiment, ExperimentError, ExperimentOptions};
 use crate::synthetic::Preset;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// How experiments are run, and what they share: frames are drawn or read, and their features found, once.
 #[derive(Debug, Default)]
@@ -24,9 +24,6 @@ pub struct Workshop {
     distorted: OnceLock<FrameSet>,
     worldcup: OnceLock<FrameSet>,
 }
-
-/// Called from any thread: how many steps are done, of how many.
-pub type Progress<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 impl Workshop {
     /// A workshop for these options, with a user's own frames and a folder of published data if they are given.
@@ -95,10 +92,4 @@ fn once(
     }
     let made = make()?;
     Ok(cell.get_or_init(|| made))
-}
-
-/// Progress for work that only says when it has done one more.
-pub(super) fn counted(total: usize, progress: Progress<'_>) -> impl Fn() + Sync {
-    let done = AtomicUsize::new(0);
-    move || progress(done.fetch_add(1, Ordering::Relaxed) + 1, total)
 }

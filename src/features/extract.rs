@@ -1,46 +1,13 @@
 //! A picture's features: found, masked, capped.
 
+use super::keypoint::Features;
 #[cfg(feature = "opencv")]
-use super::{BinaryKind, Detector};
-use super::{Descriptor, FeatureError, FeatureOptions};
-use crate::geometry::{ImagePoint, ImageSize, PixelBox};
+use super::{BinaryKind, Descriptor, Detector, keypoint::Keypoint};
+use super::{FeatureError, FeatureOptions};
+use crate::geometry::PixelBox;
+#[cfg(feature = "opencv")]
+use crate::geometry::{ImagePoint, ImageSize};
 use crate::media::Picture;
-
-/// Where a feature is, and how large and strong.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Keypoint {
-    /// px of the full picture, corner convention.
-    pub point: ImagePoint,
-    /// The diameter of the patch, px of the full picture.
-    pub size_px: f32,
-    /// The detector's response; larger is stronger.
-    pub strength: f32,
-}
-
-/// The features of a picture, the strongest first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Features {
-    /// The size of the full picture, px.
-    pub image_size: ImageSize,
-    /// Where they are.
-    pub keypoints: Vec<Keypoint>,
-    /// What they look like, one for each keypoint.
-    pub descriptors: Vec<Descriptor>,
-}
-
-impl Features {
-    /// How many there are.
-    #[must_use]
-    pub const fn len(&self) -> usize {
-        self.keypoints.len()
-    }
-
-    /// Whether there is none.
-    #[must_use]
-    pub const fn is_empty(&self) -> bool {
-        self.keypoints.is_empty()
-    }
-}
 
 /// How many more features than the cap are found before masks and spreading choose among them.
 #[cfg(feature = "opencv")]

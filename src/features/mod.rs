@@ -20,6 +20,7 @@ mod error;
 mod extract;
 #[cfg(feature = "opencv")]
 mod grey;
+mod keypoint;
 mod options;
 #[cfg(feature = "opencv")]
 mod sift;
@@ -30,5 +31,6 @@ pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
-pub use extract::{Features, Keypoint, extract};
+pub use extract::extract;
+pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};

@@ -1,6 +1,8 @@
 //! A template with its parameters filled in: expressions become places.
 
+use super::model::same_place;
 use super::parts::{CurvePart, PointPart, Scoped};
+use super::template::MAX_CROWN_M;
 use super::{Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template};
 use crate::geometry::{Angle, Vec3};
 use std::collections::BTreeMap;
@@ -12,11 +14,54 @@ const LINE_CLICK_SIGMA_PX: f64 = 2.0;
 const MAX_COORDINATE_M: f64 = 1000.0;
 /// Lines shorter than this are none.
 const MIN_LENGTH_M: f64 = 1e-3;
-/// Two landmarks nearer than this are one.
-const SAME_PLACE_M: f64 = 1e-6;
+
+impl Template {
+    /// The field of a venue: parameters that are not given take their defaults.
+    ///
+    /// `crown_m` is how much the middle is higher than the touchlines, m.
+    ///
+    /// # Errors
+    /// A parameter that the template does not take or whose value the rules do not allow, or an impossible crown.
+    pub fn model(&self, params: &BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
+        if let Some(name) = params.keys().find(|name| !self.params.iter().any(|param| param.name == **name)) {
+            return Err(FieldError::UnknownParam {
+                template: self.name.clone(),
+                name: name.clone(),
+                known: self.params.iter().map(|param| param.name.as_str()).collect::<Vec<_>>().join(", "),
+            });
+        }
+        if !(crown_m.abs() <= MAX_CROWN_M) {
+            return Err(FieldError::CrownOutOfRange { crown_m, limit: MAX_CROWN_M });
+        }
+        let mut filled = self.default_params();
+        for param in &self.params {
+            let Some(&value) = params.get(&param.name) else { continue };
+            if !(value >= param.min && value <= param.max) {
+                return Err(FieldError::ParamOutOfRange {
+                    template: self.name.clone(),
+                    name: param.name.clone(),
+                    value,
+                    min: param.min,
+                    max: param.max,
+                    source_text: param.source.clone(),
+                });
+            }
+            filled.insert(param.name.clone(), value);
+        }
+        filled_in(self, filled, crown_m)
+    }
+
+    /// The field with every parameter at its default and no crown.
+    ///
+    /// # Errors
+    /// None for a template that was read: it was tried then.
+    pub fn default_model(&self) -> Result<FieldModel, FieldError> {
+        self.model(&BTreeMap::new(), 0.0)
+    }
+}
 
 /// The model of a template; the parameters are complete and within range.
-pub fn model(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
+fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -> Result<FieldModel, FieldError> {
     let mut builder = Builder { template, scope: params.clone() };
     for dimension in &template.dimensions {
         let value = builder.value(&format!("dimension {:?}", dimension.name), &dimension.value, &[])?;
@@ -99,11 +144,6 @@ pub fn check_symmetry(template: &Template, model: &FieldModel) -> Result<(), Fie
         }
     }
     Ok(())
-}
-
-/// Whether two places are one.
-pub fn same_place(a: Vec3, b: Vec3) -> bool {
-    (a - b).norm() <= SAME_PLACE_M
 }
 
 fn invalid(template: &Template, part: &str, problem: String) -> FieldError {

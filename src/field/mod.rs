@@ -10,6 +10,7 @@ mod element;
 mod error;
 mod expression;
 mod file;
+mod load;
 mod model;
 mod parts;
 mod read;

@@ -222,3 +222,11 @@ impl FieldModel {
         self.world_from_nominal(landmark.nominal_m)
     }
 }
+
+/// Two landmarks nearer than this are one.
+const SAME_PLACE_M: f64 = 1e-6;
+
+/// Whether two places are one.
+pub(super) fn same_place(a: Vec3, b: Vec3) -> bool {
+    (a - b).norm() <= SAME_PLACE_M
+}

@@ -1,6 +1,6 @@
 //! The field's symmetries: which landmark or line is mistaken for which when a picture is named from the wrong side.
 
-use super::build::same_place;
+use super::model::same_place;
 use super::{Curve, FieldLine, FieldModel, Landmark};
 use crate::geometry::Vec3;
 

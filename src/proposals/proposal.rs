@@ -1,6 +1,6 @@
 //! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
 
-use super::{PictureError, is_open};
+use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
     Camera, CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -95,6 +95,12 @@ pub struct Timings {
     pub predict: Duration,
     /// Finding the pose.
     pub pose: Duration,
+}
+
+/// Whether nobody has clicked or decided on a frame: those are answered, all others stay as they are.
+#[must_use]
+pub fn is_open(frame: &Frame) -> bool {
+    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
 }
 
 impl NoProposal {

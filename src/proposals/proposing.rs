@@ -2,14 +2,8 @@
 
 use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
 use crate::camera::CameraBase;
-use crate::document::{Document, Frame, FramePtz, FrameStatus};
+use crate::document::{Document, FramePtz};
 use crate::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
-
-/// Whether nobody has clicked or decided on a frame: those are answered, all others stay as they are.
-#[must_use]
-pub fn is_open(frame: &Frame) -> bool {
-    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
-}
 
 /// What the forest says of a frame with these features, if they could be had.
 #[must_use]

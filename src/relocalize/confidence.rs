@@ -1,8 +1,5 @@
 //! How probable it is that an answer is right.
 
-use super::Pose;
-use crate::geometry::ImageSize;
-
 /// What speaks for an answer. How many features agree says little: those of one advertising board, or of a row of them,
 /// agree on a wrong camera in any number. Boards are narrow, though, and what narrow evidence fixes is fixed badly.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,13 +21,6 @@ const LOG_ODDS: [f64; Evidence::TERMS] = [-1.86, -1.63, 1.35];
 impl Evidence {
     /// How many [`Self::terms`] there are.
     pub const TERMS: usize = 3;
-
-    /// What speaks for a pose.
-    #[must_use]
-    pub fn of(pose: &Pose, image_size: ImageSize) -> Self {
-        let worst_corner_sigma_px = pose.worst_corner_sigma_px / image_size.scale_from_1920();
-        Self { breadth_px: pose.breadth_px, worst_corner_sigma_px }
-    }
 
     /// What the logarithm of the odds is linear in: 1, and the logarithms of the error to be expected and of the breadth.
     #[must_use]

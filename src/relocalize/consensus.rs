@@ -7,7 +7,7 @@
 //! (Chum, Matas, Kittler, DAGM 2003).
 
 use super::RayMatches;
-use super::pose::{ENOUGH, MIN_INLIERS, PoseOptions, observed, plausible};
+use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImageSize, Vec3};
 use crate::solve::{Loss, refine_until, solve_two_points};
@@ -67,7 +67,7 @@ pub(super) fn find_consensus(
         let pixels = pair.map(|feature| matches.point(feature));
         let Ok(solutions) = solve_two_points(base, rays, pixels) else { continue };
         for ptz in solutions.iter() {
-            if !plausible(&ptz, image_size, options) {
+            if !options.allows(&ptz, image_size) {
                 continue;
             }
             let camera = PtzCamera::new(*base, ptz);
@@ -111,7 +111,7 @@ impl Best {
                 matches.nearest(&camera, feature).is_some_and(|(squared, _)| squared <= agreement_px * agreement_px)
             })
             .take(LOCAL_FEATURES);
-        let observations = observed(matches, &camera, near, agreement_px / 3.0);
+        let observations = matches.observations(&camera, near, agreement_px / 3.0);
         let ptz = refine_until(base, start, &observations, Loss::Cauchy { c: 1.0 }, None, ENOUGH).ptz;
         let refined = PtzCamera::new(*base, ptz);
         if let Some((score, agreeing)) = score(matches, &refined, order, agreement_px, self.score)

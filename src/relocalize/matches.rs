@@ -3,6 +3,7 @@
 use super::RayCandidate;
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, Vec3};
+use crate::solve::Observation;
 use std::ops::Range;
 
 /// A picture's features with their candidate rays, in flat memory. A feature counts by its best candidate.
@@ -105,5 +106,20 @@ impl RayMatches {
             }
         }
         best
+    }
+
+    /// Features with the candidates nearest to them in a camera, as observations.
+    pub(super) fn observations(
+        &self,
+        camera: &PtzCamera,
+        features: impl Iterator<Item = usize>,
+        sigma_px: f64,
+    ) -> Vec<Observation> {
+        features
+            .filter_map(|feature| {
+                let (_, ray) = self.nearest(camera, feature)?;
+                Some(Observation::of_point(ray, self.point(feature), sigma_px, feature))
+            })
+            .collect()
     }
 }

@@ -14,6 +14,7 @@ mod matches;
 mod model;
 mod not_found;
 mod pose;
+mod pose_options;
 
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
 pub use confidence::Evidence;
@@ -25,4 +26,5 @@ pub use forest::{
 pub use matches::RayMatches;
 pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;
-pub use pose::{Pose, PoseOptions, pose_from_candidates};
+pub use pose::{Pose, pose_from_candidates};
+pub use pose_options::PoseOptions;

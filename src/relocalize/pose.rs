@@ -4,41 +4,12 @@
 //! Everything happens in the camera's `base`, where the rays are: the base's own uncertainty plays no part.
 
 use super::consensus::{Consensus, find_consensus};
+use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use crate::solve::{Loss, Observation, PtzRanges, Uncertainty, refine_until};
+use crate::solve::{Loss, Observation, Uncertainty, refine_until};
 use std::collections::BTreeSet;
-
-/// How a pose is looked for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PoseOptions {
-    /// A feature agrees with a camera within this distance, px at 1920 px width. 6 by default.
-    pub agreement_px: f64,
-    /// Pan, tilt and focal length outside are no answer; none takes what any camera could do.
-    pub ranges: Option<PtzRanges>,
-    /// Hypotheses at most. 4000 by default; few features that agree need many.
-    pub max_hypotheses: usize,
-    /// The search ends when a better camera would have been missed with this probability. 0.001 by default.
-    pub miss_probability: f64,
-    /// Answers that are right with less than this probability are "not found". 0.5 by default.
-    pub min_confidence: f64,
-    /// Where chance starts.
-    pub seed: u64,
-}
-
-impl Default for PoseOptions {
-    fn default() -> Self {
-        Self {
-            agreement_px: 6.0,
-            ranges: None,
-            max_hypotheses: 4000,
-            miss_probability: 1e-3,
-            min_confidence: 0.5,
-            seed: 0,
-        }
-    }
-}
 
 /// The camera that a picture's features agree on.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,6 +36,15 @@ pub struct Pose {
     pub hypotheses: usize,
 }
 
+impl Pose {
+    /// What speaks for it in a picture of this size.
+    #[must_use]
+    pub fn evidence(&self, image_size: ImageSize) -> Evidence {
+        let worst_corner_sigma_px = self.worst_corner_sigma_px / image_size.scale_from_1920();
+        Evidence { breadth_px: self.breadth_px, worst_corner_sigma_px }
+    }
+}
+
 /// Columns and rows of the grid by which the places of agreeing features are counted.
 const PLACES: (f64, f64) = (32.0, 18.0);
 
@@ -73,9 +53,6 @@ const ROUNDS: usize = 2;
 
 /// Features that a round before the last is content with: it has to find the noise, and a start.
 const FEATURES_AT_FIRST: usize = 200;
-
-/// Steps (rad, rad, log f) that end a refinement: a thousandth of what the features leave open.
-pub(super) const ENOUGH: f64 = 1e-8;
 
 /// The median of the distance of a two-dimensional normal error, in sigmas of one axis.
 const MEDIAN_OF_RAYLEIGH: f64 = 1.1774;
@@ -88,9 +65,6 @@ const INLIER_SIGMAS: f64 = 4.0;
 
 /// No noise is taken to be smaller, px at 1920 px width: a keypoint's own.
 const MIN_SIGMA_PX: f64 = 0.1;
-
-/// Fewer agreeing features than this are chance, whatever else.
-pub(super) const MIN_INLIERS: usize = 6;
 
 /// The camera that most features agree on.
 ///
@@ -121,14 +95,14 @@ pub fn pose_from_candidates(
     if inliers.len() < MIN_INLIERS {
         return Err(no_agreement(inliers.len()));
     }
-    if !plausible(&ptz, image_size, options) {
+    if !options.allows(&ptz, image_size) {
         return Err(NotFound::Implausible { pan: ptz.pan, tilt: ptz.tilt, focal_px: ptz.focal_px });
     }
     let camera = PtzCamera::new(at_base, ptz);
     let places = places(inliers.iter().map(|&feature| matches.point(feature)), image_size);
     // Features of one place share their references' errors: they count as one.
     let crowding = (inliers.len() as f64 / places as f64).sqrt();
-    let observations: Vec<Observation> = observed(matches, &camera, inliers.iter().copied(), sigma_px * crowding);
+    let observations: Vec<Observation> = matches.observations(&camera, inliers.iter().copied(), sigma_px * crowding);
     let uncertainty = Uncertainty::of(&camera, &observations, None).map_err(|_| no_agreement(inliers.len()))?;
     let worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
     let breadth_px = breadth(inliers.iter().map(|&feature| matches.point(feature))) / image_size.scale_from_1920();
@@ -143,7 +117,7 @@ pub fn pose_from_candidates(
         confidence: 0.0,
         hypotheses,
     };
-    pose.confidence = Evidence::of(&pose, image_size).confidence();
+    pose.confidence = pose.evidence(image_size).confidence();
     let (confidence, inliers) = (pose.confidence, pose.inliers.len());
     if !(confidence >= options.min_confidence) {
         return Err(NotFound::Unsure { confidence, inliers, places, worst_corner_sigma_px });
@@ -151,16 +125,8 @@ pub fn pose_from_candidates(
     Ok(pose)
 }
 
-/// Whether an answer lies where the camera may be.
-pub(super) fn plausible(ptz: &Ptz, image_size: ImageSize, options: &PoseOptions) -> bool {
-    match &options.ranges {
-        Some(ranges) => ranges.contains(ptz),
-        None => PtzRanges::for_width(image_size.width).contains(ptz),
-    }
-}
-
 /// In how many cells of the grid points lie.
-pub(super) fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
+fn places(points: impl Iterator<Item = ImagePoint>, image_size: ImageSize) -> usize {
     let (width, height) = (f64::from(image_size.width), f64::from(image_size.height));
     let cell = |point: ImagePoint| ((point.x / width * PLACES.0) as i32, (point.y / height * PLACES.1) as i32);
     points.map(cell).collect::<BTreeSet<_>>().len()
@@ -174,21 +140,6 @@ fn breadth(points: impl Iterator<Item = ImagePoint> + Clone) -> f64 {
     let spread = spread.fold(nalgebra::Matrix2::zeros(), |sum, one| sum + one) / count;
     let half_trace = spread.trace() / 2.0;
     (half_trace - (half_trace * half_trace - spread.determinant()).max(0.0).sqrt()).max(0.0).sqrt()
-}
-
-/// Features with the candidates nearest to them in a camera, as observations.
-pub(super) fn observed(
-    matches: &RayMatches,
-    camera: &PtzCamera,
-    features: impl Iterator<Item = usize>,
-    sigma_px: f64,
-) -> Vec<Observation> {
-    features
-        .filter_map(|feature| {
-            let (_, ray) = matches.nearest(camera, feature)?;
-            Some(Observation::of_point(ray, matches.point(feature), sigma_px, feature))
-        })
-        .collect()
 }
 
 struct Refinement {
@@ -228,7 +179,7 @@ fn refine_over_all(
         }
         let every = if round + 1 < ROUNDS { near.len().div_ceil(FEATURES_AT_FIRST) } else { 1 };
         let some = near.iter().step_by(every).map(|(feature, _)| *feature);
-        let observations = observed(matches, &camera, some, sigma_px);
+        let observations = matches.observations(&camera, some, sigma_px);
         ptz = refine_until(base, ptz, &observations, Loss::Cauchy { c: CAUCHY }, None, ENOUGH).ptz;
         within_px = (INLIER_SIGMAS * sigma_px).min(widest_px);
     }

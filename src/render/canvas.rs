@@ -1,11 +1,13 @@
 //! What one canvas keeps between `prepare` and `paint`: its view, its vertices, its list of draws.
 
 use super::fill::{FillVertex, append_triangles};
+use super::gpu::Gpu;
+use super::group::{GroupInstance, GroupTarget};
 use super::heat::{self, HeatInstance};
 use super::layer::Layer;
 use super::marker::MarkerInstance;
 use super::picture::{PictureCache, PictureInstance};
-use super::pipelines::{GROUP_FORMAT, Pipelines};
+use super::pipelines::Pipelines;
 use super::stroke::append_segments;
 use super::view::View;
 use crate::scene::drawing::{Drawing, StrokeGroup};
@@ -22,28 +24,6 @@ struct ViewUniform {
     size: [f32; 2],
 }
 
-/// A group of strokes laid over the canvas; the fields are those of `Instance` in `composite.wgsl`.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-pub(super) struct GroupInstance {
-    clip: [f32; 4],
-    opacity: f32,
-}
-
-/// How [`GroupInstance`] lies in a vertex buffer.
-pub(super) const GROUP_ATTRIBUTES: [wgpu::VertexAttribute; 2] = wgpu::vertex_attr_array![0 => Float32x4, 1 => Float32];
-
-/// A box that clips nothing; finite, so that it survives the way to the canvas.
-const EVERYWHERE: [f32; 4] = [-1e9, -1e9, 1e9, 1e9];
-
-/// A texture for one group of strokes, as large as the canvas.
-#[derive(Debug)]
-struct GroupTarget {
-    view: wgpu::TextureView,
-    bind_group: wgpu::BindGroup,
-    size_px: [u32; 2],
-}
-
 /// One draw call of `paint`: where its vertices lie, and how many instances or vertices there are.
 #[derive(Debug)]
 enum Draw {
@@ -58,13 +38,6 @@ enum Draw {
 struct PendingGroup {
     bytes: Range<u64>,
     instances: u32,
-}
-
-/// What is needed to put something on the GPU.
-pub(super) struct Gpu<'a> {
-    pub device: &'a wgpu::Device,
-    pub queue: &'a wgpu::Queue,
-    pub encoder: &'a mut wgpu::CommandEncoder,
 }
 
 #[derive(Debug)]
@@ -163,7 +136,7 @@ impl Canvas {
         if !segments.is_empty() {
             let target = groups.len();
             groups.push(PendingGroup { bytes: append(bytes, &segments), instances: segments.len() as u32 });
-            let instance = GroupInstance { clip: group.clip_px.unwrap_or(EVERYWHERE), opacity: group.opacity.min(1.0) };
+            let instance = GroupInstance::from(group);
             self.draws.push(Draw::Group { target, bytes: append(bytes, &[instance]) });
         }
     }
@@ -183,7 +156,7 @@ impl Canvas {
         self.targets.truncate(groups.len());
         self.targets.retain(|target| target.size_px == size_px);
         while self.targets.len() < groups.len() {
-            self.targets.push(group_target(gpu.device, &pipelines.group_layout, size_px));
+            self.targets.push(GroupTarget::new(gpu.device, &pipelines.group_layout, size_px));
         }
         for (group, target) in groups.iter().zip(&self.targets) {
             let mut pass = super::begin_pass(gpu.encoder, "stroke group", &target.view, wgpu::Color::TRANSPARENT);
@@ -238,24 +211,4 @@ fn vertex_buffer(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
         usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
-}
-
-fn group_target(device: &wgpu::Device, layout: &wgpu::BindGroupLayout, size_px: [u32; 2]) -> GroupTarget {
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("stroke group"),
-        size: wgpu::Extent3d { width: size_px[0], height: size_px[1], depth_or_array_layers: 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: GROUP_FORMAT,
-        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    });
-    let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-    let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("stroke group"),
-        layout,
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) }],
-    });
-    GroupTarget { view, bind_group, size_px }
 }

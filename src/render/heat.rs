@@ -1,6 +1,6 @@
 //! A heat map over the picture: a small texture of levels, coloured by the shader.
 
-use super::canvas::Gpu;
+use super::gpu::Gpu;
 use super::stroke::rgba;
 use crate::geometry::ImageSize;
 use crate::scene::uncertainty::{HEAT_STOPS, HeatMap};

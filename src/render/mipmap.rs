@@ -1,6 +1,6 @@
 //! The smaller copies of a picture that keep it from shimmering when it is shown reduced.
 
-use super::pipelines::{layout, module, sampler, texture};
+use super::gpu::{layout, module, sampler, texture};
 use super::shaders::MIPMAP;
 
 /// Makes the mip levels of a texture, each from the one before it.

@@ -7,6 +7,8 @@
 
 mod canvas;
 mod fill;
+mod gpu;
+mod group;
 mod heat;
 mod layer;
 mod marker;

@@ -1,6 +1,6 @@
 //! Frames on the GPU: uploaded once, kept while they are likely to be shown again.
 
-use super::canvas::Gpu;
+use super::gpu::Gpu;
 use super::layer::{Picture, PictureKey};
 use super::mipmap::MipmapMaker;
 use super::view::View;

@@ -1,16 +1,14 @@
 //! The pipelines and what they are bound to; built once for a device and a target format.
 
-use super::canvas::{GROUP_ATTRIBUTES, GroupInstance};
 use super::fill::{FILL_ATTRIBUTES, FillVertex};
+use super::gpu::{layout, module, sampler, texture, uniform};
+use super::group::{GROUP_ATTRIBUTES, GROUP_FORMAT, GroupInstance};
 use super::heat::{HEAT_ATTRIBUTES, HeatInstance};
 use super::marker::{MARKER_ATTRIBUTES, MarkerInstance};
 use super::picture::{PICTURE_ATTRIBUTES, PictureInstance};
 use super::shaders::{COMPOSITE, FILL, HEAT, MARKER, PICTURE, STROKE, Shader};
 use super::stroke::{SEGMENT_ATTRIBUTES, Segment};
 use wgpu::VertexStepMode::{Instance, Vertex};
-
-/// The format of the textures in which groups of strokes are drawn: gamma space, as everything here.
-pub(super) const GROUP_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 
 #[derive(Debug)]
 pub(super) struct Pipelines {
@@ -131,14 +129,6 @@ fn vertex_buffer<T>(
     wgpu::VertexBufferLayout { array_stride: size_of::<T>() as u64, step_mode, attributes }
 }
 
-/// A shader module of one of our shaders.
-pub(super) fn module(device: &wgpu::Device, shader: Shader) -> wgpu::ShaderModule {
-    device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(shader.name),
-        source: wgpu::ShaderSource::Wgsl(shader.wgsl.into()),
-    })
-}
-
 fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
     let label = Some(parts.vertex_entry);
     let module = module(device, parts.shader);
@@ -173,39 +163,4 @@ fn pipeline(device: &wgpu::Device, parts: &Parts<'_>) -> wgpu::RenderPipeline {
         multiview_mask: None,
         cache: None,
     })
-}
-
-/// A bind group layout of (binding, stages, type).
-pub(super) fn layout(
-    device: &wgpu::Device,
-    label: &str,
-    entries: &[(u32, wgpu::ShaderStages, wgpu::BindingType)],
-) -> wgpu::BindGroupLayout {
-    let entries: Vec<_> = entries
-        .iter()
-        .map(|&(binding, visibility, ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None })
-        .collect();
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
-}
-
-const fn uniform() -> wgpu::BindingType {
-    wgpu::BindingType::Buffer {
-        ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset: false,
-        min_binding_size: None,
-    }
-}
-
-/// A filterable two-dimensional texture.
-pub(super) const fn texture() -> wgpu::BindingType {
-    wgpu::BindingType::Texture {
-        sample_type: wgpu::TextureSampleType::Float { filterable: true },
-        view_dimension: wgpu::TextureViewDimension::D2,
-        multisampled: false,
-    }
-}
-
-/// A filtering sampler.
-pub(super) const fn sampler() -> wgpu::BindingType {
-    wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
 }

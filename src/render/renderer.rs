@@ -1,6 +1,7 @@
 //! Draws layers in two steps, as a render pass that belongs to someone else wants it.
 
-use super::canvas::{Canvas, Gpu};
+use super::canvas::Canvas;
+use super::gpu::Gpu;
 use super::layer::Layer;
 use super::picture::PictureCache;
 use super::pipelines::Pipelines;

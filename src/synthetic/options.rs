@@ -1,7 +1,5 @@
 //! What a drawn match looks like and how a camera takes it, with units, and presets from easy to hard.
 
-use super::noise::{hash, sub_seed, unit};
-use super::path::PathStep;
 use crate::camera::{BaseAngles, CameraBase, FocalCurve};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, ImageSize, Vec3};
@@ -211,28 +209,6 @@ impl ShootOptions {
                     .base_from_world(),
                 image_size.centre(),
             )
-        }
-    }
-}
-
-impl ShootOptions {
-    /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to frame, each by a draw of
-    /// its own from `seed`.
-    #[must_use]
-    pub fn frame(&self, index: usize, step: &PathStep, image_size: ImageSize, seed: u64) -> FrameOptions {
-        let draw = hash(sub_seed(seed, 0xF2A3), index as i32, 0);
-        // The sum of twelve uniform draws is as good as normal for an exposure.
-        let normal: f64 = (0..12).map(|i| f64::from(unit(hash(draw, i, 1)))).sum::<f64>() - 6.0;
-        FrameOptions {
-            time_s: step.time_s,
-            motion: step.motion,
-            shutter_s: self.shutter_s,
-            defocus_px: self.defocus_px_at_1280 * scale_from_1280(image_size) * f64::from(unit(hash(draw, 2, 2))),
-            exposure_ev: self.exposure_sigma_ev * normal,
-            vignetting: self.vignetting,
-            noise_levels: self.noise_levels,
-            noise_seed: u64::from(hash(draw, 3, 3)),
-            ..FrameOptions::default()
         }
     }
 }

@@ -1,8 +1,8 @@
 //! How a camera operator follows the play.
 
 use super::Stadium;
-use super::noise::{smooth_walk, sub_seed};
-use super::options::{CameraMotion, ShootOptions, scale_from_1280};
+use super::noise::{hash, smooth_walk, sub_seed, unit};
+use super::options::{CameraMotion, FrameOptions, ShootOptions, scale_from_1280};
 use super::play::Play;
 use crate::camera::{CameraBase, PanTilt, Ptz};
 use crate::geometry::{Angle, ImageSize, Vec3};
@@ -41,6 +41,28 @@ pub fn camera_path(
             PathStep { time_s, ptz: operator.ptz(time_s), motion: operator.motion(time_s) }
         })
         .collect()
+}
+
+impl ShootOptions {
+    /// How frame number `index` of a sequence is taken: exposure and focus vary from frame to frame, each by a draw of
+    /// its own from `seed`.
+    #[must_use]
+    pub fn frame(&self, index: usize, step: &PathStep, image_size: ImageSize, seed: u64) -> FrameOptions {
+        let draw = hash(sub_seed(seed, 0xF2A3), index as i32, 0);
+        // The sum of twelve uniform draws is as good as normal for an exposure.
+        let normal: f64 = (0..12).map(|i| f64::from(unit(hash(draw, i, 1)))).sum::<f64>() - 6.0;
+        FrameOptions {
+            time_s: step.time_s,
+            motion: step.motion,
+            shutter_s: self.shutter_s,
+            defocus_px: self.defocus_px_at_1280 * scale_from_1280(image_size) * f64::from(unit(hash(draw, 2, 2))),
+            exposure_ev: self.exposure_sigma_ev * normal,
+            vignetting: self.vignetting,
+            noise_levels: self.noise_levels,
+            noise_seed: u64::from(hash(draw, 3, 3)),
+            ..FrameOptions::default()
+        }
+    }
 }
 
 struct Operator {

@@ -5,8 +5,8 @@ mod read;
 
 pub use read::holds_homographies;
 
-use super::workshop::Progress;
-use super::{ExperimentError, Workshop};
+use super::progress::Progress;
+use super::{ExperimentError, ExperimentOptions};
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Cell, Report, Table};
 use crate::score::{PlaneView, Summary};
@@ -35,9 +35,9 @@ struct Scored {
 ///
 /// # Errors
 /// A file cannot be read, or no homography shows a camera.
-pub fn run(workshop: &Workshop, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
+pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Result<Report, ExperimentError> {
     let mut read = read_homographies(folder)?;
-    if workshop.options.quick {
+    if options.quick {
         read.frames = read.frames.into_iter().step_by(QUICK_STRIDE).collect();
     }
     let steps = read.frames.len() + 2 * WITHIN_PX.len();

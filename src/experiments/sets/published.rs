@@ -5,7 +5,7 @@ use super::{FrameSet, SetKind, Split};
 use crate::exchange::read_authors_folder;
 use crate::experiments::ExperimentError;
 use crate::experiments::given::folder_with;
-use crate::experiments::workshop::{Progress, counted};
+use crate::experiments::progress::{Progress, counted};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

@@ -12,6 +12,8 @@ mod capture;
 #[cfg(feature = "opencv")]
 mod decode;
 #[cfg(feature = "opencv")]
+mod player;
+#[cfg(feature = "opencv")]
 mod survey;
 #[cfg(not(feature = "opencv"))]
 mod without;

@@ -6,7 +6,7 @@
 //! frame is visited once.
 
 use super::capture::Capture;
-use super::decode::Player;
+use super::player::Player;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;

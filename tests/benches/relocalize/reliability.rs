@@ -36,7 +36,7 @@ impl Example {
     fn of(set: usize, pose: &Pose, size: ImageSize, error_px: f64) -> Self {
         Self {
             set,
-            terms: Terms::from(Evidence::of(pose, size).terms()),
+            terms: Terms::from(pose.evidence(size).terms()),
             confidence: pose.confidence,
             right: error_px <= 10.0,
             wrong: error_px > 20.0,

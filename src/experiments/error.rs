@@ -1,0 +1,87 @@
+//! Why an experiment has no report.
+
+use super::Experiment;
+use crate::features::FeatureError;
+use crate::field::FieldError;
+use crate::media::MediaError;
+use crate::evaluate::EvaluationError;
+use crate::exchange::AuthorsError;
+use crate::proposals::PictureError;
+use crate::report::figure::FigureError;
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// Why an experiment has no report.
+#[derive(Debug, Error)]
+pub enum ExperimentError {
+    /// A figure cannot be drawn.
+    #[error(transparent)]
+    Figure(#[from] FigureError),
+    /// The field of a frame is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Features cannot be found.
+    #[error(transparent)]
+    Features(#[from] FeatureError),
+    /// A picture cannot be made or read.
+    #[error(transparent)]
+    Media(#[from] MediaError),
+    /// A drawn picture cannot be encoded.
+    #[error("a drawn picture cannot be encoded")]
+    Image(#[from] image::ImageError),
+    /// A picture of the user's own cannot be had.
+    #[error("{frame}")]
+    Picture {
+        /// The frame.
+        frame: String,
+        /// What is wrong.
+        source: PictureError,
+    },
+    /// The two documents share no camera with solved frames.
+    #[error(
+        "no camera has solved frames in both documents; both must hold frames with `ptz`, of a camera of the same name"
+    )]
+    NothingInCommon,
+    /// No document has two clips of a camera, and there is no second document.
+    #[error(
+        "no camera has solved frames in two clips (`clip` of a frame): give a second document whose frames are to be asked"
+    )]
+    OneClip,
+    /// The authors' files cannot be read.
+    #[error(transparent)]
+    Published(#[from] AuthorsError),
+    /// A file of the given data cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Given {
+        /// The file or folder.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// The given data is not there, or not what the experiment is about.
+    #[error("{}", not_given(*experiment, folder.as_deref()))]
+    NotGiven {
+        /// The experiment.
+        experiment: Experiment,
+        /// The folder that was given.
+        folder: Option<PathBuf>,
+    },
+    /// The answers cannot be evaluated.
+    #[error(transparent)]
+    Evaluation(#[from] EvaluationError),
+}
+
+/// What an experiment wants of a folder of data.
+fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
+    let wanted = match experiment {
+        Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
+        Experiment::Motion => "soccer_ground_truth.json",
+        Experiment::Worldcup => "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup",
+        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; leave --data away"),
+        _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
+    };
+    match folder {
+        Some(folder) => format!("{experiment} wants {wanted}; {} has none", folder.display()),
+        None => format!("{experiment} is about given data: --data DIR, a folder with {wanted}"),
+    }
+}

@@ -1,0 +1,62 @@
+//! A template's file, read and tried.
+
+use super::build::{check_distinct, check_symmetry};
+use super::file::{FORMAT, Header, TemplateFile, VERSION};
+use super::read::read_parts;
+use super::{FieldError, Template};
+use std::collections::BTreeMap;
+use std::path::Path;
+
+impl Template {
+    /// Reads and checks a template; `place` is what its errors call it, usually the file's path.
+    ///
+    /// # Errors
+    /// What is wrong, where in the file, and what could stand there. The template is tried with its default parameters
+    /// and with each of them at its smallest and largest value, so one that is accepted can be filled in.
+    pub fn from_json(text: &str, place: &str) -> Result<Self, FieldError> {
+        let json = |problem: String| FieldError::Json { place: place.to_owned(), problem };
+        if text.trim().is_empty() {
+            return Err(json("the file is empty; a field template is a JSON object".to_owned()));
+        }
+        let header: Header = serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
+        if header.format.as_deref() != Some(FORMAT) {
+            return Err(json(format!("not a field template: it has no \"format\": {FORMAT:?}")));
+        }
+        if let Some(version) = header.version.filter(|version| *version > VERSION) {
+            return Err(FieldError::NewerVersion { place: place.to_owned(), version, known: VERSION });
+        }
+        let file: TemplateFile = serde_json::from_str(text).map_err(|error| json(error.to_string()))?;
+        let template = read_parts(file, place)?;
+        template.check()?;
+        Ok(template)
+    }
+
+    /// Reads and checks a template's file.
+    ///
+    /// # Errors
+    /// As [`Template::from_json`], or the file cannot be read.
+    pub fn from_file(path: &Path) -> Result<Self, FieldError> {
+        let place = path.display().to_string();
+        let unreadable = |problem: String| FieldError::Unreadable { place: place.clone(), problem };
+        if path.is_dir() {
+            return Err(unreadable("it is a folder; give the template's JSON file".to_owned()));
+        }
+        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+        let text = String::from_utf8(bytes)
+            .map_err(|error| unreadable(format!("it is not UTF-8 text (byte {})", error.utf8_error().valid_up_to())))?;
+        Self::from_json(&text, &place)
+    }
+
+    /// Tries the template where it is most likely to break.
+    fn check(&self) -> Result<(), FieldError> {
+        let model = self.default_model()?;
+        check_distinct(self, &model)?;
+        check_symmetry(self, &model)?;
+        for param in &self.params {
+            for value in [param.min, param.max] {
+                self.model(&BTreeMap::from([(param.name.clone(), value)]), 0.0)?;
+            }
+        }
+        Ok(())
+    }
+}
