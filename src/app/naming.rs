@@ -163,7 +163,9 @@ fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate
                 drawn
                     .iter()
                     .filter(|marking| marking.line == index)
-                    .flat_map(|marking| marking.points.windows(2).map(|ends| distance_to_piece(at, ends[0], ends[1])))
+                    .flat_map(|marking| {
+                        marking.points.windows(2).map(|ends| at.distance_from_segment_px(ends[0], ends[1]))
+                    })
                     .min_by(f64::total_cmp)
             });
             let score = match distance_px {
@@ -235,11 +237,4 @@ fn remembered(scene: &NamingScene<'_>, target: &Target, at: ImagePoint) -> Optio
         .filter(|(other, _)| other == target)
         .map(|(_, image)| image.distance_px(at) / 100.0)
         .min_by(f64::total_cmp)
-}
-
-fn distance_to_piece(point: ImagePoint, from: ImagePoint, to: ImagePoint) -> f64 {
-    let (along, offset) = (to.offset_from(from), point.offset_from(from));
-    let length_squared = along.norm_squared();
-    let t = if length_squared > 0.0 { (offset.dot(&along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
-    (offset - along * t).norm()
 }

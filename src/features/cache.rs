@@ -5,9 +5,8 @@
 //! another version counts as absent. It is kept below a size; what was written longest ago goes first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
-use crate::geometry::{ImagePoint, ImageSize, PixelBox};
+use crate::geometry::{ImagePoint, ImageSize, PixelBox, hex};
 use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -49,12 +48,7 @@ impl FeatureKey {
                 digest.update(number.to_le_bytes());
             }
         }
-        let mut name = String::with_capacity(32);
-        for byte in &digest.finalize()[..16] {
-            // Writing to a string cannot fail.
-            let _ = write!(name, "{byte:02x}");
-        }
-        Self(name)
+        Self(hex(&digest.finalize()[..16]))
     }
 }
 

@@ -6,11 +6,17 @@
 mod angle;
 mod homography;
 mod image;
+mod median;
 pub mod rotation;
+mod segment;
+mod text;
 
 pub use angle::Angle;
 pub use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
+pub use median::{median, upper_median};
+pub use segment::distance_from_segment;
+pub use text::{hex, thousands};
 
 /// A column of two numbers; the frame and unit stand in the name of the value.
 pub type Vec2 = nalgebra::Vector2<f64>;

@@ -169,14 +169,9 @@ mod tests {
     }
 
     fn distance_to_polylines_px<'a>(polylines: impl Iterator<Item = &'a MarkingPolyline>, point: ImagePoint) -> f64 {
-        let to_segment = |a: ImagePoint, b: ImagePoint| {
-            let (along, towards) = (b.offset_from(a), point.offset_from(a));
-            let t = (towards.dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-            point.distance_px(a.moved(along * t))
-        };
         polylines
             .flat_map(|polyline| polyline.points.windows(2))
-            .map(|ends| to_segment(ends[0], ends[1]))
+            .map(|ends| point.distance_from_segment_px(ends[0], ends[1]))
             .fold(f64::INFINITY, f64::min)
     }
 

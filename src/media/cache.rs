@@ -1,7 +1,7 @@
 //! Decoded frames within a budget of bytes.
 
 use super::{FrameRef, Picture};
-use std::collections::BTreeMap;
+use lru::LruCache;
 
 /// Keeps decoded frames, and forgets those not used for longest when they take more memory than allowed.
 ///
@@ -10,61 +10,43 @@ use std::collections::BTreeMap;
 pub struct FrameCache {
     budget_bytes: usize,
     bytes: usize,
-    /// Counts uses: the larger, the later.
-    clock: u64,
-    frames: BTreeMap<FrameRef, Entry>,
-    by_last_use: BTreeMap<u64, FrameRef>,
-}
-
-#[derive(Debug)]
-struct Entry {
-    picture: Picture,
-    last_use: u64,
+    frames: LruCache<FrameRef, Picture>,
 }
 
 impl FrameCache {
     /// An empty cache that keeps up to `budget_bytes` of pixels.
     #[must_use]
-    pub const fn new(budget_bytes: usize) -> Self {
-        Self { budget_bytes, bytes: 0, clock: 0, frames: BTreeMap::new(), by_last_use: BTreeMap::new() }
+    pub fn new(budget_bytes: usize) -> Self {
+        Self { budget_bytes, bytes: 0, frames: LruCache::unbounded() }
     }
 
     /// A frame, if it is kept; this counts as a use.
     pub fn get(&mut self, frame: &FrameRef) -> Option<Picture> {
-        let entry = self.frames.get_mut(frame)?;
-        self.by_last_use.remove(&entry.last_use);
-        self.clock += 1;
-        entry.last_use = self.clock;
-        self.by_last_use.insert(self.clock, frame.clone());
-        Some(entry.picture.clone())
+        self.frames.get(frame).cloned()
     }
 
     /// Whether a frame is kept; this is no use.
     #[must_use]
     pub fn contains(&self, frame: &FrameRef) -> bool {
-        self.frames.contains_key(frame)
+        self.frames.contains(frame)
     }
 
     /// Keeps a frame in place of what was kept for it before, and forgets others until the budget holds.
     pub fn insert(&mut self, frame: FrameRef, picture: Picture) {
-        self.remove(&frame);
-        self.clock += 1;
         self.bytes += picture.bytes();
-        self.by_last_use.insert(self.clock, frame.clone());
-        self.frames.insert(frame, Entry { picture, last_use: self.clock });
+        if let Some(before) = self.frames.put(frame, picture) {
+            self.bytes -= before.bytes();
+        }
         while self.bytes > self.budget_bytes && self.frames.len() > 1 {
-            let Some((_, oldest)) = self.by_last_use.pop_first() else { break };
-            if let Some(entry) = self.frames.remove(&oldest) {
-                self.bytes -= entry.picture.bytes();
-            }
+            let Some((_, oldest)) = self.frames.pop_lru() else { break };
+            self.bytes -= oldest.bytes();
         }
     }
 
     /// Forgets a frame, such as one whose file has changed.
     pub fn remove(&mut self, frame: &FrameRef) {
-        if let Some(entry) = self.frames.remove(frame) {
-            self.bytes -= entry.picture.bytes();
-            self.by_last_use.remove(&entry.last_use);
+        if let Some(picture) = self.frames.pop(frame) {
+            self.bytes -= picture.bytes();
         }
     }
 
@@ -155,9 +137,8 @@ mod tests {
                     1 => drop(cache.get(&frame(index))),
                     _ => cache.remove(&frame(index)),
                 }
-                let kept: usize = cache.frames.values().map(|entry| entry.picture.bytes()).sum();
+                let kept: usize = cache.frames.iter().map(|(_, picture)| picture.bytes()).sum();
                 assert_eq!(kept, cache.bytes());
-                assert_eq!(cache.frames.len(), cache.by_last_use.len());
                 assert!(kept <= 1500 || cache.len() == 1);
             }
         }

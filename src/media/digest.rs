@@ -2,8 +2,8 @@
 
 use super::MediaError;
 use super::error::open_file;
+use crate::geometry::hex;
 use sha2::{Digest, Sha256};
-use std::fmt::Write;
 use std::io::Read;
 use std::path::Path;
 
@@ -22,12 +22,7 @@ pub fn sha256_of_file(path: &Path) -> Result<String, MediaError> {
         }
         digest.update(&block[..count]);
     }
-    let mut hex = String::with_capacity(64);
-    for byte in digest.finalize() {
-        // Writing to a string cannot fail.
-        let _ = write!(hex, "{byte:02x}");
-    }
-    Ok(hex)
+    Ok(hex(&digest.finalize()))
 }
 
 #[cfg(test)]

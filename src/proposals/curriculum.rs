@@ -1,10 +1,10 @@
 //! What a forest was, or is to be, taught: by which it is known whether it has to be taught again.
 
 use crate::document::{CameraId, Document};
+use crate::geometry::hex;
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Write as _;
 
 /// Everything that decides what the references of a document teach: their pictures, masks and cameras.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -49,11 +49,7 @@ impl Curriculum {
         for lesson in &self.lessons {
             digest.update(lesson);
         }
-        digest.finalize()[..16].iter().fold(String::with_capacity(32), |mut name, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(name, "{byte:02x}");
-            name
-        })
+        hex(&digest.finalize()[..16])
     }
 }
 

@@ -7,10 +7,10 @@
 use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, Clip, Document, Frame};
+use crate::geometry::median;
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::media::FrameReader;
 use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
-use crate::score::median;
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -86,7 +86,7 @@ impl Quality {
     /// The median of the errors of those found, px at 1920 px width.
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
-        median(self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect())
+        median(&mut self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect::<Vec<_>>())
     }
 
     /// Those found wrong.

@@ -8,6 +8,7 @@ use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::score::median_rayleigh;
 use crate::solve::{Loss, Observation, Uncertainty, refine_until};
 use std::collections::BTreeSet;
 
@@ -53,9 +54,6 @@ const ROUNDS: usize = 2;
 
 /// Features that a round before the last is content with: it has to find the noise, and a start.
 const FEATURES_AT_FIRST: usize = 200;
-
-/// The median of the distance of a two-dimensional normal error, in sigmas of one axis.
-const MEDIAN_OF_RAYLEIGH: f64 = 1.1774;
 
 /// The Cauchy constant of 95 % efficiency, sigmas.
 const CAUCHY: f64 = 2.3849;
@@ -171,7 +169,7 @@ fn refine_over_all(
         }
         let mut distances: Vec<f64> = near.iter().map(|(_, distance_px)| *distance_px).collect();
         distances.sort_by(f64::total_cmp);
-        let sigma_px = (distances[distances.len() / 2] / MEDIAN_OF_RAYLEIGH).max(MIN_SIGMA_PX * scale);
+        let sigma_px = (distances[distances.len() / 2] / median_rayleigh()).max(MIN_SIGMA_PX * scale);
         if round == ROUNDS {
             let rms_px = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
             let inliers = near.into_iter().map(|(feature, _)| feature).collect();

@@ -8,13 +8,14 @@ use crate::geometry::ImageSize;
 use crate::media;
 use bytemuck::{Pod, Zeroable};
 use image::RgbaImage;
-use std::collections::BTreeMap;
+use lru::LruCache;
+use std::num::NonZeroUsize;
 
 /// Above this scale a picture shows its bare pixels.
 pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
 
-/// So many pictures stay on the GPU: the frame, its neighbours in both directions and one to compare with.
-const KEPT: usize = 6;
+/// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare with.
+const KEPT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(5);
 
 /// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the soft side.
 const SHARPER_LEVELS: f32 = 0.25;
@@ -52,7 +53,6 @@ struct Kept {
     texture: wgpu::Texture,
     bind_group: wgpu::BindGroup,
     has_mipmaps: bool,
-    last_used: u64,
 }
 
 /// The pictures on the GPU, the least recently used one leaving first.
@@ -60,8 +60,7 @@ struct Kept {
 pub(super) struct PictureCache {
     sampler: wgpu::Sampler,
     mipmaps: MipmapMaker,
-    kept: BTreeMap<PictureKey, Kept>,
-    clock: u64,
+    kept: LruCache<PictureKey, Kept>,
 }
 
 impl PictureCache {
@@ -74,7 +73,7 @@ impl PictureCache {
             ..wgpu::SamplerDescriptor::default()
         });
         let mipmaps = MipmapMaker::new(device);
-        Self { sampler, mipmaps, kept: BTreeMap::new(), clock: 0 }
+        Self { sampler, mipmaps, kept: LruCache::new(KEPT) }
     }
 
     /// The bind group and the texture's width of a picture, uploaded if it is not there yet; none for an empty picture.
@@ -90,12 +89,8 @@ impl PictureCache {
         if picture.pixels.bytes() == 0 {
             return None;
         }
-        self.clock += 1;
-        if !self.kept.contains_key(&picture.key) {
-            self.make_room();
-        }
         let sampler = &self.sampler;
-        let kept = self.kept.entry(picture.key).or_insert_with(|| {
+        let kept = self.kept.get_or_insert_mut(picture.key, || {
             let texture = upload(gpu.device, gpu.queue, &picture.pixels);
             let bind_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("picture"),
@@ -110,23 +105,13 @@ impl PictureCache {
                     wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(sampler) },
                 ],
             });
-            Kept { texture, bind_group, has_mipmaps: false, last_used: 0 }
+            Kept { texture, bind_group, has_mipmaps: false }
         });
-        kept.last_used = self.clock;
         if shrunk && !kept.has_mipmaps {
             self.mipmaps.fill(gpu.device, gpu.encoder, &kept.texture);
             kept.has_mipmaps = true;
         }
         Some((kept.bind_group.clone(), kept.texture.width()))
-    }
-
-    fn make_room(&mut self) {
-        while self.kept.len() >= KEPT {
-            let Some(oldest) = self.kept.iter().min_by_key(|(_, kept)| kept.last_used).map(|(key, _)| *key) else {
-                return;
-            };
-            self.kept.remove(&oldest);
-        }
     }
 }
 

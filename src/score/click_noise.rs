@@ -11,12 +11,11 @@
 //! 3. The interval is that of a χ² variable with as many degrees of freedom as the estimate is worth: n / (2 V), where V is
 //!    the larger of what normal noise gives and what the pairs themselves show, both coordinates of a pair together.
 
+use super::{chi_squared_quantile, median_normal_size, quantile};
 use crate::geometry::Vec2;
 
 /// Below so many pairs nothing is said: an interval would span a factor of three and more.
 const MIN_PAIRS: usize = 5;
-/// A normal variable's median |d| in sigmas.
-const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_082;
 /// A pair farther out than so many first scales shows another spot.
 const ANOTHER_SPOT: f64 = 5.0;
 /// √n times two relative 1-σ of the first scale, on normal noise.
@@ -27,10 +26,8 @@ const BEND: f64 = 2.0;
 const EXPECTED: f64 = 0.920_536_925_636_323;
 /// n times the variance of the estimate over σ², on normal noise.
 const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
-/// No estimate is taken to be worth less: the quantiles hold from here on, and intervals are a factor of eight wide.
+/// No estimate is taken to be worth less: intervals are a factor of seven wide.
 const LEAST_WORTH: f64 = 3.0;
-/// The normal variable's 97.5 % quantile.
-const TWO_SIDED_95: f64 = 1.959_963_984_540_054;
 
 /// A hand's click noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +65,7 @@ impl ClickNoise {
             return None;
         }
         sizes.sort_by(f64::total_cmp);
-        let first = super::quantile(&sizes, 0.5) / MEDIAN_OF_NORMAL;
+        let first = quantile(&sizes, 0.5) / median_normal_size();
         if first <= 0.0 {
             return None;
         }
@@ -81,10 +78,10 @@ impl ClickNoise {
         let sigma = scale(&kept, first);
         let worth = (kept.len() * N) as f64 / (2.0 * variance(&kept, sigma).max(NORMAL_VARIANCE));
         let worth = worth.max(LEAST_WORTH);
-        let end = |normal: f64| sigma * (worth / chi_squared_quantile(worth, normal)).sqrt();
+        let end = |share: f64| sigma * (worth / chi_squared_quantile(worth, share)).sqrt();
         Some(Self {
             sigma,
-            interval_95: [end(TWO_SIDED_95), end(-TWO_SIDED_95)],
+            interval_95: [end(0.975), end(0.025)],
             pairs: kept.len(),
             set_aside: all.len() - kept.len(),
             worth,
@@ -120,13 +117,6 @@ fn variance<const N: usize>(pairs: &[[f64; N]], sigma: f64) -> f64 {
     (squares / count) / (slope / count).powi(2)
 }
 
-/// A quantile of χ², told by the normal variable's quantile (Wilson and Hilferty 1931; within 5 % from five degrees of
-/// freedom on, within 1 % from twenty).
-fn chi_squared_quantile(freedom: f64, normal: f64) -> f64 {
-    let spread = 2.0 / (9.0 * freedom);
-    freedom * (1.0 - spread + normal * spread.sqrt()).powi(3)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,11 +142,6 @@ mod tests {
         }
         assert!((expected - EXPECTED).abs() < 1e-6, "{expected}");
         assert!(((fourth - expected * expected) / (slope * slope) - NORMAL_VARIANCE).abs() < 1e-6);
-        for (freedom, low, high) in [(5.0, 0.831, 12.833), (20.0, 9.591, 34.170), (100.0, 74.222, 129.561)] {
-            let of = |normal| chi_squared_quantile(freedom, normal);
-            assert!((of(-TWO_SIDED_95) / low - 1.0).abs() < 0.25 / freedom, "{freedom}");
-            assert!((of(TWO_SIDED_95) / high - 1.0).abs() < 0.01, "{freedom}");
-        }
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Whether stated uncertainties keep their word.
 
+use super::chi_squared_quantile;
 use crate::geometry::{Mat3, Vec3};
 
-/// χ² with three degrees of freedom below which 68.27 % lie, and below which 95 % lie.
-const CHI_SQUARED_68: f64 = 3.526_741;
-const CHI_SQUARED_95: f64 = 7.814_728;
+/// The share of a normal number within 1 σ.
+const ONE_SIGMA: f64 = 0.682_689_492_137_086;
 
 /// The square of an error in its own sigmas, eᵀ Σ⁻¹ e (Mahalanobis): 3 on average where Σ is right. None where the
 /// covariance cannot be inverted.
@@ -40,8 +40,8 @@ impl Coverage {
         let share = |limit: f64| squared_sigmas.iter().filter(|s| **s <= limit).count() as f64 / count as f64;
         (count > 0).then(|| Self {
             count,
-            within_68: share(CHI_SQUARED_68),
-            within_95: share(CHI_SQUARED_95),
+            within_68: share(chi_squared_quantile(3.0, ONE_SIGMA)),
+            within_95: share(chi_squared_quantile(3.0, 0.95)),
             error_over_sigma: (squared_sigmas.iter().sum::<f64>() / count as f64 / 3.0).sqrt(),
         })
     }

@@ -1,5 +1,6 @@
 //! What many numbers say together.
 
+use crate::geometry::median;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -86,12 +87,6 @@ pub fn quantile(ascending: &[f64], share: f64) -> f64 {
     if below == above { below } else { below + (above - below) * at.fract() }
 }
 
-/// The median of numbers in any order: their quantile at one half; none without any.
-#[must_use]
-pub fn median(mut values: Vec<f64>) -> Option<f64> {
-    (!values.is_empty()).then(|| median_in_place(&mut values))
-}
-
 /// The intervals of mean and median over resamples.
 fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
@@ -100,20 +95,12 @@ fn bootstrap(ascending: &[f64], seed: u64) -> [[f64; 2]; 2] {
     for _ in 0..RESAMPLES {
         drawn.fill_with(|| ascending[rng.random_range(0..ascending.len())]);
         means.push(mean(&drawn));
-        medians.push(median_in_place(&mut drawn));
+        medians.extend(median(&mut drawn));
     }
     [means, medians].map(|mut found| {
         found.sort_by(f64::total_cmp);
         [quantile(&found, TAIL), quantile(&found, 1.0 - TAIL)]
     })
-}
-
-/// The median of numbers in any order, which it changes; quicker than sorting all of them.
-fn median_in_place(values: &mut [f64]) -> f64 {
-    let middle = values.len() / 2;
-    let odd = values.len() % 2 == 1;
-    let (below, at, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
-    if odd { *at } else { f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), *at) }
 }
 
 #[cfg(test)]
@@ -151,12 +138,5 @@ mod tests {
         let median_half = 0.5 * (summary.median_interval[1] - summary.median_interval[0]);
         assert!((0.09..0.17).contains(&median_half), "{median_half}");
         assert_eq!(Summary::of(&values, 11), Some(summary));
-    }
-
-    #[test]
-    fn medians_in_any_order() {
-        assert!(median_in_place(&mut [5.0, 1.0, 3.0]) == 3.0);
-        assert!(median_in_place(&mut [5.0, 1.0, 3.0, 4.0]) == 3.5);
-        assert_eq!((median(vec![2.0, 1.0]), median(Vec::new())), (Some(1.5), None));
     }
 }

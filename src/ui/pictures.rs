@@ -4,12 +4,14 @@ use crate::app::session::Level;
 use crate::app::{Action, App, OpenProject};
 use crate::jobs::{Decoder, DecoderOptions, DecoderReport, FrameState, ThumbnailReport, Thumbnails, Wake};
 use crate::media::{FrameRef, Picture, PrefetchOptions, StepDirection, prefetch_plan};
+use lru::LruCache;
 use std::collections::BTreeMap;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 /// Thumbnails that stay on the GPU; a filmstrip shows some thirty.
-const TEXTURES: usize = 600;
+const TEXTURES: NonZeroUsize = NonZeroUsize::MIN.saturating_add(599);
 
 /// The shown frame's picture.
 #[derive(Clone, Debug)]
@@ -34,8 +36,7 @@ pub struct Pictures {
     state: PictureState,
     keys: BTreeMap<FrameRef, u64>,
     next_key: u64,
-    textures: BTreeMap<FrameRef, (u64, egui::TextureHandle)>,
-    drawn: u64,
+    textures: LruCache<FrameRef, egui::TextureHandle>,
     wanted: Vec<FrameRef>,
     in_view: ThumbnailProgress,
 }
@@ -65,8 +66,7 @@ impl Pictures {
             state: PictureState::None,
             keys: BTreeMap::new(),
             next_key: 0,
-            textures: BTreeMap::new(),
-            drawn: 0,
+            textures: LruCache::new(TEXTURES),
             wanted: Vec::new(),
             in_view: ThumbnailProgress::default(),
         })
@@ -82,11 +82,7 @@ impl Pictures {
     pub fn thumbnail(&mut self, open: &OpenProject, frame: usize) -> Option<egui::TextureHandle> {
         let frame = frame_ref(open, frame)?;
         self.wanted.push(frame.clone());
-        let drawn = self.drawn;
-        self.textures.get_mut(&frame).map(|(last, texture)| {
-            *last = drawn;
-            texture.clone()
-        })
+        self.textures.get(&frame).cloned()
     }
 
     /// Whether a frame's thumbnail cannot be had.
@@ -103,7 +99,6 @@ impl Pictures {
 
     /// Asks for what the window is about to show and takes in what has arrived. To be called before the panels.
     pub fn update(&mut self, app: &App, ctx: &egui::Context) -> Vec<Action> {
-        self.drawn += 1;
         let mut actions = Vec::new();
         for report in self.decoder.poll() {
             match report {
@@ -120,10 +115,9 @@ impl Pictures {
                 let size = [picture.size().width as usize, picture.size().height as usize];
                 let image = egui::ColorImage::from_rgba_unmultiplied(size, picture.rgba());
                 let texture = ctx.load_texture(frame.to_string(), image, egui::TextureOptions::LINEAR);
-                self.textures.insert(frame, (self.drawn, texture));
+                self.textures.put(frame, texture);
             }
         }
-        self.forget_old_textures();
         self.ask(app.open(), app.session.frame);
         actions
     }
@@ -132,7 +126,7 @@ impl Pictures {
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
         let asked = wanted.len();
-        let missing: Vec<_> = wanted.into_iter().filter(|frame| !self.textures.contains_key(frame)).collect();
+        let missing: Vec<_> = wanted.into_iter().filter(|frame| !self.textures.contains(frame)).collect();
         let waiting = missing.iter().filter(|frame| !self.thumbnails.has_failed(frame)).count();
         self.in_view = ThumbnailProgress { done: asked - waiting, wanted: asked };
         self.thumbnails.request(&missing);
@@ -180,16 +174,6 @@ impl Pictures {
         self.next_key += 1;
         self.keys.insert(frame.clone(), self.next_key);
         self.next_key
-    }
-
-    fn forget_old_textures(&mut self) {
-        if self.textures.len() <= TEXTURES {
-            return;
-        }
-        let mut ages: Vec<u64> = self.textures.values().map(|(last, _)| *last).collect();
-        ages.sort_unstable();
-        let oldest_kept = ages[ages.len() - TEXTURES];
-        self.textures.retain(|_, (last, _)| *last >= oldest_kept);
     }
 }
 

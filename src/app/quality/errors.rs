@@ -3,7 +3,7 @@
 use crate::calibrate::observations;
 use crate::document::{CameraId, Document, Fields, Frame, FrameStatus, Target};
 use crate::field::FieldModel;
-use crate::score::quantile;
+use crate::score::{median_normal_size, median_rayleigh, quantile, rayleigh_share};
 use crate::solve::Observation;
 use std::collections::BTreeMap;
 
@@ -14,9 +14,6 @@ const NEARLY_ALL: f64 = 0.95;
 const FARTHER: f64 = 1.2;
 /// Nearly all right clicks stay below so many of their medians.
 const NEARLY_ALL_OF_RIGHT: f64 = 2.0;
-/// The median distance of a point whose two coordinates scatter with 1-σ, and of a number that does.
-const MEDIAN_OF_POINTS: f64 = 1.177_410;
-const MEDIAN_OF_NUMBERS: f64 = 0.674_490;
 /// Unknowns of a frame: pan, tilt, focal length.
 const UNKNOWNS: usize = 3;
 
@@ -118,14 +115,14 @@ impl ClickErrors {
 
 /// The median distance of right clicks, px of the frame.
 fn usual_px(observation: &Observation) -> f64 {
-    let median = if observation.equations() == 2 { MEDIAN_OF_POINTS } else { MEDIAN_OF_NUMBERS };
+    let median = if observation.equations() == 2 { median_rayleigh() } else { median_normal_size() };
     median * observation.sigma_px
 }
 
 /// The share of the distances below a limit where both coordinates scatter alike and half of the distances lie below the
 /// median (Rayleigh's distribution). A point on a line has one coordinate; it counts as if it had two.
 fn share_below(limit_px: f64, median_px: f64) -> f64 {
-    if median_px > 0.0 { 1.0 - (-(limit_px / median_px).powi(2) * std::f64::consts::LN_2).exp() } else { 1.0 }
+    if median_px > 0.0 { rayleigh_share(limit_px / median_px * median_rayleigh()) } else { 1.0 }
 }
 
 /// Median and nine tenths of some errors, px; none without any.

@@ -3,8 +3,8 @@
 use super::read::SIZE;
 use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
-use crate::score::{PlaneView, median};
+use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3, median};
+use crate::score::PlaneView;
 use crate::solve::base::{AdjustOptions, BaseModel, BasePriors, CrownModel, FrameClicks, LensModel, adjust_base};
 use crate::solve::{Loss, Observation, pose_from_plane, refine};
 use rayon::prelude::*;
@@ -192,7 +192,8 @@ fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &
 /// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and focal length its own.
 pub fn under_one_base(sampled: &[Sampled], fitted: &[Fitted]) -> Vec<f64> {
     let middle = Vec3::from_fn(|axis, _| {
-        median(fitted.iter().map(|fitted| fitted.camera.base().position_m[axis]).collect()).unwrap_or(f64::NAN)
+        let mut along: Vec<f64> = fitted.iter().map(|fitted| fitted.camera.base().position_m[axis]).collect();
+        median(&mut along).unwrap_or(f64::NAN)
     });
     let base = CameraBase::new(middle, BaseAngles::default().base_from_world(), SIZE.centre());
     let of = |(sampled, fitted): (&Sampled, &Fitted)| sampled.pointed(&base, level_ptz(&fitted.camera)).rms_px;

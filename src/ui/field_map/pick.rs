@@ -2,6 +2,7 @@
 
 use crate::document::Target;
 use crate::field::{Curve, FieldModel, Landmark};
+use crate::geometry::ImagePoint;
 use crate::scene::field_map::FieldMap;
 use crate::ui::viewport::Placement;
 use egui::{Pos2, Vec2, vec2};
@@ -76,16 +77,10 @@ pub fn on_screen(curve: &Curve, map: &FieldMap, placement: &Placement) -> Vec<Po
 }
 
 fn distance_to_curve(curve: &Curve, map: &FieldMap, placement: &Placement, at: Pos2) -> f32 {
-    let points = on_screen(curve, map, placement);
-    let distances = points.windows(2).map(|ends| distance_to_piece(at, ends[0], ends[1]));
+    let point = |at: &Pos2| ImagePoint::new(f64::from(at.x), f64::from(at.y));
+    let points: Vec<ImagePoint> = on_screen(curve, map, placement).iter().map(point).collect();
+    let distances = points.windows(2).map(|ends| point(&at).distance_from_segment_px(ends[0], ends[1]) as f32);
     distances.min_by(f32::total_cmp).unwrap_or(f32::INFINITY)
-}
-
-fn distance_to_piece(at: Pos2, from: Pos2, to: Pos2) -> f32 {
-    let along = to - from;
-    let length_squared = along.length_sq();
-    let share = if length_squared > 0.0 { ((at - from).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
-    at.distance(from + along * share)
 }
 
 #[cfg(test)]

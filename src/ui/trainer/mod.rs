@@ -8,6 +8,7 @@ use super::symbol::{self, Symbol};
 use super::{Panel, theme};
 use crate::app::where_to_label::where_to_label;
 use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus};
+use crate::geometry::thousands;
 use crate::proposals::Suspect;
 use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
@@ -161,11 +162,11 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
     let took = facts.took.map_or_else(|| "kept from earlier".to_owned(), |took| format!("{:.1} s", took.as_secs_f64()));
     let mut rows = vec![("References", facts.references.to_string())];
     if facts.features > 0 {
-        rows.push(("Features", grouped(facts.features)));
+        rows.push(("Features", thousands(facts.features)));
     }
     rows.extend([
         ("Trees", facts.trees.to_string()),
-        ("Leaves", grouped(facts.leaves)),
+        ("Leaves", thousands(facts.leaves)),
         ("Learning took", took),
         ("Generation", facts.generation.to_string()),
     ]);
@@ -202,19 +203,6 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// Thousands apart, as a person reads them.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {
@@ -231,14 +219,4 @@ fn weak(ui: &mut Ui, text: &str) {
 fn section(ui: &mut Ui, text: &str) {
     ui.add_space(2.0 * theme::SPACE);
     theme::title(ui, text);
-}
-
-#[cfg(test)]
-mod tests {
-    use super::grouped;
-
-    #[test]
-    fn thousands_are_set_apart() {
-        assert_eq!([0, 12, 999, 1000, 1234567].map(grouped), ["0", "12", "999", "1,000", "1,234,567"]);
-    }
 }

@@ -1,0 +1,39 @@
+//! The two medians: between the two in the middle, or the greater of them.
+
+/// The median of numbers in any order, which it reorders: of two in the middle their mean. None without any.
+#[must_use]
+pub fn median(values: &mut [f64]) -> Option<f64> {
+    let odd = values.len() % 2 == 1;
+    let (below, at) = split_at_middle(values)?;
+    Some(if odd { at } else { f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), at) })
+}
+
+/// The upper median of numbers in any order, which it reorders: of two in the middle the greater, so that it is always one
+/// of the numbers. None without any.
+#[must_use]
+pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+    split_at_middle(values).map(|(_, at)| at)
+}
+
+/// The number in the middle, the greater of two, with those that are no greater; quicker than sorting all.
+fn split_at_middle(values: &mut [f64]) -> Option<(&[f64], f64)> {
+    if values.is_empty() {
+        return None;
+    }
+    let (below, at, _) = values.select_nth_unstable_by(values.len() / 2, f64::total_cmp);
+    Some((below, *at))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians_in_any_order() {
+        assert_eq!(median(&mut [5.0, 1.0, 3.0]), Some(3.0));
+        assert_eq!(median(&mut [5.0, 1.0, 3.0, 4.0]), Some(3.5));
+        assert_eq!(upper_median(&mut [5.0, 1.0, 3.0, 4.0]), Some(4.0));
+        assert_eq!(upper_median(&mut [7.0]), Some(7.0));
+        assert_eq!((median(&mut []), upper_median(&mut [])), (None, None));
+    }
+}
