@@ -26,6 +26,7 @@
 pub mod app;
 pub mod calibrate;
 pub mod camera;
+#[cfg(feature = "cli")]
 pub mod cli;
 pub mod document;
 pub mod evaluate;
@@ -39,6 +40,7 @@ pub mod markings;
 pub mod media;
 pub mod proposals;
 pub mod relocalize;
+#[cfg(feature = "render")]
 pub mod render;
 pub mod report;
 pub mod scene;
