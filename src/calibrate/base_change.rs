@@ -4,6 +4,7 @@ use super::{GiveError, calibrate, observations};
 use crate::camera::{CameraBase, Ptz};
 use crate::document::{Camera, CameraId, Document, Fields};
 use crate::field::FieldModel;
+use crate::geometry::thousands;
 use crate::solve::base::{FrameClicks, base_change};
 
 /// Where a camera of the document stops fitting.
@@ -29,7 +30,7 @@ impl CameraChange {
     pub fn told(&self) -> String {
         format!(
             "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
-            grouped(self.frame + 1),
+            thousands(self.frame + 1),
             self.before_px,
             self.after_px
         )
@@ -96,28 +97,5 @@ fn ptz_by_clicks(document: &Document, index: usize, camera: &Camera, field: &Fie
     match camera.pointed(frame) {
         Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
         _ => calibrate(document, frame, field, index).ok().map(|solved| solved.ptz),
-    }
-}
-
-/// A number with its thousands apart: 41,200.
-fn grouped(number: usize) -> String {
-    let digits = number.to_string();
-    let mut grouped = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
-#[cfg(test)]
-mod tests {
-    use super::grouped;
-
-    #[test]
-    fn thousands_are_set_apart() {
-        assert_eq!([7, 412, 1000, 41_200, 1_234_567].map(grouped), ["7", "412", "1,000", "41,200", "1,234,567"]);
     }
 }

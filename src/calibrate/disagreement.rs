@@ -2,7 +2,7 @@
 
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, Document, Frame, FramePtz, FrameStatus, Shared, shots};
-use crate::geometry::{ImageSize, Vec2};
+use crate::geometry::{ImageSize, Vec2, distance_from_segment};
 use nalgebra::SVector;
 
 /// Neighbours farther away than this say nothing: a camera has had time to go anywhere.
@@ -104,10 +104,10 @@ fn disagreement(own: &PtzCamera, from: Ptz, to: Ptz, image_size: ImageSize) -> D
     let [from, to] = [from, to].map(|ptz| corners_off_px(own, &PtzCamera::new(*own.base(), ptz), image_size));
     let way = to - from;
     // Between neighbours the corners move on lines that are nearly straight.
-    let share = if way.norm_squared() > 0.0 { (-from.dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    let apart = distance_from_segment(SVector::zeros(), [from, to]);
     // Over four corners, at 1920 px width.
     let scale = 0.5 / image_size.scale_from_1920();
-    Disagreement { apart_px: scale * (from + way * share).norm(), neighbours_px: scale * way.norm() }
+    Disagreement { apart_px: scale * apart, neighbours_px: scale * way.norm() }
 }
 
 /// Where another camera has the corners of a camera's picture, from these corners, px: x and y of each.

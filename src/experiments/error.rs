@@ -1,11 +1,11 @@
 //! Why an experiment has no report.
 
 use super::Experiment;
+use crate::evaluate::EvaluationError;
+use crate::exchange::AuthorsError;
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::media::MediaError;
-use crate::evaluate::EvaluationError;
-use crate::exchange::AuthorsError;
 use crate::proposals::PictureError;
 use crate::report::figure::FigureError;
 use std::path::{Path, PathBuf};

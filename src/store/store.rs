@@ -1,12 +1,12 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
+use super::atomic::{copy_aside, keep_backup, set_aside, write_atomically};
+use super::journal::{DocumentHash, Journal, JournalContent, Pending};
+use super::lock::{Lock, lock};
 use super::{Location, ReadOnly, StoreError};
-use super::{atomic::copy_aside, atomic::keep_backup, atomic::set_aside, atomic::write_atomically};
-use super::{journal::DocumentHash, journal::Journal, journal::JournalContent, journal::Pending};
-use super::{lock::Lock, lock::lock};
 use crate::document::{Document, Edit, document_from_bytes, document_to_string};
+use crate::geometry::hex;
 use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -232,10 +232,7 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
 }
 
 fn hash_of(bytes: &[u8]) -> DocumentHash {
-    Sha256::digest(bytes).iter().fold(String::new(), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    hex(&Sha256::digest(bytes))
 }
 
 impl Store {

@@ -245,9 +245,9 @@ pub(super) mod tests {
         assert_eq!(off, [2.0, 1.0, 0.0, 6.0], "a picture of half the width");
         let sigma_px =
             builtin("soccer").unwrap().default_model().unwrap().landmark("centre_mark").unwrap().click_sigma_px;
-        assert!((found.clicks[3].expected_px - MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
+        assert!((found.clicks[3].expected_px - median_rayleigh() * sigma_px).abs() < 1e-9);
         let fitted = (3.0_f64 / 6.0).sqrt();
-        assert!((found.clicks[0].expected_px - fitted * MEDIAN_OF_POINTS * sigma_px).abs() < 1e-9);
+        assert!((found.clicks[0].expected_px - fitted * median_rayleigh() * sigma_px).abs() < 1e-9);
         let (used, held_out) = (found.used.unwrap(), found.held_out.unwrap());
         assert_eq!((used.count, held_out.count, found.without_evidence), (3, 1, 0));
         assert!((used.median_px - 1.0).abs() < 1e-6 && (held_out.most_px - 6.0).abs() < 1e-6);

@@ -5,10 +5,10 @@ use crate::calibrate::observations;
 use crate::camera::PtzCamera;
 use crate::document::{Frame, Target};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Vec3};
+use crate::geometry::{ImageSize, Vec3, median};
 use crate::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
-    landmark_errors, median, squared_sigmas,
+    landmark_errors, squared_sigmas,
 };
 use crate::solve::{Observation, ObservationError};
 
@@ -112,7 +112,8 @@ fn add_clicks(
             scores.held_out_m.extend(on_ground_m(shown, target, &observation));
         }
     }
-    let medians = [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|values| median(values.clone()));
+    let medians =
+        [&scores.clicks_px, &scores.held_out_px, &scores.held_out_m].map(|values| median(&mut values.clone()));
     for (measure, median) in
         [Measure::Clicks, Measure::HeldOutClicks, Measure::HeldOutOnGround].into_iter().zip(medians)
     {

@@ -1,0 +1,29 @@
+//! Where a camera stands and how it is mounted, from the clicks of a document's frames.
+//!
+//! ```sh
+//! cargo run --example estimate_base -- [DOC]
+//! ```
+
+use std::env;
+use std::error::Error;
+use std::path::PathBuf;
+use touchline::calibrate::BaseProblem;
+use touchline::solve::base::BaseOptions;
+use touchline::store::read;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let path = env::args().nth(1).map_or_else(|| PathBuf::from("projects/demo"), PathBuf::from);
+    let (location, mut document, _) = read(&path)?;
+    let camera = document.cameras.first().ok_or("the document has no camera")?.id.clone();
+
+    let problem = BaseProblem::of(&document, &camera, location.folder())?;
+    let found = problem.estimate(&document, &BaseOptions::default())?;
+
+    let base = &found.estimate.base;
+    println!("{} clicks of camera {:?}", problem.click_count(), camera.as_str());
+    println!("position {:.2} m ± {:.2} m", base.position_m.transpose(), base.sigma.position_m.transpose());
+    println!("clicks lie {:.2} px off (median)", found.estimate.median_px);
+    // The document can take the base over; whoever wants to keep it writes the document.
+    found.write_camera(&mut document);
+    Ok(())
+}
