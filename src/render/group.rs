@@ -1,6 +1,6 @@
 //! Groups of strokes: drawn opaque into textures of their own, then laid over the canvas.
 
-use crate::app::drawing::StrokeGroup;
+use crate::scene::drawing::StrokeGroup;
 use bytemuck::{Pod, Zeroable};
 
 /// The format of the textures in which groups of strokes are drawn: gamma space, as everything here.
