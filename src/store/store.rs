@@ -7,6 +7,7 @@ use super::{Location, ReadOnly, StoreError};
 use crate::document::{Document, Edit, document_from_bytes, document_to_string};
 use crate::geometry::hex;
 use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
