@@ -4,10 +4,10 @@
 //! point and comparing the camera with the frames around, or with where it looked in other shots; else by where those
 //! frames would put the landmarks; else by what was clicked near here in the frames around.
 
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::document::Target;
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::geometry::{Angle, AngleRange, ImagePoint, ImageSize, Vec3};
 use crate::markings::{self, MarkingOptions};
 use crate::solve::{Observation, PtzRanges, SolveContext, solve_frame};
 
@@ -197,7 +197,7 @@ fn solve_with(scene: &NamingScene<'_>, base: &CameraBase, last: Observation) -> 
             1.0 + usual.min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
         }
         None if PtzRanges::for_width(scene.image_size.width).contains(&solved.ptz) => {
-            1.0 + unusual(&solved.ptz, scene.image_size)
+            1.0 + unusual(&solved.ptz, base, scene.image_size)
         }
         None => 1e3,
     };
@@ -207,18 +207,21 @@ fn solve_with(scene: &NamingScene<'_>, base: &CameraBase, last: Observation) -> 
 /// How far one camera is from another: 1 is a third of the picture's width, or a zoom by a fifth.
 fn motion(from: &Ptz, to: &Ptz, image_size: ImageSize) -> f64 {
     let third = f64::from(image_size.width) / 3.0;
-    let pan = (to.pan - from.pan).wrapped().radians() * from.focal_px / third;
-    let tilt = (to.tilt - from.tilt).wrapped().radians() * from.focal_px / third;
+    let pan = to.pan.turn_from(from.pan).radians() * from.focal_px / third;
+    let tilt = to.tilt.turn_from(from.tilt).radians() * from.focal_px / third;
     let zoom = (to.focal_px / from.focal_px).ln() / 1.2_f64.ln();
     pan.hypot(2.0 * tilt).hypot(zoom)
 }
 
-/// How far a camera is from an ordinary broadcast view: tilt between −25° and −3°, focal length 0.8 to 4 widths.
-fn unusual(ptz: &Ptz, image_size: ImageSize) -> f64 {
+/// How far a camera is from an ordinary broadcast view: pan within 60° of the field's centre, wherever the camera stands, tilt
+/// between −25° and −3°, focal length 0.8 to 4 widths.
+fn unusual(ptz: &Ptz, base: &CameraBase, image_size: ImageSize) -> f64 {
+    let centre = PanTilt::from_direction(base.base_from_world_point(Vec3::zeros()));
+    let usual = AngleRange::around(centre.pan, Angle::from_degrees(60.0));
     let beyond = |value: f64, low: f64, high: f64| (low - value).max(value - high).max(0.0);
     let widths = ptz.focal_px / f64::from(image_size.width);
     beyond(ptz.tilt.degrees(), -25.0, -3.0) / 5.0
-        + beyond(ptz.pan.degrees().abs(), 0.0, 60.0) / 20.0
+        + usual.distance(ptz.pan).degrees() / 20.0
         + beyond(widths.ln(), 0.8_f64.ln(), 4.0_f64.ln()) * 3.0
 }
 

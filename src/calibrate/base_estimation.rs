@@ -288,7 +288,7 @@ impl EstimatedBase {
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
         let field = document.model_of(camera.field.as_ref().unwrap_or(&document.field), folder)?;
         let turned_deg = before
-            .map_or(0.0, |before| (before.angles().heading - self.estimate.base.angles().heading).wrapped().degrees());
+            .map_or(0.0, |before| before.angles().heading.turn_from(self.estimate.base.angles().heading).degrees());
         for index in 0..document.frames.len() {
             if document.frames[index].camera == self.camera && document.frames[index].status != FrameStatus::Rejected {
                 solve_again(document, index, &field, turned_deg);

@@ -2,6 +2,7 @@
 
 use crate::document::{Document, Frame};
 use crate::field::LandmarkId;
+use crate::geometry::Angle;
 use std::collections::BTreeSet;
 
 /// So many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
@@ -14,8 +15,8 @@ const CHOSEN: usize = 6;
 pub fn choose_gold(document: &Document) -> Vec<usize> {
     let frames = || document.frames.iter().enumerate().map(|(index, frame)| (index, &**frame));
     let gold = || frames().filter(|(_, frame)| frame.is_gold());
-    let pan = |frame: &Frame| frame.ptz.as_ref().map_or(0.0, |ptz| ptz.pan_deg);
-    let mut pans: Vec<f64> = gold().map(|(_, frame)| pan(frame)).collect();
+    let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
+    let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
     let mut asked: BTreeSet<&LandmarkId> = gold().flat_map(|(_, frame)| frame.asked_again()).collect();
     let mut open: Vec<(usize, &Frame)> =
         frames().filter(|(_, frame)| !frame.is_gold() && frame.why_not_gold().is_none()).collect();
@@ -23,8 +24,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     while pans.len() < CHOSEN && !open.is_empty() {
         let rank = |frame: &Frame| {
             let news: BTreeSet<&LandmarkId> = frame.asked_again().filter(|id| !asked.contains(id)).collect();
-            let apart = pans.iter().map(|other| (pan(frame) - other).abs()).fold(360.0, f64::min);
-            (news.len(), apart)
+            let apart = pans.iter().map(|other| pan(frame).turn_from(*other).abs().radians());
+            (news.len(), apart.fold(f64::INFINITY, f64::min))
         };
         // The last of equals is the first frame.
         let best = (0..open.len()).rev().max_by(|a, b| {

@@ -2,7 +2,7 @@
 
 use crate::camera::Ptz;
 use crate::document::{Document, Frame, FrameStatus};
-use crate::geometry::Angle;
+use crate::geometry::{Angle, AngleRange};
 use crate::solve::{Habits, Motion, PtzRanges, PtzStep};
 
 /// So many accepted frames tell where a camera looks.
@@ -29,20 +29,19 @@ pub fn habits(document: &Document, index: usize) -> Habits {
 
 /// The ranges of pan, tilt and focal length of the accepted frames.
 fn seen<'a>(frames: impl Iterator<Item = &'a Frame>) -> Option<PtzRanges> {
-    let mut accepted = 0;
-    let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-    for frame in frames.filter(|frame| frame.status == FrameStatus::Reference) {
-        let Some(ptz) = &frame.ptz else { continue };
-        accepted += 1;
-        for ([from, upto], value) in bounds.iter_mut().zip([ptz.pan_deg, ptz.tilt_deg, ptz.focal_px]) {
-            (*from, *upto) = (from.min(value), upto.max(value));
-        }
+    let accepted = frames.filter(|frame| frame.status == FrameStatus::Reference);
+    let accepted: Vec<Ptz> = accepted.filter_map(|frame| Some(frame.ptz.as_ref()?.ptz())).collect();
+    if accepted.len() < MIN_ACCEPTED {
+        return None;
     }
-    let angles = |[from, upto]: [f64; 2]| Angle::from_degrees(from)..=Angle::from_degrees(upto);
-    let [pan, tilt, focal] = bounds;
-    (accepted >= MIN_ACCEPTED).then(|| PtzRanges {
-        pan: angles(pan),
-        tilt: angles(tilt),
+    let range = |of: fn(&Ptz) -> f64| {
+        let values = accepted.iter().map(of);
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[from, upto], value| [from.min(value), upto.max(value)])
+    };
+    let (tilt, focal) = (range(|ptz| ptz.tilt.radians()), range(|ptz| ptz.focal_px));
+    Some(PtzRanges {
+        pan: AngleRange::smallest(accepted.iter().map(|ptz| ptz.pan))?,
+        tilt: Angle::from_radians(tilt[0])..=Angle::from_radians(tilt[1]),
         focal_px: focal[0]..=focal[1],
     })
 }

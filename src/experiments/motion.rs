@@ -7,6 +7,7 @@ use super::{ExperimentError, ExperimentOptions, evaluation_tables};
 use crate::camera::Ptz;
 use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
 use crate::evaluate::evaluate;
+use crate::geometry::AngleRange;
 use crate::relocalize::{RelocalizeOptions, TrainOptions};
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Report, Table};
@@ -42,14 +43,16 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         place.y,
         place.z
     ));
-    report.table("path", "The motion.", path_table(&real.ptz));
+    let pans = AngleRange::smallest(real.ptz.iter().map(|ptz| ptz.pan)).unwrap_or(AngleRange::FULL);
+    let pan_deg = |ptz: &Ptz| pans.unwrapped(ptz.pan).degrees();
+    report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
     report.text(&evaluated(&set, &asked)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [
-        ("pan", "pan (°)", (|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64),
-        ("tilt", "tilt (°)", |ptz| ptz.tilt.degrees()),
-        ("focal", "focal length (px)", |ptz| ptz.focal_px),
+        ("pan", "pan (°)", &pan_deg as &dyn Fn(&Ptz) -> f64),
+        ("tilt", "tilt (°)", &|ptz| ptz.tilt.degrees()),
+        ("focal", "focal length (px)", &|ptz| ptz.focal_px),
     ] {
         let truth = set.frames.iter().enumerate().map(|(frame, known)| [number(frame), of(&known.truth.ptz())]);
         let taught = set.splits[0].teachers.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
@@ -80,8 +83,8 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     Ok(report)
 }
 
-/// What the motion is like.
-fn path_table(ptz: &[Ptz]) -> Table {
+/// What the motion is like; `pan_deg` is a camera's pan without a jump at ±180°.
+fn path_table(ptz: &[Ptz], pan_deg: &dyn Fn(&Ptz) -> f64) -> Table {
     let mut table = Table::new(&[
         ("parameter", "parameter"),
         ("least", "least"),
@@ -89,9 +92,9 @@ fn path_table(ptz: &[Ptz]) -> Table {
         ("step", "largest change between frames"),
     ]);
     for (name, of) in [
-        ("pan (°)", (|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64),
-        ("tilt (°)", |ptz| ptz.tilt.degrees()),
-        ("focal length (px)", |ptz| ptz.focal_px),
+        ("pan (°)", pan_deg),
+        ("tilt (°)", &|ptz: &Ptz| ptz.tilt.degrees()),
+        ("focal length (px)", &|ptz: &Ptz| ptz.focal_px),
     ] {
         let values: Vec<f64> = ptz.iter().map(of).collect();
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);

@@ -4,6 +4,7 @@ use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_name, tally
 use super::progress::Progress;
 use super::sets::{FrameSet, SetKind};
 use super::{ExperimentError, Workshop};
+use crate::geometry::AngleRange;
 use crate::media::FrameReader;
 use crate::proposals::overlay_error_px;
 use crate::relocalize::{PredictOptions, RelocalizeOptions, TrainOptions};
@@ -202,9 +203,10 @@ fn ranges_row(set: &FrameSet, name: &str, asked: &[&AskedFrame]) -> Vec<Cell> {
         format!("{low:.digits$} to {high:.digits$}").into()
     };
     let ptz = |frame: usize| set.frames[frame].truth.ptz();
+    let pans = AngleRange::smallest(asked.iter().map(|asked| ptz(asked.frame).pan)).unwrap_or(AngleRange::FULL);
     vec![
         name.into(),
-        range(&|frame| ptz(frame).pan.degrees(), 1),
+        format!("{:.1} to {:.1}", pans.start().degrees(), pans.end().wrapped().degrees()).into(),
         range(&|frame| ptz(frame).tilt.degrees(), 1),
         range(&|frame| ptz(frame).focal_px, 0),
     ]

@@ -13,6 +13,9 @@ impl Angle {
     /// No turn at all.
     pub const ZERO: Self = Self { radians: 0.0 };
 
+    /// One whole turn.
+    pub const TURN: Self = Self { radians: std::f64::consts::TAU };
+
     /// An angle from radians.
     #[must_use]
     pub const fn from_radians(radians: f64) -> Self {
@@ -46,6 +49,12 @@ impl Angle {
         }
         let turned = self.radians.rem_euclid(TAU);
         Self { radians: if turned > PI { turned - TAU } else { turned } }
+    }
+
+    /// The shortest turn from another direction to this one, within (−π, π]: their difference, whatever the gauge.
+    #[must_use]
+    pub fn turn_from(self, from: Self) -> Self {
+        (self - from).wrapped()
     }
 
     /// (sine, cosine).
@@ -113,5 +122,13 @@ mod tests {
             assert!((Angle::from_degrees(degrees).wrapped().degrees() - wrapped).abs() < 1e-12, "{degrees}");
         }
         assert!(Angle::from_radians(-PI).wrapped().radians() > 0.0);
+    }
+
+    #[test]
+    fn the_turn_between_directions_is_the_shorter_one() {
+        for (to, from, turn) in [(10.0, 4.0, 6.0), (-179.0, 179.0, 2.0), (178.0, -177.0, -5.0), (90.0, -90.0, 180.0)] {
+            let found = Angle::from_degrees(to).turn_from(Angle::from_degrees(from));
+            assert!((found.degrees() - turn).abs() < 1e-12, "{to} from {from}");
+        }
     }
 }

@@ -1,9 +1,10 @@
-//! Angles, image points and sizes, mask boxes, rotations and their derivatives: the ground floor.
+//! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives: the ground floor.
 //!
 //! Everything here is `f64`. Angles are radians inside and degrees at the doors ([`Angle`]). Image coordinates follow
 //! the corner convention: (0, 0) is the top-left *corner* of the picture, the first pixel's centre is (0.5, 0.5).
 
 mod angle;
+mod angle_range;
 mod homography;
 mod image;
 mod median;
@@ -12,6 +13,7 @@ mod segment;
 mod text;
 
 pub use angle::Angle;
+pub use angle_range::AngleRange;
 pub use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
 pub use median::{median, upper_median};

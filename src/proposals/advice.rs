@@ -7,7 +7,7 @@
 
 use super::Coverage;
 use crate::document::{CameraId, Document, Frame, FrameStatus, shots};
-use crate::geometry::Angle;
+use crate::geometry::{Angle, AngleRange};
 use std::collections::BTreeMap;
 
 /// An answer that is right with this probability needs no further reference.
@@ -52,8 +52,8 @@ pub struct LabelNext {
 #[derive(Clone, Copy)]
 struct Needing {
     frame: usize,
-    pan_deg: f64,
-    half_view_deg: f64,
+    pan: Angle,
+    half_view: Angle,
     /// From 0 to 1: how unsure its answer is.
     need: f64,
 }
@@ -62,8 +62,8 @@ struct Needing {
 #[derive(Clone, Copy)]
 struct Look {
     frame: usize,
-    pan_deg: f64,
-    half_view_deg: f64,
+    pan: Angle,
+    half_view: Angle,
 }
 
 /// Looks through a document for frames that the forest cannot answer. `coverage` has where the references of its cameras look;
@@ -91,8 +91,8 @@ pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
                 doubt(frame).and_then(|doubt| Some((look(document, index)?, doubt)))
             };
             match found {
-                Some((Look { pan_deg, half_view_deg, .. }, need)) => {
-                    seen.entry(&frame.camera).or_default().push(Needing { frame: index, pan_deg, half_view_deg, need });
+                Some((Look { pan, half_view, .. }, need)) => {
+                    seen.entry(&frame.camera).or_default().push(Needing { frame: index, pan, half_view, need });
                 }
                 None if can_be_labelled(frame) => unknown.push(index),
                 None => {}
@@ -139,9 +139,8 @@ fn doubt(frame: &Frame) -> Option<f64> {
 fn look(document: &Document, index: usize) -> Option<Look> {
     let frame = &*document.frames[index];
     let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-    let half_view = (f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px);
-    let pan_deg = Angle::from_degrees(ptz.pan_deg).wrapped().degrees();
-    Some(Look { frame: index, pan_deg, half_view_deg: half_view.to_degrees() })
+    let half_view = Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
+    Some(Look { frame: index, pan: ptz.ptz().pan.wrapped(), half_view })
 }
 
 /// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
@@ -151,11 +150,10 @@ fn between(looks: &[Look], index: usize) -> Option<Look> {
     match (before, looks.get(next)) {
         (Some(from), Some(to)) => {
             let share = (index - from.frame) as f64 / (to.frame - from.frame) as f64;
-            let turn = Angle::from_degrees(to.pan_deg - from.pan_deg).wrapped().degrees();
             Some(Look {
                 frame: index,
-                pan_deg: Angle::from_degrees(from.pan_deg + share * turn).wrapped().degrees(),
-                half_view_deg: from.half_view_deg + share * (to.half_view_deg - from.half_view_deg),
+                pan: (from.pan + to.pan.turn_from(from.pan) * share).wrapped(),
+                half_view: from.half_view + (to.half_view - from.half_view) * share,
             })
         }
         (Some(beside), None) | (None, Some(beside)) => (beside.frame.abs_diff(index) <= BESIDE).then_some(*beside),
@@ -166,32 +164,32 @@ fn between(looks: &[Look], index: usize) -> Option<Look> {
 /// Where a label helps most of the frames of a camera, and how much: one for each frame that it answers alone. None where all
 /// of them look past the field.
 fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
-    let step = |pan_deg: f64| (pan_deg / STEP_DEG).round() as i64;
+    let step = |pan: Angle| (pan.degrees() / STEP_DEG).round() as i64;
     let mut steps: BTreeMap<i64, f64> = BTreeMap::new();
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
-    for Needing { pan_deg, half_view_deg: half, need, .. } in needing {
-        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(pan_deg - half..=pan_deg + half));
+    for Needing { pan, half_view, need, .. } in needing {
+        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(AngleRange::around(*pan, *half_view)));
         let Some(weight) = novelty.map(|novelty| novelty * need) else { continue };
-        *steps.entry(step(*pan_deg)).or_default() += weight;
-        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half);
+        *steps.entry(step(*pan)).or_default() += weight;
+        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
     let view_deg = (2.0 * half_view_deg / whole).max(STEP_DEG);
+    let direction = |step: i64| Angle::from_degrees(step as f64 * STEP_DEG);
     let gain = |at: i64| -> f64 {
-        let reach = (view_deg / STEP_DEG).ceil() as i64;
-        let overlap = |other: i64| 1.0 - (other - at).abs() as f64 * STEP_DEG / view_deg;
-        steps.range(at - reach..=at + reach).map(|(&other, weight)| weight * overlap(other).max(0.0)).sum()
+        let overlap = |other: i64| 1.0 - direction(other).turn_from(direction(at)).abs().degrees() / view_deg;
+        steps.iter().map(|(&other, weight)| weight * overlap(other).max(0.0)).sum()
     };
-    // Of equals the leftmost.
+    // Of equals the one with the least pan.
     let gains = steps.keys().map(|&at| (gain(at), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.pan_deg) == at).collect();
+    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.pan) == at).collect();
     here.sort_by(|a, b| b.need.total_cmp(&a.need).then(a.frame.cmp(&b.frame)));
     let most = here.iter().take_while(|needing| needing.need == here[0].need).count();
     let chosen = here[most / 2];
-    let shares = |other: &&Needing| (other.pan_deg - chosen.pan_deg).abs() <= view_deg / 2.0;
+    let shares = |other: &&Needing| other.pan.turn_from(chosen.pan).abs().degrees() <= view_deg / 2.0;
     let next = LabelNext {
         frame: chosen.frame,
-        pan_deg: Some(chosen.pan_deg),
+        pan_deg: Some(chosen.pan.degrees()),
         shared_by: needing.iter().filter(shares).count(),
         missing_pan_deg: None,
     };
@@ -236,7 +234,7 @@ mod tests {
     fn seen(references: [u32; 10]) -> Coverage {
         Coverage {
             camera: "main".into(),
-            pan_deg: -50.0..=50.0,
+            pan: AngleRange::around(Angle::ZERO, Angle::from_degrees(50.0)),
             tilt_deg: -20.0..=0.0,
             columns: 10,
             cells: references.map(|references| Cell { references, field: true }).to_vec(),

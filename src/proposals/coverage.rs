@@ -3,7 +3,7 @@
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
 use crate::document::{Camera, CameraId, Document, Frame};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Vec3};
+use crate::geometry::{Angle, AngleRange, ImageSize, Vec3};
 use std::ops::RangeInclusive;
 use std::path::Path;
 
@@ -22,8 +22,8 @@ const BESIDE_M: f64 = 3.0;
 pub struct Coverage {
     /// The camera.
     pub camera: CameraId,
-    /// The map's left and right border, degrees of pan.
-    pub pan_deg: RangeInclusive<f64>,
+    /// The pans from the map's left to its right border.
+    pub pan: AngleRange,
     /// The map's lower and upper border, degrees of tilt.
     pub tilt_deg: RangeInclusive<f64>,
     /// Columns of the map.
@@ -65,29 +65,30 @@ impl Coverage {
     pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, teachers: &[usize]) -> Option<Self> {
         let base = document.camera(camera)?.base()?;
         let outline = outline(field, &base);
-        let (pan_deg, tilt_deg) =
-            (around(&outline, |ray| ray.pan.degrees())?, around(&outline, |ray| ray.tilt.degrees())?);
+        let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?.extended(Angle::from_degrees(MARGIN_DEG));
+        let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
+        let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
         let seeing: Vec<Sight> = teachers
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
             .filter(|frame| frame.camera == *camera)
             .filter_map(|frame| Sight::of(document, frame))
             .collect();
-        let along = |range: &RangeInclusive<f64>, step: usize, steps: usize| {
-            range.start() + (step as f64 + 0.5) / steps as f64 * (range.end() - range.start())
-        };
+        let middle_of = |step: usize, steps: usize| (step as f64 + 0.5) / steps as f64;
+        let lower_deg = *tilt_deg.start();
+        let height_deg = tilt_deg.end() - lower_deg;
         let cells = (0..ROWS)
             .flat_map(|row| (0..COLUMNS).map(move |column| (row, column)))
             .map(|(row, column)| {
-                let ray =
-                    PanTilt::from_degrees(along(&pan_deg, column, COLUMNS), along(&tilt_deg, ROWS - 1 - row, ROWS));
+                let tilt_deg = lower_deg + middle_of(ROWS - 1 - row, ROWS) * height_deg;
+                let ray = PanTilt { pan: pan.at(middle_of(column, COLUMNS)), tilt: Angle::from_degrees(tilt_deg) };
                 let direction = ray.direction();
                 let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
                 Cell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
             })
             .collect();
         let mut coverage =
-            Self { camera: camera.clone(), pan_deg, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
+            Self { camera: camera.clone(), pan, tilt_deg, columns: COLUMNS, cells, missing_pan_deg: None };
         coverage.missing_pan_deg = coverage.widest_gap_deg();
         Some(coverage)
     }
@@ -95,11 +96,16 @@ impl Coverage {
     /// How much a reference tells that sees this much of the field, from 0 to 1: all where none has seen it, and the nth at a
     /// place an nth of it. None where the field does not lie there.
     #[must_use]
-    pub fn novelty(&self, pan_deg: RangeInclusive<f64>) -> Option<f64> {
-        let width_deg = self.pan_deg.end() - self.pan_deg.start();
-        let column = |pan_deg: f64| (pan_deg - self.pan_deg.start()) / width_deg * self.columns as f64;
-        let first = column(*pan_deg.start()).floor().max(0.0) as usize;
-        let last = column(*pan_deg.end()).ceil().max(0.0) as usize;
+    pub fn novelty(&self, view: AngleRange) -> Option<f64> {
+        /// What a view shows less of a column than this is rounding.
+        const ROUNDING: f64 = 1e-9;
+        let columns = self.columns as f64;
+        let (middle, half) = (
+            self.pan.share(view.centre()) * columns,
+            0.5 * columns * (view.width().radians() / self.pan.width().radians()),
+        );
+        let first = (middle - half + ROUNDING).floor().max(0.0) as usize;
+        let last = (middle + half - ROUNDING).ceil().max(0.0) as usize;
         let (mut told, mut places) = (0.0, 0_u32);
         for row in self.cells.chunks(self.columns.max(1)) {
             for cell in row.iter().take(last).skip(first).filter(|cell| cell.field) {
@@ -119,7 +125,7 @@ impl Coverage {
         let runs = gaps.chunk_by(|a, b| a + 1 == *b);
         let widest = runs.rev().max_by_key(|run| run.len())?;
         let middle = (widest.first()? + widest.last()? + 1) as f64 / 2.0 / self.columns as f64;
-        Some(self.pan_deg.start() + middle * (self.pan_deg.end() - self.pan_deg.start()))
+        Some(self.pan.at(middle).wrapped().degrees())
     }
 }
 
@@ -163,11 +169,6 @@ fn outline(field: &FieldModel, base: &CameraBase) -> Vec<PanTilt> {
         .collect()
 }
 
-fn around(rays: &[PanTilt], value: fn(&PanTilt) -> f64) -> Option<RangeInclusive<f64>> {
-    let values = || rays.iter().map(value);
-    Some(values().min_by(f64::total_cmp)? - MARGIN_DEG..=values().max_by(f64::total_cmp)? + MARGIN_DEG)
-}
-
 fn shows_field(field: &FieldModel, base: &CameraBase, ray: PanTilt) -> bool {
     let direction = base.base_from_world.transpose() * ray.direction();
     let distance = -base.position_m.z / direction.z;
@@ -181,7 +182,7 @@ mod tests {
     use crate::camera::{BaseAngles, Ptz};
     use crate::document::{Camera, FieldSpec, FramePtz};
     use crate::field::builtin;
-    use crate::geometry::{Angle, ImageSize};
+    use crate::geometry::ImageSize;
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -209,10 +210,11 @@ mod tests {
     fn what_many_references_see_is_hardly_new() {
         let document = document(&[-40.0, -40.0, -40.0]);
         let found = coverage(&document, &[0, 1, 2]);
-        assert_eq!(found.novelty(20.0..=40.0), Some(1.0));
-        let (known, partly) = (found.novelty(-41.0..=-39.0).unwrap(), found.novelty(-40.0..=0.0).unwrap());
+        let novelty = |from, upto| found.novelty(AngleRange::new(Angle::from_degrees(from), Angle::from_degrees(upto)));
+        assert_eq!(novelty(20.0, 40.0), Some(1.0));
+        let (known, partly) = (novelty(-41.0, -39.0).unwrap(), novelty(-40.0, 0.0).unwrap());
         assert!((0.25..0.6).contains(&known) && known < partly && partly < 1.0, "{known} {partly}");
-        assert_eq!((found.novelty(90.0..=100.0), found.novelty(-170.0..=-120.0)), (None, None));
+        assert_eq!((novelty(90.0, 100.0), novelty(-170.0, -120.0)), (None, None));
         let folder = Path::new("");
         assert_eq!(Coverage::of_cameras(&document, folder, &[0, 1, 2]), [found]);
         assert_eq!(Coverage::of_cameras(&document, folder, &[]), []);
@@ -223,7 +225,8 @@ mod tests {
         let document = document(&[-40.0, -15.0, 10.0, 50.0, 30.0]);
         let found = coverage(&document, &[0, 1, 2]);
         assert_eq!(found.cells.len(), ROWS * COLUMNS);
-        assert!(*found.pan_deg.start() < -50.0 && *found.pan_deg.end() > 50.0, "{:?}", found.pan_deg);
+        let (left, right) = (found.pan.start().degrees(), found.pan.end().degrees());
+        assert!(left < -50.0 && right > 50.0, "{:?}", found.pan);
         let missing = found.missing_pan_deg.unwrap();
         assert!((30.0..60.0).contains(&missing), "{missing}");
         let middle = coverage(&document, &[]).missing_pan_deg.unwrap();

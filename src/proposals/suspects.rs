@@ -2,6 +2,7 @@
 
 use super::{FramePictures, Lesson, Studied, study};
 use crate::document::Document;
+use crate::geometry::{Angle, AngleRange};
 use crate::media::FrameReader;
 use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 use std::ops::ControlFlow;
@@ -31,13 +32,15 @@ pub fn find_suspects(
     let document = pictures.document;
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let mut of_camera: Vec<(f64, usize)> = teachers
+        let mut of_camera: Vec<(Angle, usize)> = teachers
             .iter()
             .map(|&index| (index, &*document.frames[index]))
             .filter(|(_, frame)| frame.camera == camera.id)
-            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan.radians(), index)))
+            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)))
             .collect();
-        of_camera.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let Some(seen) = AngleRange::smallest(of_camera.iter().map(|(pan, _)| *pan)) else { continue };
+        let from_left = |pan: Angle| seen.unwrapped(pan).radians();
+        of_camera.sort_by(|a, b| from_left(a.0).total_cmp(&from_left(b.0)).then(a.1.cmp(&b.1)));
         let of_camera: Vec<usize> = of_camera.into_iter().map(|(_, index)| index).collect();
         for together in of_camera.chunks(TOGETHER) {
             let Studied { lessons, .. } = study(pictures, reader, together, progress)?;

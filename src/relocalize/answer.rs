@@ -37,12 +37,10 @@ impl SeenRange {
     /// Where a camera may be that shares features with the references.
     #[must_use]
     pub fn plausible(&self) -> PtzRanges {
-        let angles = |range: &std::ops::RangeInclusive<f64>, beyond: f64| {
-            Angle::from_degrees(range.start() - beyond)..=Angle::from_degrees(range.end() + beyond)
-        };
+        let (lowest, highest) = (self.tilt_deg.start() - BEYOND_TILT_DEG, self.tilt_deg.end() + BEYOND_TILT_DEG);
         PtzRanges {
-            pan: angles(&self.pan_deg, BEYOND_PAN_DEG),
-            tilt: angles(&self.tilt_deg, BEYOND_TILT_DEG),
+            pan: self.pan().extended(Angle::from_degrees(BEYOND_PAN_DEG)),
+            tilt: Angle::from_degrees(lowest)..=Angle::from_degrees(highest),
             focal_px: self.focal_px.start() / BEYOND_FOCAL..=self.focal_px.end() * BEYOND_FOCAL,
         }
     }

@@ -3,6 +3,7 @@
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
 use crate::camera::Ptz;
 use crate::features::{Detector, FeatureOptions};
+use crate::geometry::{Angle, AngleRange};
 use std::ops::RangeInclusive;
 
 /// How a forest file begins.
@@ -33,10 +34,11 @@ pub struct CameraForest {
     pub forest: Forest,
 }
 
-/// Where the references of a camera looked, from the least to the greatest, and how many there are.
+/// Where the references of a camera looked, and how many there are.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenRange {
-    /// Pan of the optical axis, degrees.
+    /// Pan of the optical axis, degrees: the smallest arc that holds all, from its left end to its right one, above 180 where
+    /// the seam lies between (see [`SeenRange::pan`]).
     pub pan_deg: RangeInclusive<f64>,
     /// Tilt of the optical axis, degrees.
     pub tilt_deg: RangeInclusive<f64>,
@@ -55,12 +57,19 @@ impl SeenRange {
             let greatest = cameras.iter().map(value).max_by(f64::total_cmp)?;
             Some(least..=greatest)
         };
+        let pan = AngleRange::smallest(cameras.iter().map(|ptz| ptz.pan))?;
         Some(Self {
-            pan_deg: range(|ptz| ptz.pan.degrees())?,
+            pan_deg: pan.start().degrees()..=pan.end().degrees(),
             tilt_deg: range(|ptz| ptz.tilt.degrees())?,
             focal_px: range(|ptz| ptz.focal_px)?,
             references: cameras.len() as u32,
         })
+    }
+
+    /// The pans as an arc.
+    #[must_use]
+    pub fn pan(&self) -> AngleRange {
+        AngleRange::new(Angle::from_degrees(*self.pan_deg.start()), Angle::from_degrees(*self.pan_deg.end()))
     }
 }
 

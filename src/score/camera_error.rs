@@ -31,7 +31,7 @@ pub fn camera_error(truth: &PtzCamera, estimate: &PtzCamera) -> CameraError {
     let focal_px = estimate.ptz().focal_px - truth.ptz().focal_px;
     CameraError {
         rotation: angle_between(&truth.cam_from_world(), &estimate.cam_from_world()),
-        pan: (axis.pan - true_axis.pan).wrapped(),
+        pan: axis.pan.turn_from(true_axis.pan),
         tilt: axis.tilt - true_axis.tilt,
         focal_px,
         focal_percent: 100.0 * focal_px / truth.ptz().focal_px,

@@ -95,8 +95,8 @@ fn underground(camera: &PtzCamera) -> Option<Warning> {
 /// A solution outside of what this camera can do, or usually does.
 fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warning> {
     let (ptz, ranges) = (solution.ptz, &context.ranges);
-    let what = if !ranges.pan.contains(&ptz.pan) {
-        format!("pan {:.1} (usual {:.1} to {:.1})", ptz.pan, ranges.pan.start(), ranges.pan.end())
+    let what = if !ranges.pan.contains(ptz.pan) {
+        format!("pan {:.1} (usual {:.1})", ptz.pan, ranges.pan)
     } else if !ranges.tilt.contains(&ptz.tilt) {
         format!("tilt {:.1} (usual {:.1} to {:.1})", ptz.tilt, ranges.tilt.start(), ranges.tilt.end())
     } else if !ranges.focal_px.contains(&ptz.focal_px) {

@@ -46,7 +46,7 @@ impl PtzStep {
     #[must_use]
     pub fn between(from: &Ptz, to: &Ptz) -> Self {
         Self {
-            pan: (to.pan - from.pan).wrapped().abs(),
+            pan: to.pan.turn_from(from.pan).abs(),
             tilt: (to.tilt - from.tilt).abs(),
             log_focal: (to.focal_px / from.focal_px).ln().abs(),
         }
@@ -98,13 +98,11 @@ impl Habits {
 
     /// What lies farthest outside of what the accepted frames have, if something does.
     fn elsewhere(&self, ptz: &Ptz, slack: &PtzStep) -> Option<Odd> {
-        let (at, slack) = (in_numbers(ptz), slack.values());
-        let bounds = self.seen.as_ref()?.bounds();
+        let (seen, slack) = (self.seen.as_ref()?, slack.values());
+        let (widths, distances) = (seen.widths(), seen.distances(ptz));
         let outside = |which: usize| {
-            let [from, upto] = bounds[which];
-            let margin = MARGIN[which].max(MARGIN_SHARE * (upto - from)) + slack[which];
-            let beyond = (from - at[which]).max(at[which] - upto) - margin;
-            Odd { which, excess: beyond / margin }
+            let margin = MARGIN[which].max(MARGIN_SHARE * widths[which]) + slack[which];
+            Odd { which, excess: distances[which] / margin - 1.0 }
         };
         largest((0..3).map(outside))
     }
@@ -126,9 +124,7 @@ impl Habits {
         } else {
             let (odd, seen) = (self.elsewhere(ptz, slack)?, self.seen.as_ref()?);
             let what = match odd.which {
-                0 => {
-                    format!("pan {:.1}, accepted frames have {:.1} to {:.1}", ptz.pan, seen.pan.start(), seen.pan.end())
-                }
+                0 => format!("pan {:.1}, accepted frames have {:.1}", ptz.pan, seen.pan),
                 1 => {
                     let (from, upto) = (seen.tilt.start(), seen.tilt.end());
                     format!("tilt {:.1}, accepted frames have {from:.1} to {upto:.1}", ptz.tilt)
@@ -145,18 +141,22 @@ impl Habits {
 }
 
 impl PtzRanges {
-    /// From and up to, in degrees, degrees and log f.
-    fn bounds(&self) -> [[f64; 2]; 3] {
+    /// How wide each is, in degrees, degrees and log f.
+    fn widths(&self) -> [f64; 3] {
+        let tilt = *self.tilt.end() - *self.tilt.start();
+        [self.pan.width().degrees(), tilt.degrees(), (self.focal_px.end() / self.focal_px.start()).ln()]
+    }
+
+    /// How far a camera is from each, in degrees, degrees and log f; 0 within.
+    fn distances(&self, ptz: &Ptz) -> [f64; 3] {
+        let outside = |from: f64, at: f64, upto: f64| (from - at).max(at - upto).max(0.0);
+        let (tilts, focals) = (&self.tilt, &self.focal_px);
         [
-            [self.pan.start().degrees(), self.pan.end().degrees()],
-            [self.tilt.start().degrees(), self.tilt.end().degrees()],
-            [self.focal_px.start().ln(), self.focal_px.end().ln()],
+            self.pan.distance(ptz.pan).degrees(),
+            outside(tilts.start().degrees(), ptz.tilt.degrees(), tilts.end().degrees()),
+            outside(focals.start().ln(), ptz.focal_px.ln(), focals.end().ln()),
         ]
     }
-}
-
-fn in_numbers(ptz: &Ptz) -> [f64; 3] {
-    [ptz.pan.degrees(), ptz.tilt.degrees(), ptz.focal_px.ln()]
 }
 
 /// The largest excess, if one is over the limit.
@@ -167,10 +167,12 @@ fn largest(all: impl Iterator<Item = Odd>) -> Option<Odd> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::AngleRange;
 
     fn habits() -> Habits {
         let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
-        let seen = PtzRanges { pan: degrees(-30.0, 20.0), tilt: degrees(-14.0, -8.0), focal_px: 1500.0..=3000.0 };
+        let pan = AngleRange::new(Angle::from_degrees(-30.0), Angle::from_degrees(20.0));
+        let seen = PtzRanges { pan, tilt: degrees(-14.0, -8.0), focal_px: 1500.0..=3000.0 };
         let usual = PtzStep { pan: Angle::from_degrees(0.4), tilt: Angle::from_degrees(0.1), log_focal: 0.01 };
         let motion = Motion { from: Ptz::from_degrees(10.0, -10.0, 2000.0), frames: 1, usual };
         Habits { seen: Some(seen), motion: Some(motion) }

@@ -91,7 +91,7 @@ mod tests {
             let image = ImagePoint::new(x, y);
             let point = camera.base().position_m + camera.world_direction_from_image(image).unwrap() * 70.0;
             let found = pan_tilt_from_one_point(camera.base(), focal, point, image).unwrap();
-            prop_assert!((found.pan - truth.pan).wrapped().abs().radians() < 1e-10);
+            prop_assert!(found.pan.turn_from(truth.pan).abs().radians() < 1e-10);
             prop_assert!((found.tilt - truth.tilt).abs().radians() < 1e-10);
         }
     }

@@ -48,7 +48,7 @@ impl Residual<3, 0, 3> for PtzPrior {
     fn value(&self, camera: &PtzCamera) -> Option<Vec3> {
         let ptz = camera.ptz();
         let off = Vec3::new(
-            (ptz.pan - self.ptz.pan).wrapped().radians(),
+            ptz.pan.turn_from(self.ptz.pan).radians(),
             (ptz.tilt - self.ptz.tilt).radians(),
             (ptz.focal_px / self.ptz.focal_px).ln(),
         );

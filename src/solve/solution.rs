@@ -2,7 +2,7 @@
 
 use super::{Habits, IdentityFinding, Loss, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::Ptz;
-use crate::geometry::{Angle, ImageSize, Mat3, Vec2};
+use crate::geometry::{Angle, AngleRange, ImageSize, Mat3, Vec2};
 use std::ops::RangeInclusive;
 
 /// What is known of a frame beside its clicks and its camera's base.
@@ -54,7 +54,7 @@ impl SolveContext {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PtzRanges {
     /// Pan.
-    pub pan: RangeInclusive<Angle>,
+    pub pan: AngleRange,
     /// Tilt.
     pub tilt: RangeInclusive<Angle>,
     /// Focal length, px of the frame.
@@ -67,7 +67,7 @@ impl PtzRanges {
     pub fn for_width(width_px: u32) -> Self {
         let width_px = f64::from(width_px);
         Self {
-            pan: Angle::from_degrees(-180.0)..=Angle::from_degrees(180.0),
+            pan: AngleRange::FULL,
             tilt: Angle::from_degrees(-90.0)..=Angle::from_degrees(20.0),
             focal_px: 0.5 * width_px..=40.0 * width_px,
         }
@@ -76,7 +76,7 @@ impl PtzRanges {
     /// Whether all three lie within.
     #[must_use]
     pub fn contains(&self, ptz: &Ptz) -> bool {
-        self.pan.contains(&ptz.pan) && self.tilt.contains(&ptz.tilt) && self.focal_px.contains(&ptz.focal_px)
+        self.pan.contains(ptz.pan) && self.tilt.contains(&ptz.tilt) && self.focal_px.contains(&ptz.focal_px)
     }
 }
 

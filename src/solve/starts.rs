@@ -3,7 +3,7 @@
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
 use super::two_point::{MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, solve_two_points};
-use super::{Loss, Observation, SolveContext, SolveError};
+use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImagePoint, Vec3};
 
@@ -142,17 +142,18 @@ fn focal_sweep(
 /// No landmark: a coarse grid over what this camera does, the best cells refined by a few steps each.
 fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveContext) -> Vec<Ptz> {
     const KEPT: usize = 40;
-    let angles = |range: &std::ops::RangeInclusive<Angle>, step_deg: f64| {
-        let (from, upto) = (range.start().degrees(), range.end().degrees());
+    let angles = |from: Angle, upto: Angle, step_deg: f64| {
+        let (from, upto) = (from.degrees(), upto.degrees());
         let count = ((upto - from) / step_deg).ceil().clamp(1.0, 90.0);
         (0..=count as usize).map(move |i| Angle::from_degrees(from + (upto - from) * i as f64 / count))
     };
+    let PtzRanges { pan: pans, tilt: tilts, .. } = &context.ranges;
     let mut scored: Vec<(f64, Ptz)> = Vec::new();
     for focal_px in log_steps(context, 10) {
         // Steps of a quarter of the field of view.
         let step_deg = (0.5 * f64::from(context.image_size.width) / focal_px).atan().to_degrees() / 2.0;
-        for pan in angles(&context.ranges.pan, step_deg.max(4.0)) {
-            for tilt in angles(&context.ranges.tilt, step_deg.max(4.0) / 2.0) {
+        for pan in angles(pans.start(), pans.end(), step_deg.max(4.0)) {
+            for tilt in angles(*tilts.start(), *tilts.end(), step_deg.max(4.0) / 2.0) {
                 let ptz = Ptz { pan, tilt, focal_px };
                 let camera = PtzCamera::new(*base, ptz);
                 let distances = observations.iter().map(|observation| observation.distance_px(&camera));
@@ -197,7 +198,7 @@ fn best_distinct(base: &CameraBase, found: Vec<Ptz>, observations: &[Observation
 /// How differently two cameras see: the largest of the turns in units of 1000 px and the change of log focal length.
 pub(super) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
     let per_radian = one.focal_px.min(two.focal_px) / 1000.0;
-    let pan = (one.pan - two.pan).wrapped().abs().radians() * per_radian;
+    let pan = one.pan.turn_from(two.pan).abs().radians() * per_radian;
     let tilt = (one.tilt - two.tilt).abs().radians() * per_radian;
     pan.max(tilt).max((one.focal_px / two.focal_px).ln().abs())
 }

@@ -103,7 +103,7 @@ impl Operator {
         let (before, after) = (self.ptz(time_s - step), self.ptz(time_s + step));
         let per_s = 0.5 / step;
         CameraMotion {
-            pan_per_s: (after.pan - before.pan) * per_s,
+            pan_per_s: after.pan.turn_from(before.pan) * per_s,
             tilt_per_s: (after.tilt - before.tilt) * per_s,
             zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
         }
@@ -131,7 +131,7 @@ mod tests {
         let seen = path.iter().filter(sees_ball).count();
         assert!(seen > 2800, "the ball is in {seen} of 3000 frames");
         for pair in path.windows(2) {
-            let (pan, tilt) = (pair[1].ptz.pan - pair[0].ptz.pan, pair[1].ptz.tilt - pair[0].ptz.tilt);
+            let (pan, tilt) = (pair[1].ptz.pan.turn_from(pair[0].ptz.pan), pair[1].ptz.tilt - pair[0].ptz.tilt);
             assert!(pan.degrees().abs() < 1.0 && tilt.degrees().abs() < 0.4, "{pan} {tilt} at {} s", pair[1].time_s);
             // The motion that is stated is the motion that is made.
             let stated = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * shoot.step_s);

@@ -3,7 +3,7 @@
 use super::{Panel, theme};
 use crate::app::where_to_label::whole_degrees;
 use crate::camera::PtzCamera;
-use crate::geometry::ImageSize;
+use crate::geometry::{Angle, ImageSize};
 use crate::proposals::Coverage;
 use egui::{
     Align, Color32, Layout, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -56,17 +56,17 @@ impl<'a> CoverageMap<'a> {
     /// The pans at the left and the right border, below the map.
     pub fn borders(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            let border = |degrees: f64| RichText::new(whole_degrees(degrees)).small().color(theme::WEAK);
-            ui.label(border(*self.coverage.pan_deg.start()));
+            let border = |pan: Angle| RichText::new(whole_degrees(pan.degrees())).small().color(theme::WEAK);
+            ui.label(border(self.coverage.pan.start()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                ui.label(border(*self.coverage.pan_deg.end()));
+                ui.label(border(self.coverage.pan.end().wrapped()));
             });
         });
     }
 
     /// Where a pan and a tilt lie.
     pub fn at(&self, pan_deg: f64, tilt_deg: f64) -> Pos2 {
-        place(self.coverage, self.rect, pan_deg, tilt_deg)
+        place(self.coverage, self.rect, self.coverage.pan.share(Angle::from_degrees(pan_deg)), tilt_deg)
     }
 
     /// The cell under a point of the screen, and the pan and tilt there.
@@ -77,16 +77,21 @@ impl<'a> CoverageMap<'a> {
         }
         let (columns, rows) = self.columns_and_rows();
         let cell = (share.y * rows as f32) as usize * columns + (share.x * columns as f32) as usize;
-        let along = |range: &std::ops::RangeInclusive<f64>, share: f32| {
-            range.start() + f64::from(share) * (range.end() - range.start())
-        };
-        Some((cell, [along(&self.coverage.pan_deg, share.x), along(&self.coverage.tilt_deg, 1.0 - share.y)]))
+        let Coverage { pan, tilt_deg, .. } = self.coverage;
+        let tilt_deg = tilt_deg.end() - f64::from(share.y) * (tilt_deg.end() - tilt_deg.start());
+        Some((cell, [pan.at(f64::from(share.x)).wrapped().degrees(), tilt_deg]))
     }
 
-    /// The outline of what a camera sees.
+    /// The outline of what a camera sees, in one piece wherever on the map its middle is.
     pub fn outline(&self, camera: &PtzCamera, size: ImageSize) {
+        let (middle, width) = (camera.ptz().pan, self.coverage.pan.width().radians());
+        let at_middle = self.coverage.pan.share(middle);
         let corners = size.corners().into_iter().filter_map(|corner| camera.ray_from_image(corner).ok());
-        let points: Vec<Pos2> = corners.map(|ray| self.at(ray.pan.degrees(), ray.tilt.degrees())).collect();
+        let points = corners.map(|ray| {
+            let share = at_middle + ray.pan.turn_from(middle).radians() / width;
+            place(self.coverage, self.rect, share, ray.tilt.degrees())
+        });
+        let points: Vec<Pos2> = points.collect();
         if points.len() == 4 {
             self.painter.add(Shape::closed_line(points, Stroke::new(1.5, theme::STRONG)));
         }
@@ -139,32 +144,31 @@ pub fn seen_by(references: u32) -> Color32 {
     theme::ACCENT_GROUND.lerp_to_gamma(theme::ACCENT, 0.15 + 0.55 * share)
 }
 
-fn place(coverage: &Coverage, rect: Rect, pan_deg: f64, tilt_deg: f64) -> Pos2 {
-    let share = |range: &std::ops::RangeInclusive<f64>, value: f64| {
-        ((value - range.start()) / (range.end() - range.start())) as f32
-    };
-    let x = share(&coverage.pan_deg, pan_deg);
-    let y = 1.0 - share(&coverage.tilt_deg, tilt_deg);
-    pos2(rect.left() + x * rect.width(), rect.top() + y * rect.height())
+/// Where a share of the map's width and a tilt lie.
+fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
+    let tilts = &coverage.tilt_deg;
+    let down = (tilts.end() - tilt_deg) / (tilts.end() - tilts.start());
+    pos2(rect.left() + share as f32 * rect.width(), rect.top() + down as f32 * rect.height())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::AngleRange;
     use crate::proposals::Cell;
 
     #[test]
     fn pan_runs_to_the_right_and_tilt_upwards() {
         let coverage = Coverage {
             camera: "main".into(),
-            pan_deg: -50.0..=50.0,
+            pan: AngleRange::FULL,
             tilt_deg: -20.0..=0.0,
             columns: 2,
             cells: vec![Cell::default(); 4],
             missing_pan_deg: None,
         };
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));
-        assert_eq!(place(&coverage, rect, -50.0, 0.0), pos2(0.0, 0.0));
-        assert_eq!(place(&coverage, rect, 25.0, -15.0), pos2(150.0, 75.0));
+        assert_eq!(place(&coverage, rect, 0.0, 0.0), pos2(0.0, 0.0));
+        assert_eq!(place(&coverage, rect, 0.75, -15.0), pos2(150.0, 75.0));
     }
 }

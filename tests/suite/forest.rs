@@ -216,6 +216,22 @@ fn one_sample_and_many_equal_ones_are_a_leaf() {
 }
 
 #[test]
+fn leaves_mix_places_alike_on_either_side_of_the_seam() {
+    let mixed = |centre_deg: f64| {
+        let mut rng = rng("leaves_mix_places_alike_on_either_side_of_the_seam");
+        let mut samples = Samples::new();
+        let turned =
+            |ray: PanTilt| PanTilt { pan: (ray.pan * 0.01 + Angle::from_degrees(centre_deg)).wrapped(), ..ray };
+        samples.add_frame(scene(600, &mut rng).into_iter().map(|(descriptor, ray)| (descriptor, turned(ray))));
+        let forest = trained(&samples, &TrainOptions::default());
+        [1e-3, 1e-2, 0.1, 0.3, 1.0].map(|spread| forest.mixed_leaves(spread))
+    };
+    let (ahead, behind) = (mixed(0.0), mixed(180.0));
+    assert_eq!(ahead, behind);
+    assert!(ahead[1] > 0 && ahead[4] == 0, "{ahead:?}");
+}
+
+#[test]
 fn training_can_be_stopped_and_counts_honestly() {
     let mut rng = rng("training_can_be_stopped_and_counts_honestly");
     let samples = samples(&scene(2000, &mut rng), 2, &mut rng);

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldElement, FieldModel, Symmetry, builtin};
-use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline::geometry::{Angle, AngleRange, ImageSize, Vec2, Vec3};
 use touchline::solve::{
     Evidence, FrameSolution, Habits, IdentityFinding, IdentityKind, Motion, Name, Observation, PtzRanges, PtzStep,
     SolveContext, Verdict, WarningCode, check_identity, judge, solve_frame,
@@ -162,7 +162,8 @@ enum Known {
 fn known(known: Known, truth: Ptz, rng: &mut Pcg64Mcg) -> SolveContext {
     let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
     let plain = SolveContext::new(SIZE);
-    let seen = PtzRanges { pan: degrees(-33.0, 33.0), tilt: degrees(-15.0, -10.0), focal_px: 1600.0..=3500.0 };
+    let pan = AngleRange::around(Angle::ZERO, Angle::from_degrees(33.0));
+    let seen = PtzRanges { pan, tilt: degrees(-15.0, -10.0), focal_px: 1600.0..=3500.0 };
     match known {
         Known::Nothing => plain,
         Known::AcceptedFrames => SolveContext { habits: Habits { seen: Some(seen), motion: None }, ..plain },

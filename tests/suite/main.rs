@@ -10,6 +10,7 @@
 mod annotators;
 mod app;
 mod architecture;
+mod around_the_field;
 mod bad_documents;
 mod bad_fields;
 mod bad_images;

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::geometry::rotation::from_rotation_vector;
-use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
+use touchline::geometry::{Angle, AngleRange, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::solve::{
     Loss, Observation, ObservedShape, PtzPrior, SolveContext, SolveError, Verdict, WarningCode, judge, solve_frame,
     solve_two_points,
@@ -276,7 +276,7 @@ fn a_landmark_and_a_line_or_three_lines_find_the_camera() {
     let field = touchline::field::builtin("soccer").unwrap().model(&std::collections::BTreeMap::new(), 0.1).unwrap();
     let base = CameraBase::new(Vec3::new(2.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
     let mut context = SolveContext::new(SIZE);
-    context.ranges.pan = Angle::from_degrees(-45.0)..=Angle::from_degrees(45.0);
+    context.ranges.pan = AngleRange::around(Angle::ZERO, Angle::from_degrees(45.0));
     context.ranges.tilt = Angle::from_degrees(-30.0)..=Angle::from_degrees(0.0);
     context.ranges.focal_px = 1200.0..=6000.0;
     let (mut found_first, mut trials) = (0, 0);

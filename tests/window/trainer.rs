@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::Panel;
 use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus};
+use touchline::geometry::{Angle, AngleRange};
 use touchline::proposals::{Cell, Coverage, FoundAgain, LeftOut, LeftOutBy, Quality};
 
 /// What a trainer would say that has learnt from six references on the left.
@@ -46,7 +47,7 @@ fn status() -> TrainerStatus {
         suspects: Vec::new().into(),
         coverage: vec![Coverage {
             camera: "main".into(),
-            pan_deg: -60.0..=60.0,
+            pan: AngleRange::around(Angle::ZERO, Angle::from_degrees(60.0)),
             tilt_deg: -30.0..=0.0,
             columns: 10,
             cells: (0..60).map(cell).collect(),

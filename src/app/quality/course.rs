@@ -3,6 +3,7 @@
 use crate::app::review::disagrees;
 use crate::calibrate::disagreements;
 use crate::document::{CameraId, Clip, Document, Frame, FrameStatus};
+use crate::geometry::AngleRange;
 
 /// A part of the time is shown with at least this share of the whole.
 const SMALLEST_SHARE: f64 = 1e-5;
@@ -86,7 +87,8 @@ pub struct CoursePoint {
     pub frame: usize,
     /// When: in the units of the axis.
     pub at: f64,
-    /// Pan and tilt in degrees, focal length in px of the frame.
+    /// Pan and tilt in degrees, focal length in px of the frame. The pans of a course have no jump at ±180°: see
+    /// [`AngleRange::unwrapped`].
     pub values: [f64; 3],
     /// How it got them.
     pub kind: Kind,
@@ -143,6 +145,8 @@ impl Course {
         let mut timed: Vec<(f64, usize, &Frame)> =
             frames.into_iter().map(|(index, frame)| (at(index, frame), index, frame)).collect();
         timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let pans = timed.iter().filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
+        let seen = AngleRange::smallest(pans).unwrap_or(AngleRange::FULL);
         let found = disagreements(document);
         let mut course = Self {
             axis,
@@ -165,7 +169,7 @@ impl Course {
             course.points.push(CoursePoint {
                 frame: index,
                 at,
-                values: [ptz.pan_deg, ptz.tilt_deg, ptz.focal_px],
+                values: [seen.unwrapped(ptz.ptz().pan).degrees(), ptz.tilt_deg, ptz.focal_px],
                 kind,
                 shot: course.cuts.len(),
                 apart_px: disagreement.map(|found| found.apart_px),

@@ -85,7 +85,7 @@ impl RealMotion {
         let per_s = FRAMES_A_SECOND / (after - before).max(1) as f64;
         let (from, to) = (self.ptz[before], self.ptz[after]);
         CameraMotion {
-            pan_per_s: (to.pan - from.pan) * per_s,
+            pan_per_s: to.pan.turn_from(from.pan) * per_s,
             tilt_per_s: (to.tilt - from.tilt) * per_s,
             zoom_per_s: (to.focal_px / from.focal_px).ln() * per_s,
         }

@@ -4,7 +4,6 @@ use super::search::{Near, Search};
 use super::{Forest, PredictOptions};
 use crate::camera::PanTilt;
 use crate::features::{DESCRIPTOR_NORM, Descriptor};
-use crate::geometry::Angle;
 
 /// Candidates nearer to a better one than this show the same place, rad (0.05°): what leaves hold is merged as widely.
 const SAME_RAY_RAD: f64 = 9e-4;
@@ -58,10 +57,10 @@ impl Forest {
             if f64::from(mean.spread) > options.max_spread.radians() {
                 continue;
             }
-            let [pan, tilt] = mean.pan_tilt.map(|angle| Angle::from_radians(f64::from(angle)));
+            let (pan, tilt) = (mean.pan(), mean.tilt());
             let known = candidates.iter().any(|other| {
-                let (pan, tilt) = ((pan - other.ray.pan).abs().radians(), (tilt - other.ray.tilt).abs().radians());
-                pan.max(tilt) < SAME_RAY_RAD
+                let (by_pan, by_tilt) = (pan.turn_from(other.ray.pan).abs(), (tilt - other.ray.tilt).abs());
+                by_pan.radians().max(by_tilt.radians()) < SAME_RAY_RAD
             });
             if !known {
                 let squared_distance = near.squared_distance as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM);

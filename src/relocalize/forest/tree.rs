@@ -1,6 +1,7 @@
 //! A tree in flat memory.
 
 use crate::features::{Descriptor, Sketch};
+use crate::geometry::Angle;
 use std::ops::Range;
 
 /// Where a branch leads: an inner node or a leaf, by its number.
@@ -52,6 +53,18 @@ pub(super) struct MeanRay {
     pub samples: u32,
 }
 
+impl MeanRay {
+    /// The mean pan in `base`.
+    pub(super) fn pan(&self) -> Angle {
+        Angle::from_radians(f64::from(self.pan_tilt[0]))
+    }
+
+    /// The mean tilt in `base`.
+    pub(super) fn tilt(&self) -> Angle {
+        Angle::from_radians(f64::from(self.pan_tilt[1]))
+    }
+}
+
 /// Nodes before their children; what the leaves hold stands leaf after leaf.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Tree {
@@ -76,14 +89,17 @@ impl Tree {
     /// How far the rays of all samples of a leaf spread, rad, root mean square.
     fn spread(&self, leaf: usize) -> f64 {
         let held = &self.rays[self.held(leaf)];
+        // Pans count from the first one, so that ±180° is no seam.
+        let first = held.first().map_or(Angle::ZERO, MeanRay::pan);
+        let place = |ray: &MeanRay| [ray.pan().turn_from(first).radians(), ray.tilt().radians()];
         let weight: f64 = held.iter().map(|ray| f64::from(ray.samples)).sum();
         let mean = |of: &dyn Fn(&MeanRay) -> f64| {
             held.iter().map(|ray| f64::from(ray.samples) * of(ray)).sum::<f64>() / weight.max(1.0)
         };
         // A pan counts by the cosine of its tilt.
-        let at = [0, 1].map(|axis| mean(&|ray| f64::from(ray.pan_tilt[axis])));
+        let at = [0, 1].map(|axis| mean(&|ray| place(ray)[axis]));
         let squares = mean(&|ray| {
-            let [pan, tilt] = ray.pan_tilt.map(f64::from);
+            let [pan, tilt] = place(ray);
             ((pan - at[0]) * at[1].cos()).powi(2) + (tilt - at[1]).powi(2) + f64::from(ray.spread).powi(2)
         });
         squares.sqrt()

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize, Mat3};
+use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3};
 use std::ops::ControlFlow;
 
 /// What a person may ask for.
@@ -41,8 +41,7 @@ impl BaseEstimate {
             let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
             most - least
         };
-        let first = solved.first()?.ptz;
-        let pan_deg = span(&|ptz| (ptz.pan - first.pan).wrapped().degrees());
+        let pan_deg = AngleRange::smallest(solved.iter().map(|fit| fit.ptz.pan))?.width().degrees();
         let same = solved.len() > 1 && pan_deg < SAME[0] && span(&|ptz| ptz.focal_px.ln()) < SAME[1];
         let sigma_m = self.base.sigma.position_m.norm();
         same.then(|| {

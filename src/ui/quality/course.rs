@@ -6,6 +6,7 @@ use crate::app::quality::{Course, CoursePoint, Drawn, Kind, Quantity, TimeAxis, 
 use crate::app::review::{DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::document::Frame;
+use crate::geometry::Angle;
 use crate::report::figure::Ruler;
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
@@ -113,7 +114,8 @@ impl Stack {
         let size = vec2(ui.available_width(), 3.0 * (height + BETWEEN) + BELOW);
         let (rect, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         let words = |quantity| Ruler::around(scale(course, quantity, span), f64::from(height / 26.0));
-        let rulers = Quantity::ALL.map(words);
+        let mut rulers = Quantity::ALL.map(words);
+        name_directions(&mut rulers[Quantity::Pan as usize]);
         let plots = [0, 1, 2].map(|place| {
             let top = rect.top() + BETWEEN + place as f32 * (height + BETWEEN);
             let area =
@@ -212,6 +214,14 @@ fn told(course: &Course) -> String {
     format!("Pan, tilt and focal length over time: {}", counts.join(", "))
 }
 
+/// Pans run on beyond ±180° without a jump; their numbers are those of the directions.
+fn name_directions(ruler: &mut Ruler) {
+    for (pan_deg, words) in ruler.ticks.iter_mut().filter(|(pan_deg, _)| pan_deg.abs() > 180.0) {
+        let decimals = words.split_once('.').map_or(0, |(_, decimals)| decimals.len());
+        *words = format!("{:.decimals$}", Angle::from_degrees(*pan_deg).wrapped().degrees());
+    }
+}
+
 /// From the smallest to the largest value within a span. Frames that stand out count as long as the others can still be
 /// told apart.
 fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
@@ -286,7 +296,8 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
 
 /// A frame in words.
 fn told_of(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
-    let [pan, tilt, focal] = point.values;
+    let [pan_deg, tilt, focal] = point.values;
+    let pan = Angle::from_degrees(pan_deg).wrapped();
     let shot = frame.clip.as_ref().map(|clip| format!(", shot {clip}")).unwrap_or_default();
     let time = if axis == TimeAxis::Video { format!(", {:.2} s", point.at) } else { String::new() };
     let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
@@ -295,7 +306,7 @@ fn told_of(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let apart = apart.map(|px| format!(", {px:.0} px off its neighbours' way")).unwrap_or_default();
     let (name, number) = (file_name(&frame.name()), point.frame + 1);
     format!(
-        "{name}, frame {number}{shot}{time}: pan {pan:.2}°, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
+        "{name}, frame {number}{shot}{time}: pan {pan:.2}, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
     )
 }
 
@@ -328,6 +339,14 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn pans_beyond_the_seam_are_named_as_directions() {
+        let mut ruler = Ruler::around([171.0, 189.0], 4.0);
+        name_directions(&mut ruler);
+        let words: Vec<&str> = ruler.ticks.iter().map(|(_, words)| words.as_str()).collect();
+        assert_eq!(words, ["170", "175", "180", "-175", "-170"]);
+    }
 
     #[test]
     fn a_frame_far_off_stretches_a_scale_only_so_far() {
