@@ -255,6 +255,114 @@ pub enum Action {
     CloseRequested,
 }
 
+/// What an action is: whether it may happen while something else is under way follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ActionKind {
+    /// A wish without details; [`Command::kind`] says more.
+    Command,
+    /// The pointer over the picture: what has been begun decides what it means.
+    Pointer,
+    /// How something is shown, nothing of a label.
+    View,
+    /// Another frame or click is shown, or more of the label.
+    Navigation,
+    /// The document changes.
+    Edit,
+    /// Something is asked of the outside (disk, jobs), has come to an end there, or tells how far it is.
+    Report,
+    /// What belongs to the user and not to the document.
+    Settings,
+}
+
+impl ActionKind {
+    /// Whether it may happen during a blind round: it changes no label, shows none and stays where it is. A command is asked for
+    /// its own kind.
+    #[must_use]
+    pub const fn is_blind(self) -> bool {
+        !matches!(self, Self::Edit | Self::Navigation)
+    }
+}
+
+impl Action {
+    /// What it is.
+    #[must_use]
+    pub const fn kind(&self) -> ActionKind {
+        match self {
+            Self::Command(_) => ActionKind::Command,
+            Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release => ActionKind::Pointer,
+            Self::View(_)
+            | Self::FitScale(_)
+            | Self::SelectNoFrames
+            | Self::SetFilter(_)
+            | Self::HoldReview(_)
+            | Self::SetReviewOrder(_)
+            | Self::SetReviewThreshold(_)
+            | Self::SetWithDisagreeing(_)
+            | Self::SetOnePerShot(_)
+            | Self::SetQualityCamera(_)
+            | Self::SetTimeAxis(_)
+            | Self::ShowSpan(_)
+            | Self::CloseDialog
+            | Self::DismissNotice(_)
+            | Self::Notify(..)
+            | Self::TypePath(_) => ActionKind::View,
+            Self::Hold(..)
+            | Self::Select(_)
+            | Self::GoTo(_)
+            | Self::SelectFrame { .. }
+            | Self::AskCamera(_)
+            | Self::LookAt { .. }
+            | Self::TypeName(_)
+            | Self::HighlightName(_)
+            | Self::OfferLines(_) => ActionKind::Navigation,
+            Self::Nudge { .. }
+            | Self::TakeName(_)
+            | Self::Pick(_)
+            | Self::Name { .. }
+            | Self::DeleteClick(_)
+            | Self::SetCheck { .. }
+            | Self::GiveToCamera { .. }
+            | Self::RejectAs(_)
+            | Self::SetComment(_)
+            | Self::AddMask { .. }
+            | Self::MoveMask { .. }
+            | Self::RemoveMask { .. }
+            | Self::BeginEdit(_)
+            | Self::EditPtz(_)
+            | Self::EditCamera(_)
+            | Self::EditField(_)
+            | Self::EndEdit
+            | Self::AbortEdit
+            | Self::SolveAgain
+            | Self::AcceptAll
+            | Self::SetTeaches { .. }
+            | Self::UseForBase { .. }
+            | Self::MirrorNames { .. } => ActionKind::Edit,
+            Self::Proposals(_)
+            | Self::Trainer(_)
+            | Self::Features(_)
+            | Self::BaseProgress(_)
+            | Self::BaseEstimated(_)
+            | Self::Compare(_)
+            | Self::Compared(_)
+            | Self::Answer(..)
+            | Self::Open(_)
+            | Self::Progress(_)
+            | Self::Opened(_)
+            | Self::Failed(_)
+            | Self::CameraLoaded(_)
+            | Self::Saved { .. }
+            | Self::SaveFailed(_)
+            | Self::Exported(_)
+            | Self::Copied(_)
+            | Self::CloseRequested => ActionKind::Report,
+            Self::SetOverlayStyle(_) | Self::AssignKey(..) | Self::ResetKeys | Self::SetDetails(_) => {
+                ActionKind::Settings
+            }
+        }
+    }
+}
+
 /// A camera of the document, or one to be made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum CameraChoice {

@@ -111,6 +111,29 @@ impl Group {
     }
 }
 
+/// What a command acts on: whether it may be asked for while something else has the window follows from it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CommandKind {
+    /// The application itself: it shows no label and changes none.
+    Application,
+    /// The scale of what is shown: the picture, or the time axis of the quality page.
+    Zoom,
+    /// A blind round.
+    Round,
+    /// The shown picture, or what is selected in it: not while another page hides it.
+    Picture,
+    /// The document as a whole, another frame, a panel.
+    Document,
+}
+
+impl CommandKind {
+    /// Whether it may be asked for during a blind round: it neither shows the label nor leads away from the round.
+    #[must_use]
+    pub const fn is_blind(self) -> bool {
+        matches!(self, Self::Application | Self::Zoom | Self::Round)
+    }
+}
+
 /// A row of the table of commands.
 struct Row {
     command: Command,
@@ -248,6 +271,81 @@ impl Command {
     #[must_use]
     pub fn default_keys(self) -> &'static [&'static str] {
         self.row().keys
+    }
+
+    /// What it acts on.
+    #[must_use]
+    pub const fn kind(self) -> CommandKind {
+        match self {
+            Self::Save
+            | Self::Quit
+            | Self::Undo
+            | Self::Cancel
+            | Self::PauseTrainer
+            | Self::Palette
+            | Self::Keys
+            | Self::About => CommandKind::Application,
+            Self::ZoomIn | Self::ZoomOut | Self::ZoomToFit => CommandKind::Zoom,
+            Self::ClickAgain | Self::SkipAgain => CommandKind::Round,
+            Self::DeleteClick
+            | Self::RenameClick
+            | Self::PlaceOnLine
+            | Self::ToggleCheck
+            | Self::NextClick
+            | Self::PreviousClick
+            | Self::Accept
+            | Self::AcceptAndStay
+            | Self::AcceptAllAbove
+            | Self::Teaches
+            | Self::MarkGold
+            | Self::Reject
+            | Self::RejectShot
+            | Self::Comment
+            | Self::MendNames
+            | Self::SwitchRoot
+            | Self::ZoomToClick
+            | Self::HideOverlay
+            | Self::OverlayStyle
+            | Self::ShowMasks
+            | Self::ShowFieldMap
+            | Self::Compare
+            | Self::Uncertainty
+            | Self::ShowFeatures
+            | Self::EstimateBase
+            | Self::UseEstimatedBase
+            | Self::DropEstimatedBase
+            | Self::UseForBase
+            | Self::GiveToCamera
+            | Self::SelectShot
+            | Self::NewCameraFromChange
+            | Self::ConfirmFieldSize
+            | Self::FitFieldSize => CommandKind::Picture,
+            Self::OpenProject
+            | Self::OpenFolder
+            | Self::OpenVideo
+            | Self::OpenDemo
+            | Self::SaveAs
+            | Self::Export
+            | Self::Redo
+            | Self::NextFrame
+            | Self::PreviousFrame
+            | Self::NextTenFrames
+            | Self::PreviousTenFrames
+            | Self::NextNeedsMe
+            | Self::PreviousNeedsMe
+            | Self::NextUnanswered
+            | Self::NextReference
+            | Self::PreviousReference
+            | Self::ChooseGold
+            | Self::UseOwnNoise
+            | Self::UseUsualNoise
+            | Self::CompareAnnotators
+            | Self::CameraPanel
+            | Self::TrainerPanel
+            | Self::ReviewPanel
+            | Self::QualityPage
+            | Self::LoadCamera => CommandKind::Document,
+        }
     }
 
     /// Acts for as long as its key is held down.

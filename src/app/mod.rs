@@ -25,8 +25,8 @@ mod update;
 mod versioned;
 pub mod where_to_label;
 
-pub use action::{Action, CameraChoice, Effect, Opened, Question};
-pub use command::{Command, Group};
+pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, Question};
+pub use command::{Command, CommandKind, Group};
 pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};

@@ -1,11 +1,10 @@
 //! What each command does.
 
 use super::App;
-use super::gold::{IN_ROUND, is_blind};
-use super::quality::needs_the_picture;
+use super::gold::IN_ROUND;
 use crate::app::action::{Effect, Question};
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
-use crate::app::{Chord, Command, Comparison};
+use crate::app::{Chord, Command, CommandKind, Comparison};
 use crate::document::{Frame, FrameStatus};
 
 /// One step of the zoom keys.
@@ -24,7 +23,7 @@ impl App {
         let no_frame = self.frame().is_none();
         let no_selection = self.session.selected.is_none();
         match command {
-            _ if self.round().is_some() && !is_blind(command) => Some(IN_ROUND),
+            _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
             C::OpenProject
             | C::OpenFolder
@@ -36,7 +35,9 @@ impl App {
             | C::Keys
             | C::About => None,
             C::PauseTrainer => self.no_trainer(),
-            _ if self.session.quality.open && needs_the_picture(command) => Some("Close the quality page first."),
+            _ if self.session.quality.open && command.kind() == CommandKind::Picture => {
+                Some("Close the quality page first.")
+            }
             C::OverlayStyle => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),

@@ -12,61 +12,6 @@ use crate::geometry::ImagePoint;
 /// What is said of everything that would show the label, or lead away from it.
 pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
 
-/// Whether a command may be asked for during a blind round.
-pub(super) const fn is_blind(command: Command) -> bool {
-    use Command as C;
-    matches!(
-        command,
-        C::Cancel
-            | C::Undo
-            | C::SkipAgain
-            | C::ClickAgain
-            | C::Save
-            | C::Quit
-            | C::ZoomIn
-            | C::ZoomOut
-            | C::ZoomToFit
-            | C::Palette
-            | C::Keys
-            | C::About
-            | C::PauseTrainer
-    )
-}
-
-/// Whether what a person does may be done during a blind round; reports from outside always may.
-const fn is_kept_from_round(action: &Action) -> bool {
-    use Action as A;
-    matches!(
-        action,
-        A::Hold(..)
-            | A::Select(_)
-            | A::Nudge { .. }
-            | A::OfferLines(_)
-            | A::Pick(_)
-            | A::Name { .. }
-            | A::DeleteClick(_)
-            | A::SetCheck { .. }
-            | A::GoTo(_)
-            | A::SelectFrame { .. }
-            | A::GiveToCamera { .. }
-            | A::AskCamera(_)
-            | A::RejectAs(_)
-            | A::SetComment(_)
-            | A::AddMask { .. }
-            | A::MoveMask { .. }
-            | A::RemoveMask { .. }
-            | A::BeginEdit(_)
-            | A::EditPtz(_)
-            | A::EditCamera(_)
-            | A::EditField(_)
-            | A::SolveAgain
-            | A::AcceptAll
-            | A::SetTeaches { .. }
-            | A::UseForBase { .. }
-            | A::MirrorNames { .. }
-    )
-}
-
 impl App {
     /// The blind round, while there is one.
     #[must_use]
@@ -85,7 +30,7 @@ impl App {
 
     /// Whether an action would break a blind round; says so.
     pub(super) fn breaks_round(&mut self, action: &Action) -> bool {
-        let breaks = self.round().is_some() && is_kept_from_round(action);
+        let breaks = self.round().is_some() && !action.kind().is_blind();
         if breaks {
             self.session.notify(Level::Info, IN_ROUND);
         }

@@ -9,47 +9,6 @@ use crate::document::CameraId;
 /// One step of the zoom keys.
 const ZOOM_STEP: f64 = 2.0;
 
-/// Whether a command acts on the picture, or on what is selected in it: none that is hidden is changed.
-pub(super) const fn needs_the_picture(command: Command) -> bool {
-    use Command as C;
-    matches!(
-        command,
-        C::DeleteClick
-            | C::RenameClick
-            | C::PlaceOnLine
-            | C::ToggleCheck
-            | C::NextClick
-            | C::PreviousClick
-            | C::Accept
-            | C::AcceptAndStay
-            | C::AcceptAllAbove
-            | C::Teaches
-            | C::MarkGold
-            | C::Reject
-            | C::RejectShot
-            | C::Comment
-            | C::MendNames
-            | C::SwitchRoot
-            | C::ZoomToClick
-            | C::HideOverlay
-            | C::OverlayStyle
-            | C::ShowMasks
-            | C::ShowFieldMap
-            | C::Compare
-            | C::Uncertainty
-            | C::ShowFeatures
-            | C::EstimateBase
-            | C::UseEstimatedBase
-            | C::DropEstimatedBase
-            | C::UseForBase
-            | C::GiveToCamera
-            | C::SelectShot
-            | C::NewCameraFromChange
-            | C::ConfirmFieldSize
-            | C::FitFieldSize
-    )
-}
-
 impl App {
     pub(super) fn toggle_quality(&mut self) {
         self.session.quality.open = !self.session.quality.open;
