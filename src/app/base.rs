@@ -131,7 +131,7 @@ impl WithProposal {
         let frame = open.frame(index).filter(|frame| frame.camera == found.camera)?;
         let mut document = open.document.clone();
         found.write_camera(&mut document);
-        let field = document.model_of(document.field_of(frame), &open.folder).ok()?;
+        let field = document.at(&open.folder).model_of_frame(frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
         let solved = calibrate(&document, frame, &field, index);
         let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));

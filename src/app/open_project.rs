@@ -3,7 +3,7 @@
 use super::Versioned;
 use super::action::Opened;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
-use crate::document::{Document, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
+use crate::document::{Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
@@ -53,6 +53,12 @@ impl OpenProject {
         }
     }
 
+    /// The document in its folder.
+    #[must_use]
+    pub fn at(&self) -> DocumentAt<'_> {
+        self.document.at(&self.folder)
+    }
+
     /// A frame by its place.
     #[must_use]
     pub fn frame(&self, index: usize) -> Option<&Frame> {
@@ -87,7 +93,7 @@ impl OpenProject {
             return model.clone();
         }
         let spec = spec.clone();
-        let model = self.document.model_of(&spec, &self.folder).map(Arc::new);
+        let model = self.at().model_of(&spec).map(Arc::new);
         self.model = Some(((spec, hand), model.clone()));
         model
     }
@@ -106,7 +112,7 @@ impl OpenProject {
         {
             return Ok(Arc::clone(fields));
         }
-        let fields = Arc::new(Fields::of(&self.document, &self.folder)?);
+        let fields = Arc::new(Fields::of(self.at())?);
         self.fields = Some((specs, hand, Arc::clone(&fields)));
         Ok(fields)
     }

@@ -1,10 +1,9 @@
 //! A blind round: the landmarks of the gold frames are clicked again, without a look at the label, its lines or a proposal.
 
 use crate::calibrate::{OwnNoise, can_choose_gold};
-use crate::document::{Document, FrameStatus};
+use crate::document::{Document, DocumentAt, FrameStatus};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
-use std::path::Path;
 
 /// What a round asks for next.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -106,13 +105,13 @@ pub struct GoldWork {
 }
 
 impl GoldWork {
-    pub(super) fn of(document: &Document, folder: &Path) -> Self {
+    pub(super) fn of(document: DocumentAt<'_>) -> Self {
         let gold = document.frames.iter().filter(|frame| frame.is_gold() && frame.status == FrameStatus::Reference);
         Self {
             frames: gold.count(),
-            can_choose: can_choose_gold(document),
+            can_choose: can_choose_gold(&document),
             // A field that is not valid is told of elsewhere.
-            own: OwnNoise::of(document, folder).unwrap_or_default(),
+            own: OwnNoise::of(document).unwrap_or_default(),
         }
     }
 }

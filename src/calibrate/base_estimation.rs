@@ -2,7 +2,7 @@
 
 use super::{CalibrationError, calibrate, observations};
 use crate::camera::{CameraBase, PtzCamera};
-use crate::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionWarning, Target};
+use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::solve::base::{
@@ -130,11 +130,11 @@ impl BaseProblem {
     ///
     /// # Errors
     /// The document lacks the camera, its field is not valid, or a click names something that the field lacks.
-    pub fn of(document: &Document, camera: &CameraId, folder: &Path) -> Result<Self, BaseEstimationError> {
+    pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
         let known = document
             .camera(camera)
             .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
-        let field = document.model_of(known.field.as_ref().unwrap_or(&document.field), folder)?;
+        let field = document.model_of(known.field.as_ref().unwrap_or(&document.field))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
         let of_camera = |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
         for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {
@@ -286,7 +286,7 @@ impl EstimatedBase {
         let before = document.camera(&self.camera).and_then(Camera::base);
         self.write_camera(document);
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
-        let field = document.model_of(camera.field.as_ref().unwrap_or(&document.field), folder)?;
+        let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let turned_deg = before
             .map_or(0.0, |before| before.angles().heading.turn_from(self.estimate.base.angles().heading).degrees());
         for index in 0..document.frames.len() {

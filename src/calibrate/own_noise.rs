@@ -16,12 +16,11 @@
 //! - `f_l`² = (ν₁ f² + `ν_l` `s_l`²) / (ν₁ + `ν_l`) for a landmark with eight repeats and more, ν₁ = 10: how a hand fares
 //!   differs between landmarks by a factor of about 1.25 from what the template says. f for all others and for lines.
 
-use crate::document::{Document, Extra, Fields, HAND_SHARE, Hand};
+use crate::document::{DocumentAt, Extra, Fields, HAND_SHARE, Hand};
 use crate::field::{FieldError, LandmarkId};
 use crate::geometry::Vec2;
 use crate::score::ClickNoise;
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// From so many repeats on the noise can be used: the fewest for which the ends of the interval of a normal hand differ by
 /// less than a factor of two.
@@ -78,22 +77,22 @@ pub struct LandmarkNoise {
 }
 
 impl OwnNoise {
-    /// What a document's repeats say; `folder` is the document's.
+    /// What a document's repeats say.
     ///
     /// # Errors
     /// One of its fields is not valid.
-    pub fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
+    pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
         let mut found = Self { frames: 0, ..Self::default() };
         if document.frames.iter().all(|frame| frame.repeats.is_empty()) {
             return Ok(found);
         }
-        let fields = Fields::as_stated(document, folder)?;
+        let fields = Fields::as_stated(document)?;
         let (mut all, mut in_hands) = (Vec::new(), Vec::new());
         let mut by_landmark: BTreeMap<LandmarkId, [Vec<Vec2>; 2]> = BTreeMap::new();
         for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| !frame.repeats.is_empty()) {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
-            let field = fields.of_frame(document, frame);
+            let field = fields.of_frame(&document, frame);
             for repeated in frame.repeated_clicks() {
                 let first = repeated.clicks[0];
                 found.offsets.extend(repeated.clicks.iter().skip(1).map(|click| RepeatOffset {

@@ -1,10 +1,9 @@
 //! The size of a document's field from the clicks of a camera.
 
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
-use crate::document::{CameraId, Document, FieldSize};
+use crate::document::{CameraId, Document, DocumentAt, FieldSize};
 use crate::field::FieldModel;
 use crate::solve::base::{AdjustOptions, BaseOptions, FittedSize, SizeParam, SizeStart, WatchBase, fit_field_size};
-use std::path::Path;
 
 /// The parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
@@ -14,22 +13,21 @@ const SIGMA_SHARE: f64 = 1.0 / 12.0;
 
 impl BaseProblem {
     /// Estimates the base together with the field's size: first the base on the field as assumed, then the size, then the base
-    /// again. `document` and `folder` are those that the clicks were gathered from.
+    /// again. `document` is the one that the clicks were gathered from.
     ///
     /// # Errors
     /// The clicks give no base, or it was ended.
     pub fn estimate_with_size(
         &self,
-        document: &Document,
-        folder: &Path,
+        document: DocumentAt<'_>,
         options: &BaseOptions,
         watch: WatchBase<'_>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let found = self.estimate_watched(document, options, watch)?;
-        let sizes = self.fit_size(document, &found, folder)?;
-        let mut sized = document.clone();
+        let found = self.estimate_watched(&document, options, watch)?;
+        let sizes = self.fit_size(document, &found)?;
+        let mut sized = document.document.clone();
         sized.set_field_size(&self.camera, &sizes);
-        let found = Self::of(&sized, &self.camera, folder)?.estimate_watched(&sized, options, watch)?;
+        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
         Ok(EstimatedBase { sizes, ..found })
     }
 
@@ -37,13 +35,12 @@ impl BaseProblem {
     /// the clicks leave it open.
     fn fit_size(
         &self,
-        document: &Document,
+        document: DocumentAt<'_>,
         found: &EstimatedBase,
-        folder: &Path,
     ) -> Result<Vec<FittedSize>, BaseEstimationError> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
         let spec = camera.field.as_ref().unwrap_or(&document.field);
-        let template = spec.template(folder)?;
+        let template = spec.template(document.folder)?;
         let params: Vec<SizeParam> = template
             .params
             .iter()

@@ -34,7 +34,7 @@ pub fn solve_document(
     folder: &Path,
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<SolveOutcome>, FieldError> {
-    let fields = Fields::of(document, folder)?;
+    let fields = Fields::of(document.at(folder))?;
     let first: Vec<Attempt> = (0..document.frames.len())
         .into_par_iter()
         .map(|index| {

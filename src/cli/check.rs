@@ -23,9 +23,9 @@ pub struct CheckArgs {
 pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
     let bar = messages.progress(document.frames.len(), "Looking at pictures");
-    let mut problems = check_values(&document, location.folder());
-    problems.extend(check_cameras(&document, location.folder()));
-    problems.extend(check_pictures(&document, location.folder(), &|| bar.inc(1)));
+    let mut problems = check_values(document.at(location.folder()));
+    problems.extend(check_cameras(document.at(location.folder())));
+    problems.extend(check_pictures(document.at(location.folder()), &|| bar.inc(1)));
     problems.sort_by_key(|problem| problem.frame.map_or(0, |frame| frame + 1));
     bar.finish_and_clear();
     print(&match messages {

@@ -71,9 +71,10 @@ pub fn evaluate(args: &EvaluateArgs, messages: Messages) -> anyhow::Result<Outco
     let read = |document: &PathBuf| DocumentArg { document: document.clone() }.load(messages);
     let Loaded { location: true_location, document: truth } = read(&args.truth)?;
     let Loaded { location, document: estimate } = read(&args.estimate)?;
-    let evaluation = evaluated((&truth, true_location.folder()), (&estimate, location.folder()))?;
+    let (truth_at, estimate_at) = (truth.at(true_location.folder()), estimate.at(location.folder()));
+    let evaluation = evaluated(truth_at, estimate_at)?;
     let groups = evaluation.groups(args.seed);
-    let agreed = agreement((&truth, true_location.folder()), (&estimate, location.folder()))?;
+    let agreed = agreement(truth_at, estimate_at)?;
     let agreed = agreed.says_something().then_some(agreed);
     for frame in &evaluation.frames {
         if let Err(reason) = &frame.scores {

@@ -6,11 +6,10 @@ use super::messages::Messages;
 use crate::calibrate::{
     BaseEstimationError, BaseProblem, EstimatedBase, SolveOutcome, mirrored_words, size_words, solve_document,
 };
-use crate::document::{CameraId, Document};
+use crate::document::{CameraId, Document, DocumentAt};
 use crate::solve::base::{BaseOptions, CrownModel, LensModel};
 use clap::ValueEnum;
 use std::ops::ControlFlow;
-use std::path::Path;
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
 /// frame is solved with them, statuses stay.
@@ -88,7 +87,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     let mut estimates = Vec::new();
     let mut errors = Vec::new();
     for camera in &cameras {
-        match estimate(&document, camera, location.folder(), &options, args.field_size) {
+        match estimate(document.at(location.folder()), camera, &options, args.field_size) {
             Ok(estimate) => estimates.push(estimate),
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.as_str())),
         }
@@ -124,17 +123,16 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
 
 /// The base of a camera; with `size` that of its field as well.
 fn estimate(
-    document: &Document,
+    document: DocumentAt<'_>,
     camera: &CameraId,
-    folder: &Path,
     options: &BaseOptions,
     size: bool,
 ) -> Result<EstimatedBase, BaseEstimationError> {
-    let problem = BaseProblem::of(document, camera, folder)?;
+    let problem = BaseProblem::of(document, camera)?;
     if size {
-        problem.estimate_with_size(document, folder, options, &|_| ControlFlow::Continue(()))
+        problem.estimate_with_size(document, options, &|_| ControlFlow::Continue(()))
     } else {
-        problem.estimate(document, options)
+        problem.estimate(&document, options)
     }
 }
 

@@ -6,7 +6,7 @@ use super::features::{FeaturesArg, tell_refusal};
 use super::messages::Messages;
 use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
-use crate::document::{Document, FieldSpec, Frame, document_from_bytes, path_between};
+use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
 use crate::proposals::{Coverage, FramePictures, Teachers, adopt_bases, is_open, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
@@ -81,7 +81,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         }
     }
     write(&args.output, &document, &folder)?;
-    tell_where_to_label(&document, &folder, messages);
+    tell_where_to_label(document.at(&folder), messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
     messages.note(&format!("{answered} frames answered, {failed} not, {passed} with clicks or accepted, as they were"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
@@ -89,9 +89,9 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
 
 /// Says which frame to label next. Where the references of a document without any look is not known: the forest may have
 /// learnt elsewhere.
-fn tell_where_to_label(document: &Document, folder: &Path, messages: Messages) {
-    let coverage = Coverage::of_cameras(document, folder, &Teachers::of_solved(document).frames);
-    let advice = label_advice(document, &coverage);
+fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
+    let coverage = Coverage::of_cameras(document, &Teachers::of_solved(&document).frames);
+    let advice = label_advice(&document, &coverage);
     if let Some(said) = where_to_label(&advice) {
         let begin = advice.next.map(|next| format!(" Begin with {}.", document.frames[next.frame].name()));
         messages.note(&format!("{said}{}", begin.unwrap_or_default()));

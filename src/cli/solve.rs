@@ -4,8 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{SolveOutcome, check_cameras, solve_document};
-use crate::document::Document;
-use std::path::Path;
+use crate::document::DocumentAt;
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -37,7 +36,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
             messages.frame_failed(&frame.name(), &error.to_string());
         }
     }
-    report_cameras(&document, location.folder(), messages);
+    report_cameras(document.at(location.folder()), messages);
     args.output.write(&document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
@@ -45,8 +44,8 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
 }
 
 /// Tells of frames that fit another camera, and of cameras that stop fitting.
-fn report_cameras(document: &Document, folder: &Path, messages: Messages) {
-    for problem in check_cameras(document, folder) {
+fn report_cameras(document: DocumentAt<'_>, messages: Messages) {
+    for problem in check_cameras(document) {
         messages.note(&problem.to_string());
     }
 }

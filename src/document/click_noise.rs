@@ -1,10 +1,9 @@
 //! The annotator's own click noise as a document keeps it, and what it makes of the clicks' sigmas.
 
-use super::{Document, Extra, FieldSpec, adapters};
-use crate::field::{FieldError, FieldModel};
+use super::{Document, Extra, adapters};
+use crate::field::FieldModel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// The hand's share of a template's `σ²`.
 pub(crate) const HAND_SHARE: f64 = 0.5;
@@ -95,16 +94,6 @@ impl Document {
         let value = serde_json::to_value(hand)?;
         self.extra.insert(CLICK_NOISE.to_owned(), value);
         Ok(())
-    }
-
-    /// A field of the document with the click noise that it uses; `folder` is the document's.
-    ///
-    /// # Errors
-    /// There is no such template, or it does not take a parameter or its value.
-    pub fn model_of(&self, spec: &FieldSpec, folder: &Path) -> Result<FieldModel, FieldError> {
-        let mut field = spec.model(folder)?;
-        self.weigh_clicks(&mut field);
-        Ok(field)
     }
 
     /// Gives a field the click noise that the document uses.

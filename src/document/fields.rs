@@ -1,8 +1,7 @@
 //! The fields of a document: the cameras may stand at different venues.
 
-use super::{Camera, Document, FieldSpec, Frame};
+use super::{Camera, Document, DocumentAt, FieldSpec, Frame};
 use crate::field::{FieldError, FieldModel};
-use std::path::Path;
 use std::sync::Arc;
 
 /// The fields that a document's cameras look at, each built once.
@@ -13,20 +12,20 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Every field of a document, with the click noise that it uses; `folder` is the document's.
+    /// Every field of a document, with the click noise that it uses.
     ///
     /// # Errors
     /// One of them is not valid.
-    pub fn of(document: &Document, folder: &Path) -> Result<Self, FieldError> {
-        Self::with(document, |spec| document.model_of(spec, folder))
+    pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+        Self::with(document.document, |spec| document.model_of(spec))
     }
 
     /// The same with the click noise that their templates state.
     ///
     /// # Errors
     /// One of them is not valid.
-    pub fn as_stated(document: &Document, folder: &Path) -> Result<Self, FieldError> {
-        Self::with(document, |spec| spec.model(folder))
+    pub fn as_stated(document: DocumentAt<'_>) -> Result<Self, FieldError> {
+        Self::with(document.document, |spec| spec.model(document.folder))
     }
 
     fn with(

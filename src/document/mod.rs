@@ -6,6 +6,7 @@
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
 
 pub(crate) mod adapters;
+mod at;
 mod camera;
 mod click;
 mod click_noise;
@@ -27,6 +28,7 @@ mod teaching;
 mod unanswered;
 mod write;
 
+pub use at::DocumentAt;
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use click::{Click, Target};
 pub(crate) use click_noise::HAND_SHARE;

@@ -1,7 +1,6 @@
 //! Which frame of one document is which of another.
 
-use crate::document::resolved;
-use crate::document::{Document, Frame};
+use crate::document::{DocumentAt, Frame, resolved};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -10,22 +9,19 @@ use std::path::Path;
 /// A frame is known by where its image or video lies, else by the image's SHA-256, else by its path as the document writes it
 /// (a project that was moved), else by its file's name alone. The first that finds a single partner decides; a
 /// partner is given once.
-pub(super) fn matched(
-    (wanted, wanted_folder): (&Document, &Path),
-    (offered, offered_folder): (&Document, &Path),
-) -> Vec<Option<usize>> {
+pub(super) fn matched(wanted: DocumentAt<'_>, offered: DocumentAt<'_>) -> Vec<Option<usize>> {
     let mut partners = vec![None; wanted.frames.len()];
     let mut given = vec![false; offered.frames.len()];
     for identity in [by_place, by_digest, by_path, by_name] {
         let mut open: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, frame) in offered.frames.iter().enumerate().filter(|(index, _)| !given[*index]) {
-            if let Some(key) = identity(frame, offered_folder) {
+            if let Some(key) = identity(frame, offered.folder) {
                 open.entry(key).or_default().push(index);
             }
         }
         let mut asked: BTreeMap<String, Vec<usize>> = BTreeMap::new();
         for (index, frame) in wanted.frames.iter().enumerate().filter(|(index, _)| partners[*index].is_none()) {
-            if let Some(key) = identity(frame, wanted_folder) {
+            if let Some(key) = identity(frame, wanted.folder) {
                 asked.entry(key).or_default().push(index);
             }
         }
@@ -69,7 +65,7 @@ fn by_name(frame: &Frame, _: &Path) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{FieldSpec, VideoFrame};
+    use crate::document::{Document, FieldSpec, VideoFrame};
     use crate::geometry::ImageSize;
 
     fn document(images: &[&str]) -> Document {
@@ -85,18 +81,18 @@ mod tests {
         // By place: the same file called from two folders.
         let one = document(&["1.jpg", "../b/2.jpg"]);
         let other = document(&["2.jpg", "../a/1.jpg"]);
-        assert_eq!(matched((&one, a), (&other, b)), [Some(1), Some(0)]);
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(1), Some(0)]);
         // By digest: renamed.
         let (mut one, mut other) = (document(&["1.jpg"]), document(&["x.jpg", "y.jpg"]));
         one.frames[0].sha256 = Some("ab".to_owned());
         other.frames[1].sha256 = Some("ab".to_owned());
-        assert_eq!(matched((&one, a), (&other, b)), [Some(1)]);
+        assert_eq!(matched(one.at(a), other.at(b)), [Some(1)]);
         // By path as written: a copy of the project.
         let one = document(&["images/1.jpg", "more/1.jpg"]);
-        assert_eq!(matched((&one, a), (&document(&["more/1.jpg", "images/1.jpg"]), b)), [Some(1), Some(0)]);
+        assert_eq!(matched(one.at(a), document(&["more/1.jpg", "images/1.jpg"]).at(b)), [Some(1), Some(0)]);
         // By name, where it stands for one file only.
-        assert_eq!(matched((&one, a), (&document(&["1.jpg"]), b)), [None, None]);
-        assert_eq!(matched((&document(&["images/7.jpg"]), a), (&document(&["7.jpg"]), b)), [Some(0)]);
+        assert_eq!(matched(one.at(a), document(&["1.jpg"]).at(b)), [None, None]);
+        assert_eq!(matched(document(&["images/7.jpg"]).at(a), document(&["7.jpg"]).at(b)), [Some(0)]);
     }
 
     #[test]
@@ -108,7 +104,7 @@ mod tests {
         }
         let mut other = one.clone();
         other.frames.remove(0);
-        assert_eq!(matched((&one, Path::new("/no/a")), (&other, Path::new("/no/a"))), [None, Some(0)]);
-        assert_eq!(matched((&one, Path::new("/no/a")), (&other, Path::new("/no/b"))), [None, Some(0)]);
+        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/a"))), [None, Some(0)]);
+        assert_eq!(matched(one.at(Path::new("/no/a")), other.at(Path::new("/no/b"))), [None, Some(0)]);
     }
 }

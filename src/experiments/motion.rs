@@ -124,7 +124,7 @@ fn evaluated(set: &FrameSet, asked: &[AskedFrame]) -> Result<String, ExperimentE
         truth.frames.push(pointed(set.frames[asked.frame].truth.ptz()).into());
         estimate.frames.extend(asked.found.map(|found| pointed(found.camera.ptz()).into()));
     }
-    let evaluation = evaluate((truth, Path::new("")), (estimate, Path::new("")))?;
+    let evaluation = evaluate(truth.at(Path::new("")), estimate.at(Path::new("")))?;
     let tables = evaluation_tables(&evaluation.groups(0)[..1], Table::to_markdown);
     Ok(format!("As `touchline evaluate` measures it: {tables}"))
 }

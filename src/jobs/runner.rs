@@ -263,10 +263,10 @@ fn estimate(
     with_size: bool,
     watch: WatchBase<'_>,
 ) -> Result<Box<EstimatedBase>, String> {
-    let problem = BaseProblem::of(document, camera, folder).map_err(|error| error.to_string())?;
+    let problem = BaseProblem::of(document.at(folder), camera).map_err(|error| error.to_string())?;
     let options = BaseOptions::default();
     let found = if with_size {
-        problem.estimate_with_size(document, folder, &options, watch)
+        problem.estimate_with_size(document.at(folder), &options, watch)
     } else {
         problem.estimate_watched(document, &options, watch)
     };
@@ -276,7 +276,7 @@ fn estimate(
 /// Reads another annotator's document and compares the open one with it.
 fn compared(document: &Document, folder: &Path, revision: u64, with: PathBuf) -> Result<Compared, String> {
     let (location, other, _) = crate::store::read(&with).map_err(|error| error.to_string())?;
-    let agreement = agreement((document, folder), (&other, location.folder())).map_err(|error| error.to_string())?;
+    let agreement = agreement(document.at(folder), other.at(location.folder())).map_err(|error| error.to_string())?;
     Ok(Compared { file: with, revision, agreement })
 }
 

@@ -1,11 +1,10 @@
 //! Where references look, and where one is missing.
 
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
-use crate::document::{Camera, CameraId, Document, Frame};
+use crate::document::{Camera, CameraId, Document, DocumentAt, Frame};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, AngleRange, ImageSize, Vec3};
 use std::ops::RangeInclusive;
-use std::path::Path;
 
 /// The map's cells.
 const COLUMNS: usize = 30;
@@ -44,17 +43,17 @@ pub struct Cell {
 }
 
 impl Coverage {
-    /// Where the `teachers` look, for each camera that has any, in the document's order; `folder` is the document's. Cameras
+    /// Where the `teachers` look, for each camera that has any, in the document's order. Cameras
     /// without a base or a valid field are left out.
     #[must_use]
-    pub fn of_cameras(document: &Document, folder: &Path, teachers: &[usize]) -> Vec<Self> {
+    pub fn of_cameras(document: DocumentAt<'_>, teachers: &[usize]) -> Vec<Self> {
         let teaches = |camera: &Camera| {
             let mut taught = teachers.iter().filter_map(|&index| document.frames.get(index));
             taught.any(|frame| frame.camera == camera.id)
         };
         let of_camera = |camera: &Camera| {
-            let field = camera.field.as_ref().unwrap_or(&document.field).model(folder).ok()?;
-            Self::of(document, &field, &camera.id, teachers)
+            let field = camera.field.as_ref().unwrap_or(&document.field).model(document.folder).ok()?;
+            Self::of(&document, &field, &camera.id, teachers)
         };
         let cameras = document.cameras.iter().map(|camera| &**camera);
         cameras.filter(|camera| teaches(camera)).filter_map(of_camera).collect()
@@ -215,9 +214,9 @@ mod tests {
         let (known, partly) = (novelty(-41.0, -39.0).unwrap(), novelty(-40.0, 0.0).unwrap());
         assert!((0.25..0.6).contains(&known) && known < partly && partly < 1.0, "{known} {partly}");
         assert_eq!((novelty(90.0, 100.0), novelty(-170.0, -120.0)), (None, None));
-        let folder = Path::new("");
-        assert_eq!(Coverage::of_cameras(&document, folder, &[0, 1, 2]), [found]);
-        assert_eq!(Coverage::of_cameras(&document, folder, &[]), []);
+        let folder = std::path::Path::new("");
+        assert_eq!(Coverage::of_cameras(document.at(folder), &[0, 1, 2]), [found]);
+        assert_eq!(Coverage::of_cameras(document.at(folder), &[]), []);
     }
 
     #[test]

@@ -71,7 +71,7 @@ fn by_another(document: &Document, truth: &Document, sigma_px: f64, rng: &mut Pc
 }
 
 fn agreed(first: &Document, second: &Document) -> Agreement {
-    agreement((first, Path::new("/no/a")), (second, Path::new("/no/b"))).unwrap()
+    agreement(first.at(Path::new("/no/a")), second.at(Path::new("/no/b"))).unwrap()
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn repeat(document: &mut Document, truth: &Document, frames: usize, sigma_px: f6
 }
 
 fn own(document: &Document) -> OwnNoise {
-    OwnNoise::of(document, Path::new(".")).unwrap()
+    OwnNoise::of(document.at(Path::new("."))).unwrap()
 }
 
 #[test]
@@ -211,7 +211,7 @@ fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
     assert!((hand.hand_factor - 1.0).abs() < 0.08, "{hand:?}");
     assert!(hand.hand_factor_by_landmark.values().all(|factor| (factor - 1.0).abs() < 0.35), "{hand:?}");
     usual.set_hand(&hand).unwrap();
-    let weighed = Fields::of(&usual, Path::new(".")).unwrap();
+    let weighed = Fields::of(usual.at(Path::new("."))).unwrap();
     let weighed = weighed.of_frame(&usual, &usual.frames[0]);
     let changed = weighed.landmarks.iter().zip(field().landmarks).map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
     assert!(changed.into_iter().all(|factor| (factor - 1.0).abs() < 0.2));
@@ -224,7 +224,7 @@ fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 10, 0.2, &mut rng);
     let sigma = |document: &Document| {
-        let fields = Fields::of(document, Path::new(".")).unwrap();
+        let fields = Fields::of(document.at(Path::new("."))).unwrap();
         let frame = &document.frames[4];
         calibrate(document, frame, fields.of_frame(document, frame), 4).unwrap().worst_corner_sigma_px
     };
@@ -329,11 +329,12 @@ fn on_real_frames_the_place_is_worth_half_of_what_templates_state() {
 fn check_names_what_is_wrong_with_repeats_and_hand() {
     let mut rng = rng("check_names_what_is_wrong_with_repeats_and_hand");
     let mut document = clicked(2, 0.0, &mut rng);
-    assert_eq!(check_values(&document, Path::new(".")), []);
+    assert_eq!(check_values(document.at(Path::new("."))), []);
     document.frames[0].repeats.push(Repeat::new("centre_spot".into(), ImagePoint::new(5.0, 5.0), 1));
     document.frames[1].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(5.0, 600.0), 1));
     document.extra.insert("click_noise".to_owned(), serde_json::json!({ "use": true, "hand_factor": -1.0 }));
-    let codes: Vec<&str> = check_values(&document, Path::new(".")).iter().map(|problem| problem.fault.code()).collect();
+    let codes: Vec<&str> =
+        check_values(document.at(Path::new("."))).iter().map(|problem| problem.fault.code()).collect();
     assert_eq!(codes, ["click_noise", "unknown_landmark_again", "repeat_outside"]);
     assert_eq!(document.hand_in_use(), None, "what is no hand weighs nothing");
 }

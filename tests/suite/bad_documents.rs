@@ -252,7 +252,7 @@ fn a_newer_journal_is_refused_and_left() {
 fn problems(change: impl FnOnce(&mut Document)) -> Vec<String> {
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     change(&mut document);
-    check_values(&document, Path::new("")).iter().map(Problem::to_string).collect()
+    check_values(document.at(Path::new(""))).iter().map(Problem::to_string).collect()
 }
 
 #[test]
@@ -386,7 +386,7 @@ fn check_looks_at_the_pictures() {
     document.frames[0].sha256 =
         Some(touchline::media::sha256_of_file(&folder.join("good.png")).unwrap().to_uppercase());
     document.frames[3].sha256 = Some("0".repeat(64));
-    let problems = check_pictures(&document, folder, &|| {});
+    let problems = check_pictures(document.at(folder), &|| {});
     let codes: Vec<_> = problems.iter().map(|problem| (problem.frame.unwrap(), problem.fault.code())).collect();
     let expected = [(1, "missing_picture"), (2, "picture_size"), (3, "picture_changed"), (4, "unreadable_picture")];
     assert_eq!(codes, expected);
@@ -405,7 +405,7 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
     };
     document.frames =
         vec![frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
-    let problems = check_pictures(&document, &data.join("video-soccer"), &|| {});
+    let problems = check_pictures(document.at(&data.join("video-soccer")), &|| {});
     let said: Vec<_> = problems.iter().map(Problem::to_string).collect();
     let expected = [
         "frames[3] (match.mp4#817): the video has 817 frames, numbered from 0; there is no frame 817",
@@ -429,7 +429,7 @@ proptest! {
         if let Ok(document) = document_from_bytes(&bytes) {
             let text = document_to_string(&document).unwrap();
             prop_assert_eq!(document_from_bytes(text.as_bytes()).unwrap(), document_with_generator(document));
-            let _ = check_values(&document_from_bytes(&bytes).unwrap(), Path::new(""));
+            let _ = check_values(document_from_bytes(&bytes).unwrap().at(Path::new("")));
         }
     }
 }

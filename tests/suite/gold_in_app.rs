@@ -140,7 +140,7 @@ fn another_document_is_compared_on_the_quality_page() {
             click.image = moved(click.image, 1.0, &mut rng);
         }
     }
-    let agreement = agreement((&document, Path::new("/a")), (&other, Path::new("/b"))).unwrap();
+    let agreement = agreement(document.at(Path::new("/a")), other.at(Path::new("/b"))).unwrap();
     bench.act(Action::Compared(Box::new(Compared { file: with, revision, agreement })));
     let Comparison::Made(made) = &bench.app.session.comparison else { panic!("it was made") };
     assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));

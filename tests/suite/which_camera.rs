@@ -101,7 +101,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         assert!((change.base.position_m - bumped().position_m).norm() < 1.0, "{:?}", change.base.position_m);
         found += 1;
 
-        let fields = Fields::of(&document, Path::new(".")).unwrap();
+        let fields = Fields::of(document.at(Path::new("."))).unwrap();
         let name = change.part(&mut document, &fields).unwrap();
         assert_eq!(name.as_str(), "main 2");
         assert!(document.frames[..change.frame].iter().all(|frame| frame.camera.as_str() == "main"));
@@ -117,10 +117,10 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
 fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
     let mut rng = seeded::rng("a_base_estimated_over_a_bump");
     let mut document = document(40, 20, 2.0, &mut rng);
-    let problem = BaseProblem::of(&document, &"main".into(), Path::new(".")).unwrap();
+    let problem = BaseProblem::of(document.at(Path::new(".")), &"main".into()).unwrap();
     let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
-    let fields = Fields::of(&document, Path::new(".")).unwrap();
+    let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change = camera_change(&document, &"main".into(), &fields.of_cameras(&document)[0]).unwrap();
     assert!(change.frame.abs_diff(20) <= 3, "{}", change.frame);
 }
@@ -139,7 +139,7 @@ fn real(set: &str) -> Option<Document> {
     let path = shared_data()?.join(format!("scouting-{set}/clicks.json"));
     let mut document = touchline::store::read(&path).unwrap().1;
     let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(&document, &camera, Path::new(".")).unwrap();
+    let problem = BaseProblem::of(document.at(Path::new(".")), &camera).unwrap();
     let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     Some(document)
@@ -167,7 +167,7 @@ fn three_matches() -> Option<Document> {
 #[test]
 fn real_matches_are_told_apart_and_give_no_false_alarm() {
     let Some(document) = three_matches() else { return };
-    let fields = Fields::of(&document, Path::new(".")).unwrap();
+    let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let of_cameras = fields.of_cameras(&document);
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
         assert_eq!(camera_change(&document, &camera.id, field), None, "{}: nobody bumped it", camera.id);
@@ -208,7 +208,7 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
         frame.camera = first.clone();
     }
     solve(&mut document);
-    let fields = Fields::of(&document, Path::new(".")).unwrap();
+    let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change = camera_change(&document, &first, &fields.of_cameras(&document)[0]).unwrap();
     println!("{} ({begins})", change.told());
     assert!(change.frame.abs_diff(begins) <= 2, "{} for {begins}", change.frame);
@@ -218,7 +218,7 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
 fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
     let mut rng = seeded::rng("frames_are_given_to_a_camera");
     let mut document = document(6, 3, 1.0, &mut rng);
-    let fields = Fields::of(&document, Path::new(".")).unwrap();
+    let fields = Fields::of(document.at(Path::new("."))).unwrap();
     document.add_camera_like(&"second".into(), &"main".into()).unwrap();
     document.give_to_camera(&[3, 4, 5, 99], &"second".into(), &fields).unwrap();
     for frame in &document.frames[3..] {
@@ -229,14 +229,14 @@ fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
     document.give_to_camera(&[0], &"second".into(), &fields).unwrap();
     let warnings = &document.frames[0].solution.as_ref().unwrap().warnings;
     assert!(warnings.iter().any(|warning| warning.code == WarningCode::OtherCamera.as_str()), "{warnings:?}");
-    assert!(check_cameras(&document, Path::new(".")).iter().any(|problem| problem.fault.code() == "other_camera"));
+    assert!(check_cameras(document.at(Path::new("."))).iter().any(|problem| problem.fault.code() == "other_camera"));
 }
 
 #[test]
 fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
     let mut rng = seeded::rng("frames_that_cannot_be_given");
     let mut document = document(3, 3, 1.0, &mut rng);
-    let fields = Fields::of(&document, Path::new(".")).unwrap();
+    let fields = Fields::of(document.at(Path::new("."))).unwrap();
     document.cameras.push(Camera::new("small".into(), ImageSize::new(1280, 720)).into());
     let before = document.clone();
     let small = document.give_to_camera(&[0, 1], &"small".into(), &fields).unwrap_err();

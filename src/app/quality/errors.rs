@@ -232,7 +232,7 @@ pub(super) mod tests {
     }
 
     pub fn errors(document: &Document) -> ClickErrors {
-        ClickErrors::of(document, &Fields::of(document, Path::new("")).unwrap(), &"main".into())
+        ClickErrors::of(document, &Fields::of(document.at(Path::new(""))).unwrap(), &"main".into())
     }
 
     const THREE: [(&str, f64, bool); 3] =

@@ -42,7 +42,7 @@ impl App {
         let from = self.open.as_ref().map(|open| open.revision);
         if from != self.gold_from {
             self.gold_from = from;
-            self.gold = self.open.as_ref().map(|open| GoldWork::of(&open.document, &open.folder)).unwrap_or_default();
+            self.gold = self.open.as_ref().map(|open| GoldWork::of(open.at())).unwrap_or_default();
         }
     }
 

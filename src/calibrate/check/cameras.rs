@@ -3,24 +3,23 @@
 use super::super::{better_camera, calibrate, camera_change};
 use super::fault::{Fault, Problem};
 use super::place_of;
-use crate::document::{Document, Fields};
+use crate::document::{DocumentAt, Fields};
 use rayon::prelude::*;
-use std::path::Path;
 
 /// Frames whose clicks fit another camera of the document, and cameras whose base stops fitting from some frame on.
-/// `folder` is the document's. A field that is not valid is [`check_values`](super::check_values)' affair.
+/// A field that is not valid is [`check_values`](super::check_values)' affair.
 #[must_use]
-pub fn check_cameras(document: &Document, folder: &Path) -> Vec<Problem> {
-    let Ok(fields) = Fields::of(document, folder) else { return Vec::new() };
-    let of_cameras = fields.of_cameras(document);
+pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
+    let Ok(fields) = Fields::of(document) else { return Vec::new() };
+    let of_cameras = fields.of_cameras(&document);
     let mut problems: Vec<Problem> = (0..document.frames.len())
         .into_par_iter()
         .filter(|_| document.cameras.len() > 1)
         .filter_map(|index| {
             let frame = &document.frames[index];
-            let field = fields.of_frame(document, frame);
-            let solved = calibrate(document, frame, field, index).ok()?;
-            let better = better_camera(document, frame, &solved, &of_cameras)?;
+            let field = fields.of_frame(&document, frame);
+            let solved = calibrate(&document, frame, field, index).ok()?;
+            let better = better_camera(&document, frame, &solved, &of_cameras)?;
             let fault = Fault::OtherCamera {
                 camera: better.camera.as_str().to_owned(),
                 rms_px: better.rms_px,
@@ -30,7 +29,7 @@ pub fn check_cameras(document: &Document, folder: &Path) -> Vec<Problem> {
         })
         .collect();
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
-        if let Some(change) = camera_change(document, &camera.id, field) {
+        if let Some(change) = camera_change(&document, &camera.id, field) {
             let fault = Fault::StoppedFitting {
                 frame: document.frames[change.frame].name(),
                 before_px: change.before_px,

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
-use crate::document::{Document, Frame, VideoFrame};
+use crate::document::{DocumentAt, Frame, VideoFrame};
 use crate::media::{self, FrameReader, MediaError, VideoInfo};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 /// Everything wrong with the pictures of a document, in its order. `progress` is called once for each frame, from any
 /// thread. Images are read in parallel, every video is opened once.
 #[must_use]
-pub fn check_pictures(document: &Document, folder: &Path, progress: &(dyn Fn() + Sync)) -> Vec<Problem> {
-    let videos = videos(document, folder);
+pub fn check_pictures(document: DocumentAt<'_>, progress: &(dyn Fn() + Sync)) -> Vec<Problem> {
+    let videos = videos(document);
     let faults = document.frames.par_iter().map(|frame| {
-        let faults = check_frame(frame, folder, &videos);
+        let faults = check_frame(frame, document.folder, &videos);
         progress();
         faults
     });
@@ -28,10 +28,12 @@ pub fn check_pictures(document: &Document, folder: &Path, progress: &(dyn Fn() +
 
 type Videos = BTreeMap<PathBuf, Result<VideoInfo, MediaError>>;
 
-fn videos(document: &Document, folder: &Path) -> Videos {
+fn videos(document: DocumentAt<'_>) -> Videos {
     let mut videos = Videos::new();
     for video in document.frames.iter().filter_map(|frame| frame.video.as_ref()) {
-        videos.entry(video.file_path(folder)).or_insert_with_key(|path| FrameReader::new().video_info(path).cloned());
+        videos
+            .entry(video.file_path(document.folder))
+            .or_insert_with_key(|path| FrameReader::new().video_info(path).cloned());
     }
     videos
 }

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
-use crate::document::{Camera, Document, FieldSpec, Frame, FrameStatus, Target};
+use crate::document::{Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, Target};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
 use serde_json::Value;
@@ -11,16 +11,15 @@ use std::path::Path;
 
 /// Everything wrong with a document that shows without its pictures, in the document's order.
 ///
-/// `folder` is the document's: a field template may be a file there.
 #[must_use]
-pub fn check_values(document: &Document, folder: &Path) -> Vec<Problem> {
+pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     let mut problems = Vec::new();
-    let mut fields = Fields { folder, known: Vec::new() };
+    let mut fields = Fields { folder: document.folder, known: Vec::new() };
     let mut problem = |place: String, fault| problems.push(Problem { place, frame: None, fault });
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
-    if let Some(message) = hand_fault(document) {
+    if let Some(message) = hand_fault(&document) {
         problem("click_noise".to_owned(), Fault::ClickNoise { message });
     }
     for (index, camera) in document.cameras.iter().enumerate() {
@@ -33,13 +32,13 @@ pub fn check_values(document: &Document, folder: &Path) -> Vec<Problem> {
         }
         check_camera(camera, &mut |fault| problem(place(), fault));
     }
-    let duplicates = duplicates(document);
+    let duplicates = duplicates(&document);
     for (index, frame) in document.frames.iter().enumerate() {
         let mut problem = |fault| problems.push(Problem { place: place_of(index, frame), frame: Some(index), fault });
         if let Some(first) = duplicates[index] {
             problem(Fault::DuplicateFrame { first });
         }
-        check_frame(document, frame, fields.model(document.field_of(frame)).ok(), &mut problem);
+        check_frame(&document, frame, fields.model(document.field_of(frame)).ok(), &mut problem);
     }
     problems
 }

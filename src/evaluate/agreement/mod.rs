@@ -9,13 +9,12 @@ mod frame;
 pub use frame::{CameraAgreement, ClickPair, FrameAgreement, NameDispute};
 
 use super::matching::matched;
-use crate::document::{Document, Fields, Frame, FrameStatus};
+use crate::document::{DocumentAt, Fields, Frame, FrameStatus};
 use crate::field::{FieldError, LandmarkId};
 use crate::geometry::Vec2;
 use crate::score::{ClickNoise, Summary, quantile};
 use frame::{Seen, frame_agreement};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// How two annotators agree.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,16 +99,13 @@ impl Agreement {
     }
 }
 
-/// Compares two documents, each with its folder. Frames are matched by where their pictures lie, by SHA-256, or by name.
+/// Compares two documents. Frames are matched by where their pictures lie, by SHA-256, or by name.
 ///
 /// # Errors
 /// A field of the first document is not valid.
-pub fn agreement(
-    (first, first_folder): (&Document, &Path),
-    (second, second_folder): (&Document, &Path),
-) -> Result<Agreement, FieldError> {
-    let fields = Fields::of(first, first_folder)?;
-    let partners = matched((first, first_folder), (second, second_folder));
+pub fn agreement(first: DocumentAt<'_>, second: DocumentAt<'_>) -> Result<Agreement, FieldError> {
+    let fields = Fields::of(first)?;
+    let partners = matched(first, second);
     let mut frames = Vec::new();
     let mut lone = Vec::new();
     let mut met = vec![false; second.frames.len()];
@@ -121,9 +117,9 @@ pub fn agreement(
         let labelled = (is_labelled(one), other.is_some_and(is_labelled));
         match (labelled, partner, other) {
             ((true, true), Some(partner), Some(other)) => {
-                let field = fields.of_frame(first, one);
-                let seen = Seen { document: first, frame: one, index };
-                let seen_by_other = Seen { document: second, frame: other, index: *partner };
+                let field = fields.of_frame(&first, one);
+                let seen = Seen { document: &first, frame: one, index };
+                let seen_by_other = Seen { document: &second, frame: other, index: *partner };
                 frames.push(frame_agreement(&seen, &seen_by_other, field));
             }
             ((true, false), ..) => lone.push(lone_frame(one, other, [Some(index), *partner], true)),

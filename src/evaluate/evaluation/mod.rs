@@ -13,15 +13,14 @@ pub use measure::Measure;
 pub use scores::FrameScores;
 
 use super::matching::matched;
-use crate::document::Fields;
 use crate::document::{CameraId, Clip, Document, Frame, FrameStatus};
+use crate::document::{DocumentAt, Fields};
 use crate::field::FieldError;
 use crate::geometry::{Angle, ImageSize};
 use crate::score::{FieldView, horizontal_view};
 use crate::solve::ObservationError;
 use rayon::prelude::*;
 use scores::{TrueFrame, scores};
-use std::path::Path;
 use thiserror::Error;
 
 /// How an estimate compares with a truth.
@@ -93,28 +92,25 @@ pub enum EvaluationError {
     NoTruth,
 }
 
-/// Compares an estimate with a truth, each with its document's folder. Frames are matched by where their pictures lie, by
+/// Compares an estimate with a truth. Frames are matched by where their pictures lie, by
 /// SHA-256, or by name; rejected frames of the truth take no part.
 ///
 /// # Errors
 /// A field is not valid, or the truth holds nothing to compare with.
-pub fn evaluate(
-    (truth, truth_folder): (&Document, &Path),
-    (estimate, estimate_folder): (&Document, &Path),
-) -> Result<Evaluation, EvaluationError> {
-    let fields = |document: &Document, folder: &Path, which: &'static str| {
-        Fields::of(document, folder).map_err(|source| EvaluationError::Field { which, source })
+pub fn evaluate(truth: DocumentAt<'_>, estimate: DocumentAt<'_>) -> Result<Evaluation, EvaluationError> {
+    let fields = |document: DocumentAt<'_>, which: &'static str| {
+        Fields::of(document).map_err(|source| EvaluationError::Field { which, source })
     };
-    let true_fields = fields(truth, truth_folder, "truth")?;
-    let estimated_fields = fields(estimate, estimate_folder, "estimate")?;
-    let partners = matched((truth, truth_folder), (estimate, estimate_folder));
-    let known: Vec<usize> = (0..truth.frames.len()).filter(|&index| is_known(truth, &truth.frames[index])).collect();
+    let true_fields = fields(truth, "truth")?;
+    let estimated_fields = fields(estimate, "estimate")?;
+    let partners = matched(truth, estimate);
+    let known: Vec<usize> = (0..truth.frames.len()).filter(|&index| is_known(&truth, &truth.frames[index])).collect();
     if known.is_empty() {
         return Err(EvaluationError::NoTruth);
     }
     let one = |&index: &usize| {
         let frame = &*truth.frames[index];
-        let known = TrueFrame { frame, field: true_fields.of_frame(truth, frame), camera: truth.pointed(frame) };
+        let known = TrueFrame { frame, field: true_fields.of_frame(&truth, frame), camera: truth.pointed(frame) };
         let partner = partners[index].map(|partner| &*estimate.frames[partner]);
         let estimated_camera = partner.and_then(|partner| estimate.pointed(partner));
         let focal_px = known.camera.or(estimated_camera).map(|camera| camera.ptz().focal_px);
@@ -124,7 +120,7 @@ pub fn evaluate(
             clip: frame.clip.clone(),
             camera: frame.camera.clone(),
             view: focal_px.map(|focal_px| horizontal_view(focal_px, frame.image_size)),
-            scores: score_frame(&known, estimate, partner, &estimated_fields),
+            scores: score_frame(&known, &estimate, partner, &estimated_fields),
         }
     };
     let frames: Vec<FrameResult> = known.par_iter().map(one).collect();

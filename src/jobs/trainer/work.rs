@@ -350,7 +350,7 @@ impl<C: Craft> Work<C> {
     /// Draws the maps of what references see.
     fn survey(&mut self) {
         let teachers = &self.teachers.frames;
-        self.status.coverage = Coverage::of_cameras(&self.document, self.craft.folder(), teachers).into();
+        self.status.coverage = Coverage::of_cameras(self.document.at(self.craft.folder()), teachers).into();
     }
 
     /// The next frames of a part of the queue.

@@ -21,7 +21,7 @@ pub fn document(data: &Path, name: &str) -> Document {
     let folder = data.join(format!("scouting-{name}"));
     let mut document = read(&folder.join("clicks.json")).unwrap().1;
     let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(&document, &camera, &folder).unwrap();
+    let problem = BaseProblem::of(document.at(&folder), &camera).unwrap();
     let estimate = problem.estimate(&document, &BaseOptions::default()).unwrap();
     estimate.write_camera(&mut document);
     solve_document(&mut document, &folder, &|| ()).unwrap();
