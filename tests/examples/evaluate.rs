@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (true_location, truth, _) = read(&truth)?;
     let (location, estimate, _) = read(&estimate)?;
 
-    let evaluation = evaluate((&truth, true_location.folder()), (&estimate, location.folder()))?;
+    let evaluation = evaluate(truth.at(true_location.folder()), estimate.at(location.folder()))?;
     let scored = evaluation.frames.iter().filter(|frame| frame.scores.is_ok()).count();
     println!("{scored} of {} frames have a camera in both", evaluation.frames.len());
     // The seed decides the resamples of the bootstrap intervals.
