@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (location, mut document, _) = read(&path)?;
     let camera = document.cameras.first().ok_or("the document has no camera")?.id.clone();
 
-    let problem = BaseProblem::of(&document, &camera, location.folder())?;
+    let problem = BaseProblem::of(document.at(location.folder()), &camera)?;
     let found = problem.estimate(&document, &BaseOptions::default())?;
 
     let base = &found.estimate.base;

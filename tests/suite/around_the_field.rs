@@ -324,7 +324,7 @@ fn a_projects_coverage_is_told_for_each_camera() {
     let mut frame = far.frame(1, 0.0, FrameStatus::Reference);
     frame.camera = "far".into();
     document.frames.push(frame.into());
-    let found = Coverage::of_cameras(&document, Path::new(""), &[0, 1]);
+    let found = Coverage::of_cameras(document.at(Path::new("")), &[0, 1]);
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].cells, found[1].cells);
 }
