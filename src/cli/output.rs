@@ -1,6 +1,7 @@
-//! Results that go to files: whole or not at all, and never over something that exists unless that was asked for.
+//! Results that go to files: whole or not at all, and never over something that exists unless that was asked for. Links,
+//! pipes and devices are written through.
 
-use crate::store::write_atomically;
+use crate::store::write_output;
 use anyhow::{Context as _, bail};
 use std::io::Write as _;
 use std::path::Path;
@@ -39,7 +40,7 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Something is there already and `force` was not given, or the file cannot be written; nothing was changed then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
-    write_atomically(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+    write_output(path, bytes).with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

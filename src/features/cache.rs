@@ -6,6 +6,7 @@
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use crate::geometry::{ImagePoint, ImageSize, PixelBox, hex};
+use crate::media::read_regular;
 use sha2::{Digest, Sha256};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ impl FeatureCache {
     /// The features of a picture, if they are there and whole.
     #[must_use]
     pub fn get(&self, key: &FeatureKey) -> Option<Features> {
-        decode(&std::fs::read(self.file(key)).ok()?)
+        decode(&read_regular(&self.file(key)).ok()?)
     }
 
     /// Keeps features; older files make room.
@@ -100,7 +101,7 @@ impl FeatureCache {
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();
             // Another program may have deleted it meanwhile.
-            let Ok(metadata) = std::fs::metadata(&path) else { continue };
+            let Ok(metadata) = std::fs::symlink_metadata(&path) else { continue };
             if path.extension().is_some_and(|extension| extension == EXTENSION) {
                 files.push((metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH), path, metadata.len()));
             }

@@ -10,7 +10,7 @@ use crate::calibrate::{BaseProblem, EstimatedBase};
 use crate::document::{CameraId, Document, document_to_string};
 use crate::evaluate::agreement;
 use crate::solve::base::{BaseOptions, WatchBase};
-use crate::store::{Location, Store, write_atomically};
+use crate::store::{Location, Store, write_output};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -293,5 +293,5 @@ fn export(document: &Document, from: &Path, file: &Path) -> Result<(), String> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = std::fs::canonicalize(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let text = document_to_string(&document.relocated(from, &folder)).map_err(|error| error.to_string())?;
-    write_atomically(file, text.as_bytes()).map_err(|error| format!("{}: {error}", file.display()))
+    write_output(file, text.as_bytes()).map_err(|error| format!("{}: {error}", file.display()))
 }

@@ -8,6 +8,7 @@
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
 //! | [`FrameCache`], [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
+//! | [`open_regular`], [`read_regular`] | files in a folder that may be a stranger's: no links, pipes or devices |
 //! | [`Notice`] | what the user should know, though nothing failed |
 //!
 //! Nothing here starts a thread; the background work is in `jobs`.
@@ -22,6 +23,7 @@ mod notice;
 mod picture;
 mod prefetch;
 mod reader;
+mod regular_file;
 mod source;
 mod thumbnail;
 mod video;
@@ -35,6 +37,7 @@ pub use notice::Notice;
 pub use picture::Picture;
 pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
+pub use regular_file::{WrongKind, open_regular, read_regular, refuse_linked_folder};
 pub use source::{FrameRef, FrameSource};
 pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
 pub use video::{CountProgress, FrameClock, Video, VideoInfo, opencv_version};

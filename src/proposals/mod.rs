@@ -6,7 +6,7 @@
 //! | [`Teachers`], [`study`], [`learn`] | the references that teach, what they teach, the forest of it |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`AskingOrder`] | which frames the forest is asked for first |
-//! | [`Curriculum`], [`keep_forest`], [`kept_forest`] | what a forest was taught; the forest on disk |
+//! | [`Curriculum`] | what a forest was taught |
 //! | [`measure`], [`Quality`] | references left out and asked for |
 //! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
 //! | [`find_suspects`] | references whose labels contradict others |
@@ -20,7 +20,6 @@ mod bases;
 mod coverage;
 mod curriculum;
 mod features;
-mod kept_forest;
 mod learning;
 mod order;
 mod picture;
@@ -37,7 +36,6 @@ pub use bases::{BaseMismatch, adopt_bases};
 pub use coverage::{Cell, Coverage};
 pub use curriculum::Curriculum;
 pub use features::{FrameFeatures, FramePictures};
-pub use kept_forest::{keep_forest, kept_forest};
 pub use learning::{LearnError, LearnOptions, Lesson, LessonError, Studied, learn, study};
 pub use order::AskingOrder;
 pub use picture::{PictureError, read_picture};

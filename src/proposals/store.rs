@@ -1,7 +1,9 @@
 //! Features once found: on disk beside the document, and the latest in memory.
 
 use crate::features::{FeatureCache, FeatureKey, Features};
+use crate::media::refuse_linked_folder;
 use std::collections::{BTreeMap, VecDeque};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -42,9 +44,26 @@ impl WorkFolder {
     }
 
     /// The features of pictures; documents in one folder share them.
-    #[must_use]
-    pub fn features(&self) -> FeatureCache {
-        FeatureCache::new(&self.folder.join("features"), DISK_BYTES)
+    ///
+    /// # Errors
+    /// As [`refuse_links`](Self::refuse_links).
+    pub fn features(&self) -> io::Result<FeatureCache> {
+        self.refuse_links()?;
+        Ok(FeatureCache::new(&self.features_folder(), DISK_BYTES))
+    }
+
+    /// Refuses a hidden folder that came with a received project and leads elsewhere; to be asked before anything is
+    /// written into it.
+    ///
+    /// # Errors
+    /// The folder, or the one for features in it, is a link or no folder.
+    pub fn refuse_links(&self) -> io::Result<()> {
+        refuse_linked_folder(&self.folder)?;
+        refuse_linked_folder(&self.features_folder())
+    }
+
+    fn features_folder(&self) -> PathBuf {
+        self.folder.join("features")
     }
 }
 
@@ -75,7 +94,11 @@ impl FeatureStore {
     /// Features beside a document.
     #[must_use]
     pub fn on_disk(place: &WorkFolder) -> Self {
-        Self { disk: Some(place.features()), shelf: Mutex::default() }
+        let (disk, refused) = match place.features() {
+            Ok(disk) => (Some(disk), None),
+            Err(error) => (None, Some(error.to_string())),
+        };
+        Self { disk, shelf: Mutex::new(Shelf { refused, ..Shelf::default() }) }
     }
 
     /// Features that were found before.
@@ -173,6 +196,23 @@ mod tests {
         store.put(&key("a"), features(2));
         assert!(store.refusal().is_some());
         assert_eq!(store.get(&key("a")).as_deref(), Some(&features(2)));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_linked_folder_is_not_written_to() {
+        let place = tempfile::tempdir().unwrap();
+        for linked in [WORK_FOLDER, ".touchline/features"] {
+            let project = tempfile::tempdir_in(place.path()).unwrap();
+            let elsewhere = tempfile::tempdir_in(place.path()).unwrap();
+            std::fs::create_dir_all(project.path().join(linked).parent().unwrap()).unwrap();
+            std::os::unix::fs::symlink(elsewhere.path(), project.path().join(linked)).unwrap();
+            let folder = WorkFolder::beside(&project.path().join("project.json"));
+            let store = FeatureStore::on_disk(&folder);
+            store.put(&key("a"), features(2));
+            assert!(store.refusal().unwrap().contains("is a symbolic link, not a folder"), "{linked}");
+            assert_eq!(std::fs::read_dir(elsewhere.path()).unwrap().count(), 0, "{linked}");
+        }
     }
 
     #[test]

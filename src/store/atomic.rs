@@ -1,6 +1,6 @@
 //! Files that are either the old one or the new one, never half of one.
 
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -28,6 +28,26 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
     sync_folder(folder)
 }
 
+/// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link
+/// without touching the link; a pipe or a device is written to.
+///
+/// # Errors
+/// As [`write_atomically`], or the pipe or device takes no bytes.
+pub fn write_output(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match fs::metadata(path) {
+        Ok(there) if there.is_file() => write_atomically(&fs::canonicalize(path)?, bytes),
+        Ok(there) if !there.is_dir() => OpenOptions::new().write(true).open(path)?.write_all(bytes),
+        // A link whose target is still to be made; nothing can be lost.
+        Err(_) if path.is_symlink() => fs::write(path, bytes),
+        Ok(_) | Err(_) => write_atomically(path, bytes),
+    }
+}
+
+/// Whether what is at a path is written to and cannot be replaced: a pipe or a device.
+pub(super) fn is_pipe_or_device(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir())
+}
+
 /// Keeps the file at `path` as `backup` as well, in place of an older backup; nothing happens where there is no file.
 pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
     if !path.exists() {
@@ -38,7 +58,7 @@ pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
         _ => {}
     }
     // Not every file system knows hard links.
-    fs::hard_link(path, backup).or_else(|_| fs::copy(path, backup).map(|_| ()))
+    fs::hard_link(path, backup).or_else(|_| copy_new(path, backup))
 }
 
 /// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
@@ -52,8 +72,16 @@ pub(super) fn set_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
 /// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, ….
 pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
     let free = free_name(path, word);
-    fs::copy(path, &free)?;
+    copy_new(path, &free)?;
     Ok(free)
+}
+
+/// Copies a file to a name that is free; a link that somebody put there meanwhile is not followed.
+fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
+    let mut source = File::open(path)?;
+    let mut copy = OpenOptions::new().write(true).create_new(true).open(to)?;
+    io::copy(&mut source, &mut copy)?;
+    copy.sync_all()
 }
 
 fn free_name(path: &Path, word: &str) -> PathBuf {
@@ -109,6 +137,22 @@ mod tests {
             assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
         }
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_keeps_its_target_and_a_device_is_written_to() {
+        use std::os::unix::fs::{FileTypeExt as _, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("target"), "old").unwrap();
+        for (link, target) in [("link", at("target")), ("ahead", at("to come")), ("null", "/dev/null".into())] {
+            symlink(target, at(link)).unwrap();
+            write_output(&at(link), b"new").unwrap();
+            assert!(at(link).is_symlink(), "{link} was replaced");
+        }
+        assert_eq!((fs::read(at("target")).unwrap(), fs::read(at("to come")).unwrap()), (b"new".into(), b"new".into()));
+        assert!(fs::metadata(at("null")).unwrap().file_type().is_char_device());
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::ReadOnly;
 use crate::document::{ReadError, WriteError};
+use crate::media::WrongKind;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -35,6 +36,15 @@ pub enum StoreError {
     #[error("{} is not a file; give a project folder, its project.json or a dataset file", path.display())]
     NotAFile {
         /// The path.
+        path: PathBuf,
+    },
+    /// A link, a pipe or a device is where one of the store's own files should be.
+    #[error(transparent)]
+    WrongKind(WrongKind),
+    /// The document's folder, or its journal, is no longer where it was.
+    #[error("{} was moved or deleted while it was open; put it back, or save elsewhere", path.display())]
+    Gone {
+        /// The folder or the journal.
         path: PathBuf,
     },
     /// The bytes are no document.
@@ -88,6 +98,9 @@ pub enum StoreError {
 impl StoreError {
     /// A refusal of the system.
     pub(super) fn from_io(action: &'static str, path: &Path, source: io::Error) -> Self {
+        if let Some(wrong) = WrongKind::behind(&source) {
+            return Self::WrongKind(wrong.clone());
+        }
         let path = path.to_path_buf();
         match source.kind() {
             io::ErrorKind::NotFound if action == "find" => Self::NotFound { path },

@@ -5,12 +5,13 @@
 //! happens between the two, a reader finds the edits that are not yet in the document it sees. A journal that breaks off
 //! in a line is read up to that line.
 
-use super::{atomic::folder_of, atomic::sync_folder};
+use super::{atomic::folder_of, atomic::sync_folder, file_id::is_at};
 use crate::document::Edit;
+use crate::media::open_regular;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The version of the journal that this program writes and reads.
 const JOURNAL_VERSION: u32 = 1;
@@ -122,6 +123,7 @@ impl JournalContent {
 /// A journal that is being written.
 #[derive(Debug)]
 pub(super) struct Journal {
+    path: PathBuf,
     file: File,
     /// Up to here the file holds whole lines; a line that failed half-way is cut off before the next one.
     whole_bytes: u64,
@@ -130,9 +132,14 @@ pub(super) struct Journal {
 impl Journal {
     /// Opens a journal of which `whole_bytes` are to be kept, or creates it.
     pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
-        let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path)?;
+        let file = open_regular(path, OpenOptions::new().read(true).write(true).create(true))?;
         sync_folder(folder_of(path))?;
-        Ok(Self { file, whole_bytes })
+        Ok(Self { path: path.to_path_buf(), file, whole_bytes })
+    }
+
+    /// Whether the journal is where a reader looks for it: neither it nor its folder was moved or deleted.
+    pub fn is_in_place(&self) -> bool {
+        is_at(&self.file, &self.path)
     }
 
     /// Starts anew from a document that holds everything.
@@ -157,6 +164,10 @@ impl Journal {
         self.file.seek(SeekFrom::Start(self.whole_bytes))?;
         self.file.write_all(line.as_bytes())?;
         self.file.sync_data()?;
+        // What nobody will find again is not kept; the next line is written over it.
+        if !self.is_in_place() {
+            return Err(io::ErrorKind::NotFound.into());
+        }
         self.whole_bytes += line.len() as u64;
         Ok(())
     }

@@ -2,6 +2,7 @@
 
 use super::StoreError;
 use super::atomic::{folder_of, with_suffix};
+use super::file_id::is_same_file;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -52,10 +53,21 @@ impl Location {
         let folder = folder_of(&file);
         fs::create_dir_all(folder).map_err(|source| StoreError::from_io("make the folder", folder, source))?;
         let folder = fs::canonicalize(folder).map_err(|source| StoreError::from_io("find", folder, source))?;
-        match file.file_name() {
-            Some(name) => Ok(Self { file: folder.join(name) }),
-            None => Err(StoreError::NotAFile { path: file }),
+        let Some(name) = file.file_name() else { return Err(StoreError::NotAFile { path: file }) };
+        let file = folder.join(name);
+        if file.is_symlink() {
+            // The document behind a link keeps its journal and its relative paths where it is found.
+            let file =
+                fs::canonicalize(&file).map_err(|source| StoreError::from_io("follow the link", &file, source))?;
+            return Ok(Self { file });
         }
+        Ok(Self { file })
+    }
+
+    /// Whether both are one document, by whatever path: then they share a lock.
+    #[must_use]
+    pub fn is_same_document(&self, other: &Self) -> bool {
+        self.file == other.file || is_same_file(&self.lock(), &other.lock())
     }
 
     /// The document's file.

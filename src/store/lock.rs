@@ -1,9 +1,10 @@
 //! One program writes a document; a second one is told.
 
-use super::Location;
+use super::{Location, file_id::is_at};
+use crate::media::open_regular;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// How often the lock is tried again when its holder takes the file away in between.
 const ATTEMPTS: usize = 10;
@@ -13,13 +14,21 @@ const ATTEMPTS: usize = 10;
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
-    _file: File,
+    file: File,
+}
+
+impl Lock {
+    /// Whether the lock still guards its document: its file was neither moved nor deleted.
+    pub(super) fn is_in_place(&self) -> bool {
+        is_at(&self.file, &self.path)
+    }
 }
 
 impl Drop for Lock {
     fn drop(&mut self) {
         // Elsewhere an open file cannot be taken away, and one that stays does no harm.
         if cfg!(unix)
+            && self.is_in_place()
             && let Err(error) = fs::remove_file(&self.path)
         {
             log::warn!("{}: {error}", self.path.display());
@@ -63,12 +72,12 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     }
     let path = location.lock();
     for _ in 0..ATTEMPTS {
-        let options = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
-        let mut file = options.map_err(|error| not_writable(&error))?;
+        let opened = open_regular(&path, OpenOptions::new().read(true).write(true).create(true));
+        let mut file = opened.map_err(|error| not_writable(&error))?;
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => {
                 write_holder(&mut file).map_err(|error| not_writable(&error))?;
-                return Ok(Lock { path, _file: file });
+                return Ok(Lock { path, file });
             }
             // The last holder took the file away between opening and locking it.
             Ok(()) => {}
@@ -77,20 +86,6 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
         }
     }
     Err(ReadOnly::OpenElsewhere { holder: "another process".to_owned() })
-}
-
-/// Whether the open file is still the one at this path.
-#[cfg(unix)]
-fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let id = |metadata: &fs::Metadata| (metadata.dev(), metadata.ino());
-    matches!((file.metadata(), fs::metadata(path)), (Ok(open), Ok(there)) if id(&open) == id(&there))
-}
-
-/// Whether the open file is still the one at this path: an open file cannot be taken away here.
-#[cfg(not(unix))]
-fn is_at(_file: &File, _path: &Path) -> bool {
-    true
 }
 
 fn write_holder(file: &mut File) -> io::Result<()> {

@@ -3,12 +3,13 @@
 
 mod atomic;
 mod error;
+mod file_id;
 mod journal;
 mod location;
 mod lock;
 mod store;
 
-pub use atomic::write_atomically;
+pub use atomic::{write_atomically, write_output};
 pub use error::StoreError;
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX};
 pub use lock::ReadOnly;

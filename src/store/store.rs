@@ -1,11 +1,12 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
-use super::atomic::{copy_aside, keep_backup, set_aside, write_atomically};
+use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_output};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending};
 use super::lock::{Lock, lock};
 use super::{Location, ReadOnly, StoreError};
 use crate::document::{Document, Edit, document_from_bytes, document_to_string};
 use crate::geometry::hex;
+use crate::media::read_regular;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::fs;
@@ -92,7 +93,7 @@ pub struct Store {
     hash: Option<DocumentHash>,
     /// The journal holds edits that the document's file lacks.
     behind: bool,
-    _lock: Lock,
+    lock: Lock,
 }
 
 /// Opens a document for writing, or for reading only where it is open elsewhere or write-protected.
@@ -117,7 +118,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
         recovery.set_aside = Some(copy_aside(&path, "damaged").map_err(io)?);
     }
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
-    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), behind: false, _lock: lock };
+    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), behind: false, lock };
     if damage == Damage::Misfit {
         store.write(&document)?;
     } else if recovery.edits.is_empty() {
@@ -153,9 +154,25 @@ pub fn write_document(location: &Location, document: &Document, replace: bool) -
         return Store::replace(location, document).map(drop);
     }
     let text = document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
+    if is_pipe_or_device(path) {
+        return write_output(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source));
+    }
     let backup = location.backup();
     keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
     write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
+}
+
+/// Sets a journal aside that holds edits which belong to no document here.
+fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
+    let holds_edits = match read_regular(path) {
+        Ok(bytes) => JournalContent::parse(&bytes).has_edits(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
+        Err(source) => return Err(StoreError::from_io("read", path, source)),
+    };
+    if holds_edits {
+        set_aside(path, "orphan").map_err(|source| StoreError::from_io("write", path, source))?;
+    }
+    Ok(())
 }
 
 struct Contents {
@@ -193,7 +210,7 @@ fn read_contents(location: &Location) -> Result<Contents, StoreError> {
 fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
     // The journal first: one that was restarted belongs to a document that is there already.
     let path = location.journal();
-    let bytes = match fs::read(&path) {
+    let bytes = match read_regular(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
     };
@@ -224,7 +241,7 @@ fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
 
 fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
     let path = location.file();
-    let bytes = fs::read(path).map_err(|source| StoreError::from_io("read", path, source))?;
+    let bytes = read_regular(path).map_err(|source| StoreError::from_io("read", path, source))?;
     let document = document_from_bytes(&bytes).map_err(|source| {
         let backup = Some(location.backup()).filter(|backup| backup.exists());
         StoreError::Read { path: path.to_path_buf(), source, backup }
@@ -258,11 +275,9 @@ impl Store {
         let lock = lock(location).map_err(read_only)?;
         let path = location.journal();
         let io = |source| StoreError::from_io("write", &path, source);
-        if fs::read(&path).is_ok_and(|bytes| JournalContent::parse(&bytes).has_edits()) {
-            set_aside(&path, "orphan").map_err(io)?;
-        }
+        set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
-        let mut store = Self { location: location.clone(), journal, hash: None, behind: false, _lock: lock };
+        let mut store = Self { location: location.clone(), journal, hash: None, behind: false, lock };
         store.write(document)?;
         Ok(store)
     }
@@ -284,8 +299,7 @@ impl Store {
     /// # Errors
     /// The disk is full or not writable. The journal is as it was; the edit may be appended again.
     pub fn journal(&mut self, edit: Edit) -> Result<(), StoreError> {
-        let io = |source| StoreError::from_io("write", &self.location.journal(), source);
-        self.journal.append(edit).map_err(io)?;
+        self.journal.append(edit).map_err(|source| self.journal_error(source))?;
         self.behind = true;
         Ok(())
     }
@@ -320,7 +334,7 @@ impl Store {
     /// unchanged: there is nothing to lose.
     fn changed_outside(&self) -> Result<bool, StoreError> {
         let path = self.location.file();
-        match fs::read(path) {
+        match read_regular(path) {
             Ok(bytes) => Ok(self.hash.as_ref() != Some(&hash_of(&bytes))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
             Err(source) => Err(StoreError::from_io("read", path, source)),
@@ -328,14 +342,13 @@ impl Store {
     }
 
     fn write(&mut self, document: &Document) -> Result<(), StoreError> {
+        self.settle_again()?;
         let path = self.location.file();
         let text =
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
-        let journal_path = self.location.journal();
-        let journal_io = |source| StoreError::from_io("write", &journal_path, source);
         if self.hash.as_ref() != Some(&hash) || !path.exists() {
-            self.journal.announce(&hash).map_err(journal_io)?;
+            self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
             let io = |source| StoreError::from_io("write", path, source);
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
@@ -344,7 +357,35 @@ impl Store {
         }
         self.behind = false;
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
-        self.journal.restart(&hash).map_err(journal_io)
+        self.journal.restart(&hash).map_err(|source| self.journal_error(source))
+    }
+
+    /// Makes journal and lock anew where they were deleted, or where the folder was taken away and is there again.
+    fn settle_again(&mut self) -> Result<(), StoreError> {
+        if self.journal.is_in_place() {
+            return Ok(());
+        }
+        let folder = self.location.folder();
+        if !folder.is_dir() {
+            return Err(StoreError::Gone { path: folder.to_path_buf() });
+        }
+        if !self.lock.is_in_place() {
+            let read_only = |reason| StoreError::ReadOnly { path: self.location.file().to_path_buf(), reason };
+            self.lock = lock(&self.location).map_err(read_only)?;
+        }
+        let path = self.location.journal();
+        set_orphan_aside(&path)?;
+        self.journal = Journal::open(&path, 0).map_err(|source| StoreError::from_io("write", &path, source))?;
+        Ok(())
+    }
+
+    fn journal_error(&self, source: io::Error) -> StoreError {
+        let path = self.location.journal();
+        if self.journal.is_in_place() {
+            return StoreError::from_io("write", &path, source);
+        }
+        let folder = self.location.folder();
+        StoreError::Gone { path: if folder.is_dir() { path } else { folder.to_path_buf() } }
     }
 }
 
@@ -352,6 +393,7 @@ impl Drop for Store {
     fn drop(&mut self) {
         let path = self.location.journal();
         if !self.behind
+            && self.journal.is_in_place()
             && let Err(error) = fs::remove_file(&path)
         {
             log::warn!("{}: {error}", path.display());

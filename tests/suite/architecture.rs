@@ -17,10 +17,8 @@ const FLOORS: &[&[&str]] = &[
 ];
 
 /// Rooms on one floor that use each other all the same: (who, whom, why).
-const NEIGHBOURS: &[(&str, &str, &str)] = &[
-    ("evaluate", "calibrate", "an estimate's clicks are scored as observations"),
-    ("proposals", "store", "the forest beside a project is written like the project"),
-];
+const NEIGHBOURS: &[(&str, &str, &str)] =
+    &[("evaluate", "calibrate", "an estimate's clicks are scored as observations")];
 
 /// What may be named only in some rooms: (text, rooms, why).
 const FENCES: &[(&str, &[&str], &str)] = &[

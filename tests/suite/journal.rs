@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use touchline::document::{Click, Document, Edit, FieldSpec, Frame};
 use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::jobs::{Saver, SaverOptions, SaverReport};
-use touchline::store::{Access, Location, Opened, ReadOnly, Store, StoreError, open, read};
+use touchline::store::{Access, Location, Opened, ReadOnly, Store, StoreError, open, read, write_document};
 
 fn document(frames: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -250,6 +250,105 @@ fn closing_leaves_only_what_is_needed() {
     assert_eq!(names(), ["project.json", "project.json.bak"]);
 }
 
+/// What a received project may hold in place of the program's own files, and a file of the user's behind a link.
+#[cfg(unix)]
+fn plant(place: &Path, victim: &Path, how: &str) {
+    match how {
+        "link" => std::os::unix::fs::symlink(victim, place).unwrap(),
+        "pipe" => assert!(Command::new("mkfifo").arg(place).status().unwrap().success()),
+        _ => fs::create_dir(place).unwrap(),
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_received_project_reaches_no_file_of_the_user() {
+    for own in ["journal", "lock", "bak"] {
+        for how in ["link", "pipe", "folder"] {
+            let (folder, path) = new_project(2);
+            let victim = folder.path().join("precious.txt");
+            fs::write(&victim, "precious").unwrap();
+            let planted = path.join(format!("project.json.{own}"));
+            plant(&planted, &victim, how);
+            match (own, open(&path)) {
+                ("journal", Err(error)) => assert!(error.to_string().contains("not a regular file"), "{error}"),
+                ("lock", Ok(Opened { access: Access::ReadOnly(reason), .. })) => {
+                    assert!(reason.to_string().contains("not a regular file"), "{reason}");
+                }
+                ("bak", Ok(Opened { access: Access::Writable(mut store), document, .. })) => {
+                    let after = click(&mut store, &document, 1);
+                    let saved = store.save(&after);
+                    assert_eq!(saved.is_err(), how == "folder", "{saved:?}");
+                }
+                (_, opened) => panic!("{own} as {how}: {opened:?}"),
+            }
+            let replaced = Store::replace(&Location::find(&path).unwrap(), &document(3));
+            assert_eq!(replaced.is_err(), own != "bak" || how == "folder", "{own} as {how}: {replaced:?}");
+            assert_eq!(fs::read_to_string(&victim).unwrap(), "precious", "{own} as {how}");
+        }
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_document_is_written_behind_a_link_and_into_a_pipe() {
+    let (folder, path) = new_project(1);
+    let link = folder.path().join("link.json");
+    std::os::unix::fs::symlink(path.join("project.json"), &link).unwrap();
+    write_document(&Location::for_new_document(&link).unwrap(), &document(4), true).unwrap();
+    assert!(link.is_symlink());
+    assert_eq!(read(&path).unwrap().1.frames.len(), 4);
+    let pipe = folder.path().join("pipe.json");
+    plant(&pipe, &pipe, "pipe");
+    let reader = std::thread::spawn({
+        let pipe = pipe.clone();
+        move || fs::read(pipe).unwrap()
+    });
+    write_document(&Location::for_new_document(&pipe).unwrap(), &document(3), true).unwrap();
+    let written = touchline::document::document_from_bytes(&reader.join().unwrap()).unwrap();
+    assert_eq!(written.frames.len(), 3);
+    let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 3, "no backup of a pipe: {names:?}");
+}
+
+#[test]
+fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
+    let (folder, path) = new_project(2);
+    let (mut project, before) = opened(&path);
+    let mut after = before.clone();
+    after.frames[0].comment = Some("kept".to_owned());
+    let away = folder.path().join("away");
+    fs::rename(&path, &away).unwrap();
+    for _ in 0..2 {
+        let error = project.store.journal(Edit::between(&before, &after, "Comment")).unwrap_err();
+        assert!(matches!(error, StoreError::Gone { .. }), "{error}");
+        assert!(matches!(project.store.save(&after), Err(StoreError::Gone { .. })));
+    }
+    fs::rename(&away, &path).unwrap();
+    project.store.journal(Edit::between(&before, &after, "Comment")).unwrap();
+    drop(project);
+    let (project, document) = opened(&path);
+    assert_eq!((document, project.recovered), (after, 1), "the edit is there once");
+}
+
+#[test]
+fn a_journal_that_was_deleted_is_made_again_by_saving() {
+    let (_folder, path) = new_project(2);
+    let location = Location::find(&path).unwrap();
+    let (mut project, before) = opened(&path);
+    fs::remove_file(location.journal()).unwrap();
+    fs::remove_file(location.lock()).unwrap();
+    let mut after = before.clone();
+    after.frames[1].comment = Some("kept".to_owned());
+    let error = project.store.journal(Edit::between(&before, &after, "Comment")).unwrap_err();
+    assert!(matches!(&error, StoreError::Gone { path } if *path == location.journal()), "{error}");
+    project.store.save(&after).unwrap();
+    assert!(matches!(open(&path).unwrap().access, Access::ReadOnly(_)), "the lock holds again");
+    let next = click(&mut project.store, &after, 1);
+    drop(project);
+    assert_eq!(opened(&path).1, next);
+}
+
 fn saver(store: Store, document: &Document, options: SaverOptions) -> Saver {
     Saver::start(store, document.clone(), options, Arc::new(|| {})).unwrap()
 }
@@ -325,7 +424,7 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
         SaverReport::Failed { error, .. } => Some(error.to_string()),
         _ => None,
     });
-    assert!(message.starts_with("cannot write "), "{message}");
+    assert!(message.ends_with("was moved or deleted while it was open; put it back, or save elsewhere"), "{message}");
     fs::rename(&away, &path).unwrap();
     wait_for(&mut saver, |report| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(()));
     drop(saver);

@@ -1,13 +1,14 @@
 //! What the trainer can do: the real workshop; tests bring another.
 
 use super::desk::Desk;
+use super::kept_forest::{keep_forest, kept_forest};
 use super::watch::Watch;
 use crate::app::{Doing, Share};
 use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
     Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied, Suspect,
-    UsedFeatures, WorkFolder, find_suspects, keep_forest, kept_forest, learn, measure, propose, study,
+    UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -117,7 +118,7 @@ impl Workshop {
 
 impl Craft for Workshop {
     fn recall(&mut self, curriculum: &Curriculum) -> Result<Option<ForestModel>, String> {
-        kept_forest(&self.place, curriculum, &self.options.features)
+        kept_forest(&self.place, curriculum, &self.options.features).map_err(|error| error.to_string())
     }
 
     fn learn(

@@ -11,6 +11,7 @@
 mod book;
 mod craft;
 mod desk;
+mod kept_forest;
 #[cfg(test)]
 mod tests;
 mod watch;

@@ -1,0 +1,212 @@
+//! Joins what two people made of one document: each frame and camera that only one of them changed is taken from that one.
+
+use super::{Change, Document, Edit, Extra, Frame, Shared};
+use serde_json::{Map, Value};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Two versions of a document joined.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Merged {
+    /// The document with the changes of both.
+    pub document: Document,
+    /// What both changed differently, by name; ours was kept.
+    pub conflicts: Vec<String>,
+}
+
+/// Joins what we and they made of `base`. Frames are the same if they show the same picture, cameras if they have one
+/// name. The order is theirs; what only we added follows the one it follows with us.
+#[must_use]
+pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
+    let mut conflicts = Vec::new();
+    let frames = {
+        let frames = |document: &Document| keyed(document.frames.iter().cloned(), |frame: &Frame| frame.name());
+        join(&frames(base), &frames(ours), &frames(theirs), &mut conflicts)
+    };
+    let cameras = {
+        let cameras =
+            |document: &Document| keyed(document.cameras.iter().cloned(), |camera| format!("camera {}", camera.id));
+        join(&cameras(base), &cameras(ours), &cameras(theirs), &mut conflicts)
+    };
+    let field = match choose(Some(&base.field), Some(&ours.field), Some(&theirs.field)) {
+        Choice::Both => theirs.field.clone(),
+        Choice::Conflict => {
+            conflicts.push("the field".to_owned());
+            ours.field.clone()
+        }
+        Choice::Ours => ours.field.clone(),
+    };
+    let document = Document {
+        generator: theirs.generator.clone(),
+        conventions: join_maps(&base.conventions, &ours.conventions, &theirs.conventions, &mut conflicts),
+        field,
+        cameras: cameras.into_iter().collect(),
+        frames: frames.into_iter().collect(),
+        extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts),
+    };
+    Merged { document, conflicts }
+}
+
+/// Puts the frames that edits hold into a document that the edits do not start from: a frame that is there is replaced,
+/// another is added. What the edits removed cannot be known and stays.
+#[must_use]
+pub fn graft(edits: &[Edit], onto: &Document) -> Document {
+    let held = edits.iter().flat_map(|edit| &edit.changes).flat_map(|change| match change {
+        Change::Frame { frame, .. } => std::slice::from_ref(frame),
+        Change::Frames { insert, .. } => insert,
+        Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
+    });
+    let mut latest: BTreeMap<String, Shared<Frame>> = held.map(|frame| (frame.name(), frame.clone())).collect();
+    let mut document = onto.clone();
+    for frame in &mut document.frames {
+        if let Some(held) = latest.remove(&frame.name()) {
+            *frame = held;
+        }
+    }
+    document.frames.extend(latest.into_values());
+    document
+}
+
+/// Values in their order, each with what tells it apart: its name, and how many of that name came before it.
+type Keyed<V> = Vec<((String, usize), V)>;
+
+fn keyed<V: std::ops::Deref<Target: Sized>>(values: impl Iterator<Item = V>, name: impl Fn(&V::Target) -> String) -> Keyed<V> {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    values
+        .map(|value| {
+            let name = name(&value);
+            let count = counts.entry(name.clone()).or_default();
+            *count += 1;
+            ((name, *count - 1), value)
+        })
+        .collect()
+}
+
+/// Whose value is taken.
+enum Choice {
+    /// Theirs, which is ours too where we changed nothing.
+    Both,
+    /// Ours.
+    Ours,
+    /// Ours, and theirs is lost.
+    Conflict,
+}
+
+fn choose<V: PartialEq>(base: Option<&V>, ours: Option<&V>, theirs: Option<&V>) -> Choice {
+    match () {
+        () if ours == theirs || base == ours => Choice::Both,
+        () if base == theirs => Choice::Ours,
+        // Both changed it and one of them removed it: what is left of the work stays.
+        () if ours.is_none() => Choice::Both,
+        () => Choice::Conflict,
+    }
+}
+
+fn join<V: Clone + PartialEq>(
+    base: &Keyed<V>,
+    ours: &Keyed<V>,
+    theirs: &Keyed<V>,
+    conflicts: &mut Vec<String>,
+) -> Vec<V> {
+    let table = |values: &Keyed<V>| values.iter().cloned().collect::<BTreeMap<_, _>>();
+    let (in_base, in_ours, in_theirs) = (table(base), table(ours), table(theirs));
+    let mut take = |key: &(String, usize)| {
+        let (base, ours, theirs) = (in_base.get(key), in_ours.get(key), in_theirs.get(key));
+        match choose(base, ours, theirs) {
+            Choice::Both => theirs.cloned(),
+            Choice::Ours => ours.cloned(),
+            Choice::Conflict => {
+                conflicts.push(key.0.clone());
+                ours.cloned()
+            }
+        }
+    };
+    let mut joined: Keyed<V> =
+        theirs.iter().filter_map(|(key, _)| take(key).map(|value| (key.clone(), value))).collect();
+    let mut there: BTreeSet<_> = joined.iter().map(|(key, _)| key.clone()).collect();
+    for (place, (key, _)) in ours.iter().enumerate() {
+        if in_theirs.contains_key(key) {
+            continue;
+        }
+        let Some(value) = take(key) else { continue };
+        let before = ours[..place].iter().rev().find(|(key, _)| there.contains(key));
+        let at = before.and_then(|(before, _)| joined.iter().position(|(key, _)| key == before)).map_or(0, |at| at + 1);
+        joined.insert(at, (key.clone(), value));
+        there.insert(key.clone());
+    }
+    joined.into_iter().map(|(_, value)| value).collect()
+}
+
+fn join_maps(base: &Extra, ours: &Extra, theirs: &Extra, conflicts: &mut Vec<String>) -> Map<String, Value> {
+    let entries = |map: &Extra| map.iter().map(|(key, value)| ((key.clone(), 0), (key.clone(), value.clone()))).collect();
+    join::<(String, Value)>(&entries(base), &entries(ours), &entries(theirs), conflicts).into_iter().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, FieldSpec};
+    use crate::geometry::ImageSize;
+
+    const SIZE: ImageSize = ImageSize::new(64, 48);
+
+    fn document(names: &[&str]) -> Document {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), SIZE).into());
+        document.frames = names.iter().map(|name| Frame::from_image(name, "main".into(), SIZE).into()).collect();
+        document
+    }
+
+    fn comment(document: &mut Document, name: &str, comment: &str) {
+        let frame = document.frames.iter_mut().find(|frame| frame.name() == name).unwrap();
+        frame.comment = Some(comment.to_owned());
+    }
+
+    fn told(document: &Document) -> Vec<String> {
+        document.frames.iter().map(|frame| frame.name() + frame.comment.as_deref().unwrap_or_default()).collect()
+    }
+
+    #[test]
+    fn the_changes_of_both_are_there() {
+        let base = document(&["a", "b", "c", "d"]);
+        let (mut ours, mut theirs) = (base.clone(), base.clone());
+        comment(&mut ours, "b", " ours");
+        comment(&mut theirs, "c", " theirs");
+        ours.frames.remove(0);
+        theirs.frames.remove(3);
+        ours.frames.insert(2, Frame::from_image("new", "main".into(), SIZE).into());
+        theirs.field.template = "futsal".to_owned();
+        ours.extra.insert("note".to_owned(), "ours".into());
+        theirs.cameras.push(Camera::new("second".into(), SIZE).into());
+        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        assert_eq!(told(&document), ["b ours", "c theirs", "new"]);
+        assert_eq!(conflicts, [""; 0]);
+        assert_eq!((document.field.template.as_str(), document.cameras.len()), ("futsal", 2));
+        assert_eq!(document.extra["note"], "ours");
+    }
+
+    #[test]
+    fn what_both_changed_is_named_and_ours_stays() {
+        let base = document(&["a", "b", "b"]);
+        let (mut ours, mut theirs) = (base.clone(), base.clone());
+        comment(&mut ours, "a", " ours");
+        comment(&mut theirs, "a", " theirs");
+        ours.frames.remove(2);
+        theirs.frames[2].comment = Some(" second".to_owned());
+        let Merged { document, conflicts } = merge(&base, &ours, &theirs);
+        assert_eq!(told(&document), ["a ours", "b", "b second"], "work is not lost to a removal");
+        assert_eq!(conflicts, ["a"]);
+        let same = merge(&base, &ours, &ours);
+        assert_eq!((same.document, same.conflicts.len()), (ours, 0));
+    }
+
+    #[test]
+    fn edits_of_an_unknown_document_bring_their_frames() {
+        let base = document(&["a", "b"]);
+        let mut ours = base.clone();
+        comment(&mut ours, "b", " ours");
+        ours.frames.push(Frame::from_image("new", "main".into(), SIZE).into());
+        let edits = [Edit::between(&base, &ours, "Both")];
+        let theirs = document(&["b", "z"]);
+        assert_eq!(told(&graft(&edits, &theirs)), ["b ours", "z", "new"]);
+    }
+}

@@ -1,0 +1,156 @@
+//! Opens files that lie in a folder which may have come from a stranger: regular files only, and through no symbolic link.
+//!
+//! A received project may hold a link where the program keeps its own files; writing through it would destroy a file of the
+//! user's. A pipe would let the program wait for ever, a device would take what is written.
+
+use std::fs::{self, File, FileType, OpenOptions};
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use thiserror::Error;
+
+/// There is something else where one of the program's own files or folders should be.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{} is {found}, not {wanted}; move it away", path.display())]
+pub struct WrongKind {
+    /// Where.
+    pub path: PathBuf,
+    /// What it is: "a symbolic link".
+    pub found: &'static str,
+    /// What it should be: "a regular file".
+    pub wanted: &'static str,
+}
+
+impl WrongKind {
+    /// The reason behind an error of this file, if it is this one.
+    #[must_use]
+    pub fn behind(error: &io::Error) -> Option<&Self> {
+        error.get_ref()?.downcast_ref()
+    }
+}
+
+/// Opens a regular file. `options` must not truncate: what is there is only known once it is open.
+///
+/// # Errors
+/// [`WrongKind`], as the inner error, where a link, a folder, a pipe or a device is there; else what the system says.
+pub fn open_regular(path: &Path, options: &OpenOptions) -> io::Result<File> {
+    if let Ok(metadata) = fs::symlink_metadata(path) {
+        refuse_irregular(path, metadata.file_type())?;
+    }
+    let mut options = options.clone();
+    // Between the look above and the opening somebody may put a link or a pipe there.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(libc::O_NOFOLLOW | libc::O_NONBLOCK);
+    }
+    let file = options.open(path)?;
+    refuse_irregular(path, file.metadata()?.file_type())?;
+    Ok(file)
+}
+
+/// Reads a regular file whole.
+///
+/// # Errors
+/// As [`open_regular`].
+pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    open_regular(path, OpenOptions::new().read(true))?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// Refuses a link, or anything else that is no folder, where a folder of the program's own is or will be.
+///
+/// # Errors
+/// [`WrongKind`], as the inner error. That nothing is there is no error.
+pub fn refuse_linked_folder(path: &Path) -> io::Result<()> {
+    let Ok(metadata) = fs::symlink_metadata(path) else { return Ok(()) };
+    if metadata.is_dir() {
+        return Ok(());
+    }
+    let found = kind_of(metadata.file_type()).unwrap_or("a file");
+    Err(io::Error::other(WrongKind { path: path.to_path_buf(), found, wanted: "a folder" }))
+}
+
+fn refuse_irregular(path: &Path, file_type: FileType) -> io::Result<()> {
+    let Some(found) = kind_of(file_type) else { return Ok(()) };
+    Err(io::Error::other(WrongKind { path: path.to_path_buf(), found, wanted: "a regular file" }))
+}
+
+/// What is no regular file, in words.
+fn kind_of(file_type: FileType) -> Option<&'static str> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        if file_type.is_fifo() {
+            return Some("a pipe");
+        }
+        if file_type.is_socket() {
+            return Some("a socket");
+        }
+        if file_type.is_char_device() || file_type.is_block_device() {
+            return Some("a device");
+        }
+    }
+    match file_type {
+        _ if file_type.is_file() => None,
+        _ if file_type.is_symlink() => Some("a symbolic link"),
+        _ if file_type.is_dir() => Some("a folder"),
+        _ => Some("something else"),
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::symlink;
+
+    fn refusal(path: &Path) -> String {
+        open_regular(path, OpenOptions::new().read(true).write(true).create(true)).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_link_a_pipe_a_device_and_a_folder_are_refused_by_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("victim"), "precious").unwrap();
+        symlink(at("victim"), at("link")).unwrap();
+        symlink(at("nothing"), at("dangling")).unwrap();
+        symlink("/dev/null", at("to a device")).unwrap();
+        std::fs::create_dir(at("folder")).unwrap();
+        assert!(std::process::Command::new("mkfifo").arg(at("pipe")).status().unwrap().success());
+        for (name, found) in [
+            ("link", "a symbolic link"),
+            ("dangling", "a symbolic link"),
+            ("to a device", "a symbolic link"),
+            ("folder", "a folder"),
+            ("pipe", "a pipe"),
+        ] {
+            let expected = format!("{} is {found}, not a regular file; move it away", at(name).display());
+            assert_eq!(refusal(&at(name)), expected);
+            assert!(WrongKind::behind(&read_regular(&at(name)).unwrap_err()).is_some());
+        }
+        assert!(refusal(Path::new("/dev/null")).contains("is a device"));
+        assert_eq!(std::fs::read_to_string(at("victim")).unwrap(), "precious");
+        assert!(!at("nothing").exists(), "nothing is made through a dangling link");
+    }
+
+    #[test]
+    fn a_regular_file_is_opened_and_a_new_one_made() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new");
+        drop(open_regular(&path, OpenOptions::new().write(true).create(true)).unwrap());
+        assert_eq!(read_regular(&path).unwrap(), b"");
+        let missing = read_regular(&folder.path().join("missing")).unwrap_err();
+        assert_eq!(missing.kind(), io::ErrorKind::NotFound);
+    }
+
+    #[test]
+    fn a_folder_of_the_program_is_no_link() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        symlink(folder.path(), &link).unwrap();
+        assert!(refuse_linked_folder(&link).unwrap_err().to_string().contains("is a symbolic link, not a folder"));
+        assert!(refuse_linked_folder(folder.path()).is_ok());
+        assert!(refuse_linked_folder(&folder.path().join("missing")).is_ok());
+    }
+}
