@@ -2,15 +2,15 @@
 //! atomically.
 
 mod atomic;
+mod disk;
 mod error;
 mod file_id;
 mod journal;
 mod location;
 mod lock;
-mod store;
 
 pub use atomic::{write_atomically, write_output};
+pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use error::StoreError;
 pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX};
 pub use lock::ReadOnly;
-pub use store::{Access, Opened, Recovery, Store, open, read, write_document};
