@@ -84,7 +84,7 @@ pub enum Command {
 /// Where a command stands in the menu.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the menu's own titles")]
-pub enum Group {
+pub enum MenuGroup {
     File,
     Edit,
     Frame,
@@ -93,7 +93,7 @@ pub enum Group {
     Help,
 }
 
-impl Group {
+impl MenuGroup {
     /// Every menu, in order.
     pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::Frame, Self::Camera, Self::View, Self::Help];
 
@@ -138,7 +138,7 @@ impl CommandKind {
 struct Row {
     command: Command,
     id: &'static str,
-    group: Group,
+    group: MenuGroup,
     name: &'static str,
     about: &'static str,
     keys: &'static [&'static str],
@@ -147,7 +147,7 @@ struct Row {
 macro_rules! rows {
     ($($command:ident, $id:literal, $group:ident, $name:literal, $about:literal, [$($key:literal),*];)*) => {
         const ROWS: &[Row] = &[$(Row {
-            command: Command::$command, id: $id, group: Group::$group, name: $name, about: $about, keys: &[$($key),*],
+            command: Command::$command, id: $id, group: MenuGroup::$group, name: $name, about: $about, keys: &[$($key),*],
         },)*];
     };
 }
@@ -263,7 +263,7 @@ impl Command {
 
     /// The menu it stands in.
     #[must_use]
-    pub fn group(self) -> Group {
+    pub fn group(self) -> MenuGroup {
         self.row().group
     }
 

@@ -26,7 +26,7 @@ mod versioned;
 pub mod where_to_label;
 
 pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, Question};
-pub use command::{Command, CommandKind, Group};
+pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};

@@ -5,7 +5,7 @@ use super::document::{DocumentArg, Loaded};
 use super::experiment::write_report;
 use super::messages::Messages;
 use super::output::{print, refuse_existing, write_file};
-use crate::evaluate::{Agreement, Evaluation, Group, agreement, evaluate as evaluated};
+use crate::evaluate::{Agreement, Evaluation, FrameGroup, agreement, evaluate as evaluated};
 use crate::experiments::{agreement_json, agreement_tables, evaluation_report, evaluation_tables, frame_scores};
 use crate::report::Table;
 use crate::score::Summary;
@@ -124,7 +124,7 @@ fn without_truth(names: &[String]) -> Option<String> {
 }
 
 /// Everything, for scripts.
-fn report(evaluation: &Evaluation, groups: &[Group], agreed: Option<&Agreement>) -> Value {
+fn report(evaluation: &Evaluation, groups: &[FrameGroup], agreed: Option<&Agreement>) -> Value {
     let mut report = json!({
         "summary": groups.first().map(described_group),
         "groups": groups.iter().skip(1).map(described_group).collect::<Vec<_>>(),
@@ -137,7 +137,7 @@ fn report(evaluation: &Evaluation, groups: &[Group], agreed: Option<&Agreement>)
     report
 }
 
-fn described_group(group: &Group) -> Value {
+fn described_group(group: &FrameGroup) -> Value {
     let measures: Map<String, Value> =
         group.measures.iter().map(|(measure, summary)| (measure.key().to_owned(), described(summary))).collect();
     let mut value = json!({

@@ -10,7 +10,7 @@ use crate::field::FieldModel;
 use crate::geometry::ImageSize;
 use crate::media::{self, FrameReader};
 use crate::proposals::read_picture;
-use crate::render::{Layer, Offscreen, Picture, PictureKey, View};
+use crate::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use crate::scene::OverlayStyle;
 use crate::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
 use crate::scene::overlay::{OverlayScene, Standing, overlay};
@@ -134,7 +134,7 @@ fn pixels_per_point(width: u32) -> f32 {
 }
 
 fn layer(pixels: media::Picture, brightness: f32) -> Layer {
-    Layer::Picture(Picture { key: PictureKey(0), pixels, brightness })
+    Layer::Picture(PictureLayer { key: PictureKey(0), pixels, brightness })
 }
 
 /// The frame that is meant: by its name in the document, by its file name if only one frame has it, else by its place.

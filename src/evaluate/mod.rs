@@ -8,5 +8,5 @@ pub use agreement::{
     Agreement, CameraAgreement, ClickPair, FrameAgreement, LandmarkAgreement, LoneFrame, NameDispute, agreement,
 };
 pub use evaluation::{
-    Evaluation, EvaluationError, FrameResult, FrameScores, Group, GroupKind, Measure, Unscored, evaluate,
+    Evaluation, EvaluationError, FrameGroup, FrameResult, FrameScores, GroupKind, Measure, Unscored, evaluate,
 };

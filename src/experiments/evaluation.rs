@@ -1,6 +1,6 @@
 //! An evaluation for people: tables, and figures of the errors.
 
-use crate::evaluate::{Evaluation, FrameScores, Group, GroupKind, Measure};
+use crate::evaluate::{Evaluation, FrameGroup, FrameScores, GroupKind, Measure};
 use crate::geometry::Angle;
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Cell, Column, Report, Table};
@@ -19,7 +19,7 @@ const DRAWN: [Measure; 6] = [
 
 /// The report of an evaluation: its tables, the distributions of its errors, and `IoU` over the field of view.
 #[must_use]
-pub fn evaluation_report(evaluation: &Evaluation, groups: &[Group]) -> Report {
+pub fn evaluation_report(evaluation: &Evaluation, groups: &[FrameGroup]) -> Report {
     let mut report = Report::new("evaluation", "Evaluation");
     report.text(&evaluation_tables(groups, Table::to_markdown));
     let scored = || evaluation.frames.iter().filter_map(|frame| frame.scores.as_ref().ok());
@@ -76,7 +76,7 @@ pub fn frame_scores(evaluation: &Evaluation) -> Table {
 
 /// All frames together by measure, then group by group, in words and tables that `write` writes.
 #[must_use]
-pub fn evaluation_tables(groups: &[Group], write: fn(&Table) -> String) -> String {
+pub fn evaluation_tables(groups: &[FrameGroup], write: fn(&Table) -> String) -> String {
     let mut text = String::new();
     let Some(all) = groups.first() else { return text };
     // Writing to a string cannot fail.
@@ -109,7 +109,7 @@ pub fn evaluation_tables(groups: &[Group], write: fn(&Table) -> String) -> Strin
     text
 }
 
-fn summary_table(group: &Group) -> Table {
+fn summary_table(group: &FrameGroup) -> Table {
     let mut table = Table::new(&[
         ("measure", "measure"),
         ("count", "n"),
@@ -150,7 +150,7 @@ fn summary_table(group: &Group) -> Table {
 }
 
 /// Medians by group.
-fn group_table(groups: &[Group]) -> Table {
+fn group_table(groups: &[FrameGroup]) -> Table {
     const SHOWN: [Measure; 6] = [
         Measure::IouPart,
         Measure::Rotation,

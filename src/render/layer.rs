@@ -13,7 +13,7 @@ pub struct PictureKey(pub u64);
 
 /// A picture, with its top-left corner at the origin.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct PictureLayer {
     /// What its pixels are known by.
     pub key: PictureKey,
     /// sRGB bytes; shown as they are, in gamma space.
@@ -26,7 +26,7 @@ pub struct Picture {
 #[derive(Clone, Debug)]
 pub enum Layer {
     /// A frame.
-    Picture(Picture),
+    Picture(PictureLayer),
     /// Colours over a frame that say how far the lines are to be trusted, at an opacity from 0 to 1.
     Heat(Arc<HeatMap>, f32),
     /// Lines, areas and markers over it.

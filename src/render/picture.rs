@@ -1,7 +1,7 @@
 //! Frames on the GPU: uploaded once, kept while they are likely to be shown again.
 
 use super::gpu::Gpu;
-use super::layer::{Picture, PictureKey};
+use super::layer::{PictureKey, PictureLayer};
 use super::mipmap::MipmapMaker;
 use super::view::View;
 use crate::geometry::ImageSize;
@@ -36,7 +36,7 @@ pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_a
 ];
 
 impl PictureInstance {
-    pub fn new(picture: &Picture, texture_width: u32, view: &View) -> Self {
+    pub fn new(picture: &PictureLayer, texture_width: u32, view: &View) -> Self {
         let ImageSize { width, height } = picture.pixels.size();
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
@@ -83,7 +83,7 @@ impl PictureCache {
         &mut self,
         gpu: &mut Gpu<'_>,
         layout: &wgpu::BindGroupLayout,
-        picture: &Picture,
+        picture: &PictureLayer,
         shrunk: bool,
     ) -> Option<(wgpu::BindGroup, u32)> {
         if picture.pixels.bytes() == 0 {
@@ -161,7 +161,7 @@ mod tests {
     use super::*;
 
     fn instance(scale: f32) -> PictureInstance {
-        let picture = Picture {
+        let picture = PictureLayer {
             key: PictureKey(0),
             pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
             brightness: 1.0,

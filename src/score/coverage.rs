@@ -21,7 +21,7 @@ pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
 
 /// How often errors of three numbers stay within the region that was stated for them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coverage {
+pub struct SigmaCoverage {
     /// Errors with a stated covariance.
     pub count: usize,
     /// The share within the 68.27 % ellipsoid.
@@ -32,7 +32,7 @@ pub struct Coverage {
     pub error_over_sigma: f64,
 }
 
-impl Coverage {
+impl SigmaCoverage {
     /// From squared distances in sigmas; none without any.
     #[must_use]
     pub fn of(squared_sigmas: &[f64]) -> Option<Self> {
@@ -69,10 +69,10 @@ mod tests {
         let covariance = root * root.transpose();
         let mut draw = || root * Vec3::from_fn(|_, _| rng.sample::<f64, _>(StandardNormal));
         let squared: Vec<f64> = (0..20_000).map(|_| squared_sigmas(draw(), &covariance).unwrap()).collect();
-        let coverage = Coverage::of(&squared).unwrap();
+        let coverage = SigmaCoverage::of(&squared).unwrap();
         assert!((coverage.within_68 - 0.6827).abs() < 0.01, "{coverage:?}");
         assert!((coverage.within_95 - 0.95).abs() < 0.005, "{coverage:?}");
         assert!((coverage.error_over_sigma - 1.0).abs() < 0.02, "{coverage:?}");
-        assert_eq!(Coverage::of(&[]), None);
+        assert_eq!(SigmaCoverage::of(&[]), None);
     }
 }

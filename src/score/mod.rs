@@ -7,7 +7,7 @@
 //! | the same of a homography of the ground | [`PlaneView`] |
 //! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
 //! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
-//! | whether stated sigmas keep their word | [`Coverage`] |
+//! | whether stated sigmas keep their word | [`SigmaCoverage`] |
 //! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
 //! | how far a hand misses, from clicks on the same spots | [`ClickNoise`] |
 
@@ -26,7 +26,7 @@ mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_noise::ClickNoise;
-pub use coverage::{Coverage, squared_sigmas};
+pub use coverage::{SigmaCoverage, squared_sigmas};
 pub use distribution::{chi_squared_quantile, median_normal_size, median_rayleigh, rayleigh_share};
 pub use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};

@@ -5,7 +5,7 @@ use super::colour::{Light, decode, encode, hex, mix};
 use super::coverage::inside;
 use super::noise::{smooth_walk, sub_seed};
 use super::options::scale_from_1280;
-use super::text::{Coverage, rasterise};
+use super::text::{GlyphCoverage, rasterise};
 use crate::geometry::{ImageSize, PixelBox};
 use image::RgbImage;
 
@@ -65,7 +65,7 @@ impl Canvas<'_> {
 
     /// Words centred on `middle`.
     fn words(&mut self, text: &str, middle: f32, y: f32, height: f32, ink: Light) {
-        let letters: Coverage = rasterise(text, 0.44 * height * self.scale, 1.15 * self.scale);
+        let letters: GlyphCoverage = rasterise(text, 0.44 * height * self.scale, 1.15 * self.scale);
         let left = (middle * self.scale - 0.5 * letters.width as f32).round();
         let top = ((y + 0.5 * height) * self.scale - 0.5 * letters.height as f32).round();
         self.cover(left, top, letters.width as f32, letters.height as f32, ink, |px, py| {

@@ -4,13 +4,13 @@ use ab_glyph::{Font, FontRef, GlyphId, PxScale, ScaleFont, point};
 
 /// A rectangle of coverage, 0 to 1, row by row.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Coverage {
+pub(super) struct GlyphCoverage {
     pub width: usize,
     pub height: usize,
     pub share: Vec<f32>,
 }
 
-impl Coverage {
+impl GlyphCoverage {
     /// The coverage at a cell; nothing outside.
     pub fn at(&self, x: i64, y: i64) -> f32 {
         let inside = x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height;
@@ -20,9 +20,9 @@ impl Coverage {
 
 /// A line of text whose capitals are `capital_px` high, its strokes thickened by `weight_px` on each side; the picture
 /// is cropped to the capitals' height (plus the weight) and the text's width.
-pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> Coverage {
+pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> GlyphCoverage {
     // The font ships with the program; were it unreadable, boards would be blank and nothing else.
-    let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else { return Coverage::default() };
+    let Ok(font) = FontRef::try_from_slice(epaint_default_fonts::UBUNTU_LIGHT) else { return GlyphCoverage::default() };
     // Ubuntu's capitals are 0.693 of an em; ab_glyph scales by ascent − descent.
     let em_px = capital_px / 0.693;
     let scale = PxScale::from(em_px * font.height_unscaled() / font.units_per_em().unwrap_or(1000.0));
@@ -41,7 +41,7 @@ pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> Coverage
         previous = Some(id);
         outlines.extend(font.outline_glyph(glyph));
     }
-    let mut thin = Coverage {
+    let mut thin = GlyphCoverage {
         width: (pen + margin).ceil() as usize,
         height: (capital_px + 2.0 * margin).ceil() as usize,
         share: Vec::new(),
@@ -61,7 +61,7 @@ pub(super) fn rasterise(text: &str, capital_px: f32, weight_px: f32) -> Coverage
 }
 
 /// Dilation by a disc with a soft rim.
-fn embolden(thin: &Coverage, weight_px: f32) -> Coverage {
+fn embolden(thin: &GlyphCoverage, weight_px: f32) -> GlyphCoverage {
     if weight_px <= 0.0 {
         return thin.clone();
     }
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn words_have_ink_and_weight_adds_to_it() {
-        let ink = |coverage: &Coverage| coverage.share.iter().sum::<f32>();
+        let ink = |coverage: &GlyphCoverage| coverage.share.iter().sum::<f32>();
         let (thin, bold) = (rasterise("TWO POINTS", 30.0, 0.0), rasterise("TWO POINTS", 30.0, 2.0));
         assert!(thin.height >= 30 && thin.height <= 36 && thin.width > 100);
         assert!(ink(&thin) > 200.0 && ink(&bold) > 1.5 * ink(&thin));

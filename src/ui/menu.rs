@@ -2,7 +2,7 @@
 
 use super::{Panel, symbol, theme};
 use crate::app::session::{Panel as RightPanel, Saving};
-use crate::app::{Action, App, Command, Group};
+use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
 use egui::{Align, Button, Layout, RichText, Ui};
 use std::path::Path;
@@ -33,7 +33,7 @@ const SECTIONS: [Command; 19] = [
 /// Shows the row.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     egui::MenuBar::new().ui(ui, |ui| {
-        for group in Group::ALL {
+        for group in MenuGroup::ALL {
             ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group));
         }
         ui.add_space(2.0 * theme::SPACE);
@@ -45,18 +45,18 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-const fn tip(group: Group) -> &'static str {
+const fn tip(group: MenuGroup) -> &'static str {
     match group {
-        Group::File => "Open, save, export.",
-        Group::Edit => "Undo, and what is done to a point.",
-        Group::Frame => "Go from frame to frame, accept and reject.",
-        Group::Camera => "Where the camera stands: estimate it, load it, enter it.",
-        Group::View => "What is shown and how large.",
-        Group::Help => "Commands, keys, about this program.",
+        MenuGroup::File => "Open, save, export.",
+        MenuGroup::Edit => "Undo, and what is done to a point.",
+        MenuGroup::Frame => "Go from frame to frame, accept and reject.",
+        MenuGroup::Camera => "Where the camera stands: estimate it, load it, enter it.",
+        MenuGroup::View => "What is shown and how large.",
+        MenuGroup::Help => "Commands, keys, about this program.",
     }
 }
 
-fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: Group) {
+fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     ui.set_min_width(232.0);
     for command in Command::all().filter(|command| command.group() == group) {
         if SECTIONS.contains(&command) {

@@ -8,7 +8,7 @@ use touchline::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::media;
-use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
+use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::{Colour, Drawing};
 use touchline::scene::overlay::{OverlayScene, Standing, overlay};
@@ -43,7 +43,7 @@ fn drawing() -> Drawing {
 }
 
 fn picture(key: u64) -> Layer {
-    Layer::Picture(Picture {
+    Layer::Picture(PictureLayer {
         key: PictureKey(key),
         pixels: media::Picture::filled(SIZE, [40, 110, 50, 255]),
         brightness: 1.0,

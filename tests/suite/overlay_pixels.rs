@@ -4,7 +4,7 @@ use image::{Rgba, RgbaImage};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 use touchline::geometry::ImageSize;
 use touchline::media;
-use touchline::render::{Layer, Offscreen, Picture, PictureKey, View};
+use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use touchline::scene::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 
 const WHITE: Colour = Colour::rgb(255, 255, 255);
@@ -65,7 +65,7 @@ fn noise(width: u32, height: u32) -> RgbaImage {
 fn picture(key: u64, pixels: RgbaImage) -> Layer {
     let size = ImageSize::new(pixels.width(), pixels.height());
     let pixels = media::Picture::new(size, pixels.into_raw()).unwrap();
-    Layer::Picture(Picture { key: PictureKey(key), pixels, brightness: 1.0 })
+    Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness: 1.0 })
 }
 
 #[test]

@@ -46,7 +46,7 @@ impl Quantity {
 
 /// How a frame got its camera, as far as the curve tells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum PointKind {
     /// Begun, or solved and not looked at.
     Draft,
     /// Proposed, not looked at.
@@ -55,7 +55,7 @@ pub enum Kind {
     Reference,
 }
 
-impl Kind {
+impl PointKind {
     /// All of them, those drawn first come first.
     pub const ALL: [Self; 3] = [Self::Draft, Self::Suggested, Self::Reference];
 
@@ -91,7 +91,7 @@ pub struct CoursePoint {
     /// [`AngleRange::unwrapped`].
     pub values: [f64; 3],
     /// How it got them.
-    pub kind: Kind,
+    pub kind: PointKind,
     /// Counts the shots along the axis; points of one number are joined.
     pub shot: usize,
     /// How far it lies off its neighbours' way, px at 1920 px width; none without two neighbours.
@@ -164,7 +164,7 @@ impl Course {
                 course.cuts.push(f64::midpoint(then, at));
             }
             before = Some((at, frame.clip.as_ref()));
-            let (Some(ptz), Some(kind)) = (&frame.ptz, Kind::of(frame)) else { continue };
+            let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else { continue };
             let disagreement = found.get(index).copied().flatten();
             course.points.push(CoursePoint {
                 frame: index,
@@ -184,7 +184,7 @@ impl Course {
 
     /// How many points are of a kind.
     #[must_use]
-    pub fn count(&self, kind: Kind) -> usize {
+    pub fn count(&self, kind: PointKind) -> usize {
         self.points.iter().filter(|point| point.kind == kind).count()
     }
 
@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(found.cuts, [6.5]);
         let shots: Vec<usize> = found.points.iter().map(|point| point.shot).collect();
         assert_eq!(shots, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
-        assert_eq!((found.count(Kind::Reference), found.count(Kind::Suggested)), (1, 9));
+        assert_eq!((found.count(PointKind::Reference), found.count(PointKind::Suggested)), (1, 9));
         assert_eq!(found.whole, Some([1.0, 12.0]), "frames without a camera have their place in time, too");
         assert_eq!(found.within([3.0, 5.0]).len(), 3);
         assert_eq!(found.within([5.2, 5.1]).len(), 0);

@@ -10,7 +10,7 @@ mod seen;
 mod targets;
 mod thinned;
 
-pub use course::{Course, CoursePoint, Kind, Quantity, TimeAxis, within_whole, zoomed};
+pub use course::{Course, CoursePoint, PointKind, Quantity, TimeAxis, within_whole, zoomed};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use seen::Seen;
 pub use targets::{TargetErrors, by_target};

@@ -1,6 +1,6 @@
 //! What is drawn of a course that has more points than the screen has pixels.
 
-use super::{CoursePoint, Kind, Quantity};
+use super::{CoursePoint, PointKind, Quantity};
 
 /// What is drawn of the points of a span.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Column {
     /// Which column, from 0.
     pub column: usize,
     /// Of which kind.
-    pub kind: Kind,
+    pub kind: PointKind,
     /// The smallest value.
     pub low: f64,
     /// The largest value.
@@ -33,7 +33,7 @@ pub fn drawn(points: &[CoursePoint], quantity: Quantity, span: [f64; 2], columns
     }
     let per_unit = columns as f64 / (span[1] - span[0]);
     let mut found: Vec<Column> = Vec::new();
-    let mut open: [Option<Column>; Kind::ALL.len()] = [None; Kind::ALL.len()];
+    let mut open: [Option<Column>; PointKind::ALL.len()] = [None; PointKind::ALL.len()];
     for point in points {
         let column = (((point.at - span[0]) * per_unit) as usize).min(columns - 1);
         let value = point.value(quantity);
@@ -60,7 +60,7 @@ mod tests {
             frame,
             at: frame as f64,
             values: [(frame % 7) as f64, 0.0, 1000.0],
-            kind: if frame.is_multiple_of(10) { Kind::Reference } else { Kind::Suggested },
+            kind: if frame.is_multiple_of(10) { PointKind::Reference } else { PointKind::Suggested },
             shot: 0,
             apart_px: None,
             stands_out: false,
@@ -84,8 +84,8 @@ mod tests {
         };
         assert!(columns.len() <= 1000, "{}", columns.len());
         let spike: Vec<&Column> = columns.iter().filter(|column| column.high == 170.0).collect();
-        assert_eq!((spike.len(), spike[0].kind, spike[0].column), (1, Kind::Suggested, 216));
-        let references = columns.iter().filter(|column| column.kind == Kind::Reference).count();
+        assert_eq!((spike.len(), spike[0].kind, spike[0].column), (1, PointKind::Suggested, 216));
+        let references = columns.iter().filter(|column| column.kind == PointKind::Reference).count();
         assert_eq!(references, 500, "each column has two");
         assert!(columns.is_sorted_by_key(|column| (column.kind, column.column)), "references are drawn last");
         assert!(columns.iter().all(|column| column.low >= 0.0 && column.high >= column.low));

@@ -1,7 +1,7 @@
 //! Frames taken together.
 
 use super::{Evaluation, FrameResult, FrameScores, Measure};
-use crate::score::{Coverage, Summary};
+use crate::score::{SigmaCoverage, Summary};
 
 /// What makes frames a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl GroupKind {
 /// Some frames and what they score together. Errors are those of the frames that have a camera: read them beside the
 /// completeness.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
+pub struct FrameGroup {
     /// What makes it a group.
     pub kind: GroupKind,
     /// Which one: the shot's or camera's name, the range of the field of view in degrees.
@@ -50,13 +50,13 @@ pub struct Group {
     /// The same on the ground, m.
     pub held_out_m: Option<Summary>,
     /// How the stated sigmas keep their word.
-    pub coverage: Option<Coverage>,
+    pub coverage: Option<SigmaCoverage>,
 }
 
 /// The width of a bin of fields of view, degrees.
 const VIEW_BIN_DEG: f64 = 10.0;
 
-impl Group {
+impl FrameGroup {
     /// The share of the frames that have a camera.
     #[must_use]
     pub fn completeness(&self) -> f64 {
@@ -97,7 +97,7 @@ impl Group {
             clicks_px: pooled(|scores| &scores.clicks_px),
             held_out_px: pooled(|scores| &scores.held_out_px),
             held_out_m: pooled(|scores| &scores.held_out_m),
-            coverage: Coverage::of(&squared),
+            coverage: SigmaCoverage::of(&squared),
         }
     }
 }
@@ -106,9 +106,9 @@ impl Evaluation {
     /// All frames together, then by shot, by camera and by field of view; of a kind with a single group nothing is repeated.
     /// The seed decides the bootstrap intervals.
     #[must_use]
-    pub fn groups(&self, seed: u64) -> Vec<Group> {
+    pub fn groups(&self, seed: u64) -> Vec<FrameGroup> {
         let all: Vec<&FrameResult> = self.frames.iter().collect();
-        let mut groups = vec![Group::of(GroupKind::All, "all".to_owned(), &all, seed)];
+        let mut groups = vec![FrameGroup::of(GroupKind::All, "all".to_owned(), &all, seed)];
         let clip = |frame: &FrameResult| frame.clip.as_ref().map(ToString::to_string);
         let camera = |frame: &FrameResult| Some(frame.camera.as_str().to_owned());
         self.add(&mut groups, GroupKind::Clip, &clip, seed);
@@ -117,7 +117,13 @@ impl Evaluation {
         groups
     }
 
-    fn add(&self, groups: &mut Vec<Group>, kind: GroupKind, name: &dyn Fn(&FrameResult) -> Option<String>, seed: u64) {
+    fn add(
+        &self,
+        groups: &mut Vec<FrameGroup>,
+        kind: GroupKind,
+        name: &dyn Fn(&FrameResult) -> Option<String>,
+        seed: u64,
+    ) {
         let mut names: Vec<String> = self.frames.iter().filter_map(name).collect();
         alphanumeric_sort::sort_str_slice(&mut names);
         names.dedup();
@@ -127,7 +133,7 @@ impl Evaluation {
         for wanted in names {
             let of_group: Vec<&FrameResult> =
                 self.frames.iter().filter(|frame| name(frame).as_ref() == Some(&wanted)).collect();
-            groups.push(Group::of(kind, wanted, &of_group, seed));
+            groups.push(FrameGroup::of(kind, wanted, &of_group, seed));
         }
     }
 }

@@ -8,7 +8,7 @@ mod groups;
 mod measure;
 mod scores;
 
-pub use groups::{Group, GroupKind};
+pub use groups::{FrameGroup, GroupKind};
 pub use measure::Measure;
 pub use scores::FrameScores;
 

@@ -67,12 +67,12 @@ pub fn read_mat(bytes: &[u8]) -> Result<Vec<(String, MatValue)>, MatError> {
     while !reader.is_at_end() {
         let element = reader.element()?;
         match element.kind {
-            Kind::MATRIX => variables.push(element.inside(big_endian).matrix(0)?),
-            Kind::COMPRESSED => {
+            ElementType::MATRIX => variables.push(element.inside(big_endian).matrix(0)?),
+            ElementType::COMPRESSED => {
                 let unfolded = unfold(element.bytes)?;
                 let mut inner = Reader { bytes: &unfolded, at: 0, big_endian };
                 let element = inner.element()?;
-                if element.kind == Kind::MATRIX {
+                if element.kind == ElementType::MATRIX {
                     variables.push(element.inside(big_endian).matrix(0)?);
                 }
             }
@@ -95,9 +95,9 @@ fn unfold(bytes: &[u8]) -> Result<Vec<u8>, MatError> {
 
 /// The type of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Kind(u32);
+struct ElementType(u32);
 
-impl Kind {
+impl ElementType {
     const INT8: Self = Self(1);
     const UINT8: Self = Self(2);
     const INT16: Self = Self(3);
@@ -128,7 +128,7 @@ impl Kind {
 
 /// An element: its type, its bytes and where they begin.
 struct Element<'a> {
-    kind: Kind,
+    kind: ElementType,
     bytes: &'a [u8],
     at: usize,
 }
@@ -170,16 +170,16 @@ impl<'a> Reader<'a> {
         let first = self.word()?;
         if first >> 16 != 0 {
             // A small one: type and length share a word, and at most four bytes follow.
-            let (kind, length) = (Kind(first & 0xffff), (first >> 16) as usize);
+            let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
             let bytes = bytes.get(..length).ok_or(MatError::Damaged { at, what: "a small element is not small" })?;
             return Ok(Element { kind, bytes, at });
         }
-        let (kind, length) = (Kind(first), self.word()? as usize);
+        let (kind, length) = (ElementType(first), self.word()? as usize);
         let at = self.at;
         let bytes = self.take(length)?;
-        if kind != Kind::COMPRESSED {
+        if kind != ElementType::COMPRESSED {
             // Some programs leave out the padding at the very end.
             self.at = (at + length).next_multiple_of(8).min(self.bytes.len());
         }
@@ -196,7 +196,7 @@ impl<'a> Reader<'a> {
         Ok(bytes.chunks_exact(width).map(|number| self.number(kind, number)).collect())
     }
 
-    fn number(&self, kind: Kind, bytes: &[u8]) -> f64 {
+    fn number(&self, kind: ElementType, bytes: &[u8]) -> f64 {
         let mut low_first = [0u8; 8];
         for (place, byte) in low_first.iter_mut().zip(bytes) {
             *place = *byte;
@@ -206,12 +206,12 @@ impl<'a> Reader<'a> {
         }
         let bits = u64::from_le_bytes(low_first);
         match kind {
-            Kind::INT8 => f64::from(bits as u8 as i8),
-            Kind::INT16 => f64::from(bits as u16 as i16),
-            Kind::INT32 => f64::from(bits as u32 as i32),
-            Kind::INT64 => bits as i64 as f64,
-            Kind::SINGLE => f64::from(f32::from_bits(bits as u32)),
-            Kind::DOUBLE => f64::from_bits(bits),
+            ElementType::INT8 => f64::from(bits as u8 as i8),
+            ElementType::INT16 => f64::from(bits as u16 as i16),
+            ElementType::INT32 => f64::from(bits as u32 as i32),
+            ElementType::INT64 => bits as i64 as f64,
+            ElementType::SINGLE => f64::from(f32::from_bits(bits as u32)),
+            ElementType::DOUBLE => f64::from_bits(bits),
             _ => bits as f64,
         }
     }
@@ -255,7 +255,7 @@ impl<'a> Reader<'a> {
         (0..count)
             .map(|_| {
                 let element = self.element()?;
-                if element.kind != Kind::MATRIX {
+                if element.kind != ElementType::MATRIX {
                     return Err(MatError::Damaged { at: element.at, what: "an array is expected" });
                 }
                 element.inside(self.big_endian).matrix(depth + 1).map(|(_, value)| value)
@@ -282,7 +282,7 @@ impl<'a> Reader<'a> {
     /// The letters of an array of characters, whose columns stand one after the other: those of its first row.
     fn letters(&mut self, rows: Option<f64>) -> Result<String, MatError> {
         let Element { kind, bytes, at } = self.element()?;
-        if kind == Kind::UTF8 {
+        if kind == ElementType::UTF8 {
             return Ok(String::from_utf8_lossy(bytes).into_owned());
         }
         let width = kind.width().ok_or(MatError::Damaged { at, what: "letters are expected" })?;

@@ -122,7 +122,7 @@ fn without_roll(cam_from_world: &Mat3, position_m: Vec3, principal: ImagePoint, 
 
 /// Frames that one base explains.
 #[derive(Clone, Debug)]
-pub struct Group {
+pub struct SharedBase {
     /// The base.
     pub base: CameraBase,
     /// Which frames.
@@ -134,7 +134,7 @@ pub struct Group {
 /// Every frame's own position, with a level head and with one that leans as this frame does, is tried as the base of its
 /// neighbours; the one that most frames agree with is fitted again to them, they are taken out, and so on until no two frames
 /// agree.
-pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within_px: f64) -> Vec<Group> {
+pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within_px: f64) -> Vec<SharedBase> {
     let level = BaseAngles::default().base_from_world();
     let start_bases = |frame: usize| {
         let own = *fitted[frame].camera.base();
@@ -150,9 +150,9 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
     let mut left: Vec<usize> = (0..sampled.len()).collect();
     let try_base = |base: CameraBase| {
         let frames = left.iter().copied().filter(|&frame| agrees(&base, frame)).collect();
-        Group { base, frames }
+        SharedBase { base, frames }
     };
-    let mut tried: Vec<Group> = left.par_iter().flat_map_iter(|&frame| start_bases(frame).map(try_base)).collect();
+    let mut tried: Vec<SharedBase> = left.par_iter().flat_map_iter(|&frame| start_bases(frame).map(try_base)).collect();
     let mut found = Vec::new();
     // The first of equals, so that the order decides nothing else.
     while let Some((_, largest)) =
@@ -168,7 +168,7 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
             if frames.len() < group.frames.len() {
                 break;
             }
-            group = Group { base, frames };
+            group = SharedBase { base, frames };
         }
         left.retain(|frame| !group.frames.contains(frame));
         for other in &mut tried {
@@ -181,7 +181,7 @@ pub fn groups(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], within
 }
 
 /// A group's base, adjusted to all of its frames.
-fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &Group) -> CameraBase {
+fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &SharedBase) -> CameraBase {
     let clicks = |&frame: &usize| FrameClicks { observations: sampled[frame].observations(), start: None };
     let frames: Vec<FrameClicks> = group.frames.iter().map(clicks).collect();
     let start: Vec<Option<Ptz>> = group.frames.iter().map(|&frame| Some(level_ptz(&fitted[frame].camera))).collect();

@@ -10,7 +10,7 @@ use super::{ExperimentError, ExperimentOptions};
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Cell, Report, Table};
 use crate::score::{PlaneView, Summary};
-use fit::{Fitted, Group, Sampled, groups, under_one_base};
+use fit::{Fitted, Sampled, SharedBase, groups, under_one_base};
 use rayon::prelude::*;
 use read::{Homographies, SIZE, read_homographies};
 use std::path::Path;
@@ -187,7 +187,7 @@ fn placed(fitted: &[Fitted], frames: impl Iterator<Item = usize>) -> Vec<[f64; 2
 
 /// Of the frames of groups the share beside one of their own in the order of the set, and what it would be if the groups
 /// were strewn over the set.
-fn neighbours(groups: &[Group], frames: usize) -> (f64, f64) {
+fn neighbours(groups: &[SharedBase], frames: usize) -> (f64, f64) {
     let mut group_of = vec![None; frames];
     for (number, group) in groups.iter().enumerate() {
         for &frame in &group.frames {
@@ -202,7 +202,7 @@ fn neighbours(groups: &[Group], frames: usize) -> (f64, f64) {
     let counted = (0..frames).filter(|&frame| group_of[frame].is_some() && beside(frame)).count();
     // Either of two neighbours may be one of the group's others.
     let others = frames.saturating_sub(1).max(1) as f64;
-    let by_chance = |group: &Group| {
+    let by_chance = |group: &SharedBase| {
         let miss = 1.0 - (group.frames.len() - 1) as f64 / others;
         group.frames.len() as f64 * (1.0 - miss * miss)
     };
@@ -215,7 +215,7 @@ struct Found {
     what: &'static str,
     within_px: f64,
     one_base: usize,
-    groups: Vec<Group>,
+    groups: Vec<SharedBase>,
 }
 
 fn group_table(found: &[Found], frames: usize) -> Table {
@@ -243,7 +243,7 @@ fn group_table(found: &[Found], frames: usize) -> Table {
     table
 }
 
-fn positions(fitted: &[Fitted], groups: &[Group]) -> Figure {
+fn positions(fitted: &[Fitted], groups: &[SharedBase]) -> Figure {
     let alone = fitted.iter().map(|fitted| fitted.camera.base().position_m).map(|at| [at.x, at.y]);
     let shared = groups.iter().map(|group| [group.base.position_m.x, group.base.position_m.y]);
     Figure::new("", Axis::linear("along the field (m)"), Axis::linear("across (m)"))

@@ -1,7 +1,7 @@
 //! Every command and its key; a click on a key changes it.
 
 use super::sheet;
-use crate::app::{Action, Chord, Command, Group, Keymap};
+use crate::app::{Action, Chord, Command, Keymap, MenuGroup};
 use crate::ui::{Panel, theme};
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
 
@@ -65,10 +65,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add_space(theme::SPACE);
         ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
             ui.columns(2, |columns| {
-                for group in [Group::File, Group::Edit, Group::View] {
+                for group in [MenuGroup::File, MenuGroup::Edit, MenuGroup::View] {
                     table(panel, &mut columns[0], group, chosen);
                 }
-                for group in [Group::Frame, Group::Help] {
+                for group in [MenuGroup::Frame, MenuGroup::Help] {
                     table(panel, &mut columns[1], group, chosen);
                 }
                 fixed(&mut columns[1]);
@@ -77,7 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: Group, chosen: Option<Command>) {
+fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Command>) {
     theme::title(ui, &group.title().to_uppercase());
     Grid::new(("keys", group.title())).num_columns(2).min_col_width(KEY).spacing([12.0, 2.0]).show(ui, |ui| {
         for command in Command::all().filter(|command| command.group() == group) {

@@ -2,7 +2,7 @@
 
 use super::time::time_ticks;
 use super::{card, legend, nothing_yet};
-use crate::app::quality::{Course, CoursePoint, Drawn, Kind, Quantity, TimeAxis, drawn, within_whole, zoomed};
+use crate::app::quality::{Course, CoursePoint, Drawn, PointKind, Quantity, TimeAxis, drawn, within_whole, zoomed};
 use crate::app::review::{DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::document::Frame;
@@ -87,7 +87,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
     ui.add_space(2.0 * theme::SPACE);
     ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
         ui.add_space(2.0 * theme::SPACE);
-        for kind in [Kind::Reference, Kind::Suggested, Kind::Draft] {
+        for kind in [PointKind::Reference, PointKind::Suggested, PointKind::Draft] {
             let count = course.count(kind);
             if count > 0 {
                 legend::entry(ui, &legend::counted(kind, count), |painter, at| legend::mark(painter, at, kind));
@@ -209,7 +209,8 @@ impl Stack {
 
 /// What a screen reader says.
 fn told(course: &Course) -> String {
-    let counts = Kind::ALL.map(|kind| (kind, course.count(kind))).into_iter().rev().filter(|(_, count)| *count > 0);
+    let counts =
+        PointKind::ALL.map(|kind| (kind, course.count(kind))).into_iter().rev().filter(|(_, count)| *count > 0);
     let counts: Vec<String> = counts.map(|(kind, count)| legend::counted(kind, count)).collect();
     format!("Pan, tilt and focal length over time: {}", counts.join(", "))
 }
@@ -263,7 +264,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
             for shot in points.chunk_by(|a, b| a.shot == b.shot) {
                 painter.line(shot.iter().map(at).collect(), Stroke::new(1.0, theme::WEAK.gamma_multiply(0.6)));
             }
-            for kind in Kind::ALL {
+            for kind in PointKind::ALL {
                 for point in points.iter().filter(|point| point.kind == kind) {
                     legend::mark(painter, at(point), kind);
                 }
@@ -354,7 +355,7 @@ mod tests {
             frame: at as usize,
             at,
             values: [pan, 0.0, 1000.0],
-            kind: Kind::Suggested,
+            kind: PointKind::Suggested,
             shot: 0,
             apart_px: None,
             stands_out,

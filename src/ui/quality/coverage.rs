@@ -2,7 +2,7 @@
 
 use super::{card, legend, nothing_yet};
 use crate::app::Action;
-use crate::app::quality::{CoursePoint, Kind, Seen};
+use crate::app::quality::{CoursePoint, PointKind, Seen};
 use crate::app::where_to_label::whole_degrees;
 use crate::proposals::Coverage;
 use crate::ui::coverage_map::{CoverageMap, MISSING, label_next, missing, seen_by};
@@ -83,7 +83,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
     let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else { return };
     let app = panel.app;
     let on_map = |point: &CoursePoint| map.at(point.values[0], point.values[1]);
-    let looking = app.quality().course.points.iter().filter(|point| point.kind != Kind::Draft);
+    let looking = app.quality().course.points.iter().filter(|point| point.kind != PointKind::Draft);
     let nearest = looking.min_by(|a, b| {
         let distance = |point: &CoursePoint| on_map(point).distance_sq(pointer);
         distance(a).total_cmp(&distance(b))
@@ -93,8 +93,8 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
         "Pan {}, tilt {}: in sight of {} and {}.",
         whole_degrees(pan_deg),
         whole_degrees(tilt_deg),
-        legend::counted(Kind::Reference, count(&looks.references)),
-        legend::counted(Kind::Suggested, count(&looks.suggestions))
+        legend::counted(PointKind::Reference, count(&looks.references)),
+        legend::counted(PointKind::Suggested, count(&looks.suggestions))
     );
     let Some((point, frame)) = nearest.and_then(|point| Some((point, app.open()?.frame(point.frame)?))) else {
         map.response.clone().on_hover_text_at_pointer(seen);

@@ -1,6 +1,6 @@
 //! How the frames of each kind are marked on the page.
 
-use crate::app::quality::Kind;
+use crate::app::quality::PointKind;
 use crate::ui::theme;
 use egui::{
     Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
@@ -12,22 +12,22 @@ const ROW: f32 = 16.0;
 const MARK: f32 = 14.0;
 
 /// The colour of a kind.
-pub fn colour(kind: Kind) -> Color32 {
+pub fn colour(kind: PointKind) -> Color32 {
     theme::status_look(kind.status()).colour
 }
 
 /// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for what is begun.
-pub fn mark(painter: &Painter, at: Pos2, kind: Kind) {
+pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
     let stroke = Stroke::new(1.2, colour(kind));
     match kind {
-        Kind::Reference => {
+        PointKind::Reference => {
             painter.circle_filled(at, 2.8, stroke.color);
         }
-        Kind::Suggested => {
+        PointKind::Suggested => {
             let by = |x: f32, y: f32| pos2(at.x + 3.2 * x, at.y + 3.2 * y);
             painter.add(Shape::closed_line(vec![by(0.0, -1.0), by(1.0, 0.0), by(0.0, 1.0), by(-1.0, 0.0)], stroke));
         }
-        Kind::Draft => {
+        PointKind::Draft => {
             let square = Rect::from_center_size(at, vec2(4.6, 4.6));
             painter.rect_stroke(square, CornerRadius::ZERO, stroke, StrokeKind::Middle);
         }
@@ -52,11 +52,11 @@ pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Re
 }
 
 /// What a kind is called, with how many there are.
-pub fn counted(kind: Kind, count: usize) -> String {
+pub fn counted(kind: PointKind, count: usize) -> String {
     let (one, more) = match kind {
-        Kind::Reference => ("reference", "references"),
-        Kind::Suggested => ("suggestion", "suggestions"),
-        Kind::Draft => ("draft", "drafts"),
+        PointKind::Reference => ("reference", "references"),
+        PointKind::Suggested => ("suggestion", "suggestions"),
+        PointKind::Draft => ("draft", "drafts"),
     };
     format!("{count} {}", if count == 1 { one } else { more })
 }

@@ -18,7 +18,7 @@ use crate::app::Action;
 use crate::app::session::Mode;
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::media;
-use crate::render::{Layer, Picture, PictureKey};
+use crate::render::{Layer, PictureKey, PictureLayer};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
 
@@ -147,7 +147,7 @@ fn show_last(ui: &egui::Ui, placement: &Placement, rect: Rect) {
         && pixels.size() == placement.image_size
     {
         let brightness = if slow { DIMMED } else { 1.0 };
-        let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });
+        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness });
         canvas::paint(&ui.painter_at(rect), canvas::VIEWPORT, rect, placement.render_view(), vec![picture]);
     }
     if slow {
@@ -167,13 +167,13 @@ fn show_frame(
 ) {
     let rect = placement.rect;
     if panel.app.round().is_some() {
-        let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness: 1.0 });
+        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness: 1.0 });
         blind::show(panel, ui, placement, hold, &picture);
         return;
     }
     let overlay = Overlay::new(panel.app, hold, placement.scale);
     let brightness = if panel.app.session.masks { BELOW_MASKS } else { 1.0 };
-    let picture = Layer::Picture(Picture { key: PictureKey(key), pixels, brightness });
+    let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness });
     let trust = trust::layer(panel.app);
     let layers = std::iter::once(picture.clone()).chain(trust).chain(overlay.layers()).collect();
     let painter = ui.painter_at(rect);
