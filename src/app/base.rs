@@ -37,7 +37,7 @@ pub struct Estimating {
 impl Estimating {
     /// What is being done, in one sentence.
     #[must_use]
-    pub fn told(&self) -> String {
+    pub fn describe(&self) -> String {
         let far = self.progress.map(|BaseProgress { done, total }| format!(": {done} of {total} adjustments"));
         format!("Estimating the base from {}{}…", self.from, far.unwrap_or_default())
     }
@@ -108,7 +108,7 @@ impl BaseReadiness {
 
     /// What is to be done, and how far it is done.
     #[must_use]
-    pub fn told(&self) -> String {
+    pub fn describe(&self) -> String {
         format!(
             "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks. Done: {} of \
              {WIDE_FRAMES}.",

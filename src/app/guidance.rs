@@ -151,7 +151,7 @@ fn unnamed(frame: &Frame) -> Option<Guidance> {
 /// A base that is being estimated, or was found and waits for a decision.
 fn estimated(app: &App) -> Option<Guidance> {
     match &app.session.base {
-        BaseWork::Estimating(work) => Some(Guidance::say(work.told()).offer("Stop", Command::DropEstimatedBase)),
+        BaseWork::Estimating(work) => Some(Guidance::say(work.describe()).offer("Stop", Command::DropEstimatedBase)),
         BaseWork::Proposed(_) => {
             let text = match app.current().base {
                 Some(_) => "These are the lines with the estimated base. Hold B for the one you have.",
@@ -182,11 +182,11 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
         missing @ 1..LANDMARKS_ALONE => {
             format!(
                 "{here} of {LANDMARKS_ALONE} landmarks here; {missing} more, spread over the picture. {}",
-                ready.told()
+                ready.describe()
             )
         }
-        0 => format!("This frame has what it takes. Now one that looks elsewhere. {}", ready.told()),
-        _ => format!("Two clicks need a known camera. {}", ready.told()),
+        0 => format!("This frame has what it takes. Now one that looks elsewhere. {}", ready.describe()),
+        _ => format!("Two clicks need a known camera. {}", ready.describe()),
     };
     let mut guidance = Guidance::say(text).offer("Load a camera", Command::LoadCamera);
     guidance = if ready.wide == 0 {

@@ -123,7 +123,7 @@ impl Share {
 impl Doing {
     /// In words, with numbers.
     #[must_use]
-    pub fn told(self) -> String {
+    pub fn describe(self) -> String {
         let share = |what: &str, Share { done, of }: Share| format!("{what}: {done} of {of}");
         match self {
             Self::Nothing => "Nothing to do".to_owned(),

@@ -27,7 +27,7 @@ pub struct CameraChange {
 impl CameraChange {
     /// What a person reads.
     #[must_use]
-    pub fn told(&self) -> String {
+    pub fn describe(&self) -> String {
         format!(
             "The camera stopped fitting at frame {} ({:.0} px before, {:.0} px since).",
             thousands(self.frame + 1),

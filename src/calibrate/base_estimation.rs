@@ -271,7 +271,7 @@ impl EstimatedBase {
             let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
             let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
             if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
-                let message = format!("The names look mirrored: {}.", mirrored_words(mirrored));
+                let message = format!("The names look mirrored: {}.", describe_mirrored(mirrored));
                 solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
             }
         }
@@ -346,7 +346,7 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
 }
 /// What a frame named from the wrong side looks like, in numbers.
 #[must_use]
-pub fn mirrored_words(mirrored: &MirroredFrame) -> String {
+pub fn describe_mirrored(mirrored: &MirroredFrame) -> String {
     let exchanged = match mirrored.symmetry {
         Symmetry::MirrorX => "left and right",
         Symmetry::MirrorY => "near and far",

@@ -16,7 +16,7 @@ mod which_camera;
 
 pub use base_change::{CameraChange, camera_change};
 pub use base_estimation::{
-    BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, mirrored_words,
+    BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, describe_mirrored,
 };
 pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
 pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
@@ -24,6 +24,6 @@ pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub use gold::{can_choose_gold, choose_gold};
 pub use habits::habits;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
-pub use size_fit::size_words;
+pub use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub use which_camera::{BetterCamera, GiveError, better_camera, warn_of_better_camera};

@@ -102,7 +102,7 @@ impl Document {
 
 /// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
 #[must_use]
-pub fn size_words(size: &FittedSize) -> String {
+pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
     format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m)
 }

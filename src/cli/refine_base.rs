@@ -4,7 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{
-    BaseEstimationError, BaseProblem, EstimatedBase, SolveOutcome, mirrored_words, size_words, solve_document,
+    BaseEstimationError, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size, solve_document,
 };
 use crate::document::{CameraId, Document, DocumentAt};
 use crate::solve::base::{BaseOptions, CrownModel, LensModel};
@@ -67,7 +67,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
     if let Some(hand) = document.hand_in_use() {
-        messages.note(&hand.words());
+        messages.note(&hand.describe());
     }
     let options = BaseOptions {
         lens: match args.distortion {
@@ -158,7 +158,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         found.median_px, found.p90_px, found.crown_m
     ));
     for size in &estimated.sizes {
-        messages.note(&format!("{name}: field {}", size_words(size)));
+        messages.note(&format!("{name}: field {}", describe_size(size)));
     }
     if let Some(told) = found.one_view() {
         messages.note(&format!("{name}: {told}"));
@@ -170,7 +170,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         messages.note(&format!("{}: point {} is {error}{better}", frame_name(click.frame), click.click + 1));
     }
     for frame in &found.mirrored {
-        let words = mirrored_words(frame);
+        let words = describe_mirrored(frame);
         messages.note(&format!("{}: the names look mirrored: {words}", frame_name(frame.frame)));
     }
 }

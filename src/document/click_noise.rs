@@ -47,7 +47,7 @@ impl Hand {
 
     /// What the clicks are weighed by, in a sentence.
     #[must_use]
-    pub fn words(&self) -> String {
+    pub fn describe(&self) -> String {
         let [low, high] = self.sigma_interval_95_px;
         format!(
             "points are weighed by their annotator's own click noise: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks",

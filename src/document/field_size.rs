@@ -59,7 +59,7 @@ impl FieldSpec {
 
     /// What is said where the size is assumed.
     #[must_use]
-    pub fn assumed_size_told(&self) -> Option<String> {
+    pub fn describe_assumed_size(&self) -> Option<String> {
         self.assumed_size().map(|size| format!("Field size {size} is assumed."))
     }
 }
@@ -69,7 +69,7 @@ impl Document {
     pub(super) fn tell_assumed_sizes(&mut self) {
         let code = WarningCode::FieldAssumed.as_str();
         for index in 0..self.frames.len() {
-            let told = self.field_of(&self.frames[index]).assumed_size_told();
+            let told = self.field_of(&self.frames[index]).describe_assumed_size();
             let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else { continue };
             let solution = self.frames[index].solution.get_or_insert_default();
             solution.warnings.retain(|warning| warning.code != code);
@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn a_size_is_assumed_until_somebody_knows_it_where_the_rules_leave_a_choice() {
         let mut soccer = FieldSpec::new("soccer");
-        assert_eq!(soccer.assumed_size_told().unwrap(), "Field size 105 × 68 m is assumed.");
+        assert_eq!(soccer.describe_assumed_size().unwrap(), "Field size 105 × 68 m is assumed.");
         soccer.params.insert("width_m".to_owned(), 66.5);
         assert_eq!(soccer.assumed_size().unwrap(), "105 × 66.5 m");
         for known in [FieldSize::Confirmed, FieldSize::Fitted, FieldSize::Other("measured".into())] {

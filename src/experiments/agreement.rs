@@ -83,9 +83,9 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
             distances.p90
         );
     }
-    let _ = writeln!(text, "{}", agreement.noise_words());
+    let _ = writeln!(text, "{}", agreement.describe_noise());
     for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()) {
-        let _ = writeln!(text, "{}: {}.", frame.name, names_words(frame));
+        let _ = writeln!(text, "{}: {}.", frame.name, describe_names(frame));
     }
     text.push('\n');
     text.push_str(&write(&agreement_by_landmark(agreement)));
@@ -93,7 +93,7 @@ pub fn agreement_tables(agreement: &Agreement, write: fn(&Table) -> String) -> S
 }
 
 /// What the two call differently in a frame: the first few, and how many more.
-fn names_words(frame: &FrameAgreement) -> String {
+fn describe_names(frame: &FrameAgreement) -> String {
     const SHOWN: usize = 3;
     let shown: Vec<String> = frame
         .names

@@ -54,8 +54,8 @@ const SKETCH_BYTES: usize = DESCRIPTOR_BYTES / GROUP;
 /// Bytes of a descriptor that a byte of its sketch stands for.
 const GROUP: usize = 4;
 
-/// A quarter of a descriptor: the means of groups of four bytes. Two patches of one place differ in single cells, strangers
-/// in whole regions: how far two sketches are apart tells most strangers by a quarter of the memory.
+/// A quarter of a descriptor: the means of groups of four bytes. Two patches of one place differ in single cells, outliers
+/// in whole regions: how far two sketches are apart tells most outliers by a quarter of the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(align(32))]
 pub struct Sketch([u8; SKETCH_BYTES]);

@@ -141,10 +141,11 @@ impl Runner {
                     }
                     BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
                     BackgroundReport::Panicked(message) if task.kind == Kind::Estimate => {
-                        actions.push(Action::BaseEstimated(Err(format!("a mistake in this program: {message}"))));
+                        actions
+                            .push(Action::BaseEstimated(Err(format!("internal error (please report it): {message}"))));
                     }
                     BackgroundReport::Panicked(message) => {
-                        actions.push(Action::Failed(format!("a mistake in this program: {message}")));
+                        actions.push(Action::Failed(format!("internal error (please report it): {message}")));
                     }
                 }
             }

@@ -79,7 +79,7 @@ pub enum NoProposal {
     #[error(transparent)]
     Picture(#[from] PictureError),
     /// A mistake in this program.
-    #[error("a mistake in this program: {message}")]
+    #[error("internal error (please report it): {message}")]
     Panicked {
         /// The words of the panic.
         message: String,

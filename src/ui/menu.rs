@@ -210,7 +210,7 @@ fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
         (None, Some(brief)) => (brief, theme::WEAK),
         (None, None) => return,
     };
-    let tip = status.trouble.clone().unwrap_or_else(|| format!("{}.", status.doing.told()));
+    let tip = status.trouble.clone().unwrap_or_else(|| format!("{}.", status.doing.describe()));
     let says = ui.add(Button::new(RichText::new(text).small().color(colour)).frame(false));
     let key = panel.app.settings.keys.shown(Command::TrainerPanel);
     if says.on_hover_text(format!("{tip} Trainer panel: {key}.")).clicked() {

@@ -104,8 +104,10 @@ impl Pictures {
             match report {
                 DecoderReport::Notice(notice) => actions.push(Action::Notify(Level::Warning, notice.to_string())),
                 DecoderReport::Panicked { frame, message } => {
-                    actions
-                        .push(Action::Notify(Level::Error, format!("{frame}: a mistake in this program: {message}")));
+                    actions.push(Action::Notify(
+                        Level::Error,
+                        format!("{frame}: internal error (please report it): {message}"),
+                    ));
                 }
                 DecoderReport::Ready { .. } | DecoderReport::Failed { .. } | DecoderReport::Counting(_) => {}
             }

@@ -84,7 +84,7 @@ fn descriptors_asked_together_get_what_each_gets_alone() {
     let mut rng = rng("descriptors_asked_together_get_what_each_gets_alone");
     let scene = scene(500, &mut rng);
     let forest = trained(&samples(&scene, 2, &mut rng), &TrainOptions { leaf_samples: 8, ..TrainOptions::default() });
-    // Some more than full groups, strangers among them.
+    // Some more than full groups, outliers among them.
     let mut asked: Vec<Descriptor> = scene.iter().take(67).map(|(known, _)| disturbed(known, 20, &mut rng)).collect();
     asked.insert(5, Descriptor([0; DESCRIPTOR_BYTES]));
     let (mut search, mut alone) = (Search::default(), Vec::new());

@@ -96,7 +96,7 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let (frames, before) = (30, 12 + round);
         let mut document = document(frames, before, 2.0, &mut rng);
         let Some(change) = camera_change(&document, &"main".into(), &field()) else { continue };
-        println!("{before}: {} {}", change.frame, change.told());
+        println!("{before}: {} {}", change.frame, change.describe());
         assert!(change.frame.abs_diff(before) <= 2, "{} for {before}", change.frame);
         assert!((change.base.position_m - bumped().position_m).norm() < 1.0, "{:?}", change.base.position_m);
         found += 1;
@@ -210,7 +210,7 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
     solve(&mut document);
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let change = camera_change(&document, &first, &fields.of_cameras(&document)[0]).unwrap();
-    println!("{} ({begins})", change.told());
+    println!("{} ({begins})", change.describe());
     assert!(change.frame.abs_diff(begins) <= 2, "{} for {begins}", change.frame);
 }
 

@@ -6,7 +6,7 @@ use crate::app::Command;
 use crate::app::action::Effect;
 use crate::app::base::{BaseReadiness, BaseWork, Estimating};
 use crate::app::session::{Level, Panel};
-use crate::calibrate::{EstimatedBase, size_words};
+use crate::calibrate::{EstimatedBase, describe_size};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
 use crate::solve::base::BaseProgress;
@@ -24,7 +24,7 @@ impl App {
         let ready = self.base_readiness();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
         if ready.wide == 0 && self.current.base.is_none() {
-            self.session.notify(Level::Info, format!("Not enough to go by yet. {}", ready.told()));
+            self.session.notify(Level::Info, format!("Not enough to go by yet. {}", ready.describe()));
             return;
         }
         self.effects.push(Effect::EstimateBase {
@@ -62,7 +62,7 @@ impl App {
         }
         match found {
             Ok(found) => {
-                let text = told(&found);
+                let text = describe(&found);
                 self.session.base = BaseWork::Proposed(found.into());
                 self.session.notify_with(Level::Info, text, Some(("Use it", Command::UseEstimatedBase)));
             }
@@ -141,7 +141,7 @@ impl App {
 }
 
 /// The outcome in one sentence, with what it was before.
-fn told(found: &EstimatedBase) -> String {
+fn describe(found: &EstimatedBase) -> String {
     let estimate = &found.estimate;
     let frames = estimate.frames.iter().flatten().count();
     let before = estimate
@@ -150,7 +150,7 @@ fn told(found: &EstimatedBase) -> String {
         .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
         .unwrap_or_default();
     let one_view = estimate.one_view().map_or_else(String::new, |told| format!(" But {told}."));
-    let sizes: Vec<String> = found.sizes.iter().map(size_words).collect();
+    let sizes: Vec<String> = found.sizes.iter().map(describe_size).collect();
     let sizes = if sizes.is_empty() { String::new() } else { format!(" Field {}.", sizes.join(", ")) };
     format!(
         "Base found from {}: points fit to {:.1} px, median{before}.{sizes}{one_view}",

@@ -136,7 +136,7 @@ impl App {
             if self.session.told_change.as_ref() != Some(&told) {
                 self.session.told_change = Some(told);
                 let offer = Some(("New camera from here", Command::NewCameraFromChange));
-                self.session.notify_with(Level::Warning, change.told(), offer);
+                self.session.notify_with(Level::Warning, change.describe(), offer);
             }
         }
         self.watched = Some(Watched { revision, camera, change });

@@ -203,11 +203,11 @@ impl App {
         let Some(clicked) = self.round().map(Reclick::clicked) else { return };
         self.session.mode = Mode::Idle;
         self.refresh_gold();
-        let (text, offer) = self.told_of_round(clicked);
+        let (text, offer) = self.describe_round(clicked);
         self.session.notify_with(Level::Info, text, offer);
     }
 
-    fn told_of_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
+    fn describe_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
         let own = &self.gold.own;
         let clicked = match clicked {
             0 => return ("Nothing was clicked again.".to_owned(), None),

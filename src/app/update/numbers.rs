@@ -118,7 +118,7 @@ impl App {
 
     /// Says that the size of the field is assumed, with the way out.
     pub(super) fn tell_assumed_size(&mut self) {
-        if let Some(told) = self.shown_field_spec().and_then(FieldSpec::assumed_size_told) {
+        if let Some(told) = self.shown_field_spec().and_then(FieldSpec::describe_assumed_size) {
             self.session.notify_with(Level::Info, told, Some(("Confirm", Command::ConfirmFieldSize)));
         }
     }

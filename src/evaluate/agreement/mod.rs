@@ -70,7 +70,7 @@ pub struct LandmarkAgreement {
 impl Agreement {
     /// What one hand scatters by, in a sentence.
     #[must_use]
-    pub fn noise_words(&self) -> String {
+    pub fn describe_noise(&self) -> String {
         let copies = match self.copies {
             0 => String::new(),
             1 => " 1 click is a copy and takes no part.".to_owned(),

@@ -96,7 +96,7 @@ pub enum SetKind {
 
 impl SetKind {
     /// What stands in headings.
-    pub const fn words(self) -> &'static str {
+    pub const fn describe(self) -> &'static str {
         match self {
             Self::Drawn => "drawn",
             Self::Published => "the authors' published data",
@@ -119,7 +119,7 @@ pub struct Split {
 impl FrameSet {
     /// A heading that says what kind of frames it is about, so that nobody takes a drawn set for a real one.
     pub fn heading(&self, words: &str) -> String {
-        format!("{words} ({})", self.kind.words())
+        format!("{words} ({})", self.kind.describe())
     }
 
     /// What some frames teach, and where they looked; none without features.

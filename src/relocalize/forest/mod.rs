@@ -10,7 +10,7 @@
 //! # Where it departs from the paper, and what was tried
 //!
 //! The published forest ([`TrainOptions::published`]) goes on until a leaf has one sample or depth 20 is reached, and knows
-//! a leaf by the mean of its samples. That loses twice: one miss on a long way down ends at a stranger, and at depth 20
+//! a leaf by the mean of its samples. That loses twice: one miss on a long way down ends at an outlier, and at depth 20
 //! leaves mix places. On the drawn references and frames of the bench, 1000 SIFT features a frame (all 120 000 samples
 //! known; a search through all of them names .675 of the rays within 0.5°), share of rays within 0.5° and time for a
 //! frame's features on a busy machine, by a search of one descriptor after another:
@@ -26,7 +26,7 @@
 //! | 3 trees, leaves of 32, 3 leaves in all (the default) | .614 | 1.0 |
 //! | 5 trees, leaves of 32, 5 leaves in all | .638 | 2.4 |
 //!
-//! Now descriptors are looked up in groups, and strangers are told by sketches of a quarter of their bytes: 0.7 ms for the
+//! Now descriptors are looked up in groups, and outliers are told by sketches of a quarter of their bytes: 0.7 ms for the
 //! default and .604 of the rays, 1.2 ms and .633 for 5 trees. Of what a leaf holds, .12 are within the gate; left to compare
 //! with one in a hundred of these lost: .15 by sketches of two by two cells that are allowed half of the gate, .16 by those
 //! of rows of four cells, .22 by a bit for each byte. A bound that loses none leaves .41 by two by two cells, .54 by rows,
@@ -52,7 +52,7 @@
 //! | confirmed by a quarter | 73 000, .533 | 19 %, 138 and 99 |
 //!
 //! Accuracy was the same throughout. What one reference alone shows is what a frame between the references needs, and
-//! consensus leaves strangers out at no cost; the search for confirmation costs more than the training.
+//! consensus leaves outliers out at no cost; the search for confirmation costs more than the training.
 
 mod file;
 mod leaf;

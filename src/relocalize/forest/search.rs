@@ -21,7 +21,7 @@ const NEAREST: usize = 12;
 
 /// A descriptor is compared if its sketch has no more than the gate's squared distance divided by this. Of SIFT
 /// descriptors that pass the gate, one in a hundred has more than half its squared distance in its sketch, and that one
-/// passes narrowly; of strangers in the same leaf, one in thirty has less.
+/// passes narrowly; of outliers in the same leaf, one in thirty has less.
 const SKETCH_SHARE: u32 = 2;
 
 /// A branch missed by more than this share of the best squared distance is not followed: a miss in a few bytes grows with

@@ -233,8 +233,8 @@ impl Search<'_> {
         // The longest beginnings first: they name the part best.
         for (part, other) in parts.into_iter().rev() {
             let renamed = self.clicks.iter().map(|click| self.in_part(click.element?, &part, &other));
-            let [in_words, other_in_words] = [&part, &other].map(|part| part.replace('_', " "));
-            let kind = IdentityKind::OtherPart { named: in_words, fits: other_in_words };
+            let [named, fits] = [&part, &other].map(|part| part.replace('_', " "));
+            let kind = IdentityKind::OtherPart { named, fits };
             let Some(hypothesis) = self.with_names(kind, renamed) else { continue };
             if hypothesis.renames.len() > 1 && found.iter().all(|known| known.renames != hypothesis.renames) {
                 found.push(hypothesis);

@@ -5,8 +5,8 @@
 //! other as named and fit when renamed; where a few clicks fit both ways, what the camera usually does decides, and where
 //! that is not known either, both are shown.
 
+mod describe;
 mod hypotheses;
-mod words;
 
 use super::{FrameSolution, Loss, Observation, SolveContext};
 use crate::camera::{CameraBase, Ptz};

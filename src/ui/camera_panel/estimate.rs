@@ -47,7 +47,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let text = if ready.is_enough() {
             format!("{} frames tell where the camera stands. More only help.", ready.wide)
         } else {
-            ready.told()
+            ready.describe()
         };
         ui.add(Label::new(text).wrap());
     }
@@ -60,7 +60,7 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
         let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
-        if button.on_hover_text(tip).on_disabled_hover_text(ready.told()).clicked() {
+        if button.on_hover_text(tip).on_disabled_hover_text(ready.describe()).clicked() {
             panel.actions.push(Action::Command(Command::EstimateBase));
         }
         ui.label(RichText::new(counted(&ready)).color(theme::WEAK));

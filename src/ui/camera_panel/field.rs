@@ -113,7 +113,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number
 /// Whether the size is known.
 fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     ui.add_space(theme::SPACE);
-    let known = match (spec.assumed_size_told(), spec.size()) {
+    let known = match (spec.describe_assumed_size(), spec.size()) {
         (Some(told), _) => {
             ui.horizontal_top(|ui| {
                 symbol::show(ui, Symbol::Warning, theme::CAUTION);

@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     ui.horizontal_top(|ui| {
         symbol::show(ui, Symbol::Warning, theme::CAUTION);
         ui.vertical(|ui| {
-            ui.add(Label::new(change.told()).wrap());
+            ui.add(Label::new(change.describe()).wrap());
             ui.horizontal(|ui| {
                 let command = Command::NewCameraFromChange;
                 let tip = panel.app.settings.keys.tooltip(command);

@@ -27,7 +27,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
             ui.label("Every suggestion that is right with at least");
             review::threshold(panel, ui);
         });
-        ui.add(Label::new(RichText::new(told(panel, &bulk)).color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(describe(panel, &bulk)).color(theme::STRONG)).wrap());
         disagreeing(panel, ui, &bulk);
         ui.add_space(theme::SPACE);
         let room = ui.available_height().min(SIZE.y - 170.0);
@@ -38,7 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-fn told(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
+fn describe(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
     let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
         let best = panel.app.review().rows.iter().filter_map(|row| row.confidence).max_by(f64::total_cmp);
         let best = best.map_or_else(String::new, |best| format!(" The most certain has {}.", percent(best)));

@@ -7,7 +7,7 @@ use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 
 /// What is asked, what the button says, and an example.
-const fn words(question: Question) -> (&'static str, &'static str, &'static str) {
+const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
     match question {
         Question::Project => ("Open a project or dataset", "Open", "/matches/final/project.json"),
         Question::Folder => ("Open a folder of frames", "Open", "/matches/final/frames"),
@@ -27,7 +27,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let opened = has_just_opened(ctx, "path");
     let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
     let mut typed = known.filter(|_| !opened).unwrap_or_default();
-    let (title, does, example) = words(question);
+    let (title, does, example) = describe(question);
     sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
         ui.label(RichText::new("This system shows no file dialog; type or paste the path.").color(theme::WEAK));
         let field = TextEdit::singleline(&mut typed).hint_text(example).desired_width(f32::INFINITY);

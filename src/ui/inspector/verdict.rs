@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(theme::TEXT)).wrap());
                 ways_out(panel, ui, &judgement.reason);
             }
-            (None, Some(Err(error))) => said(ui, &in_words(error)),
+            (None, Some(Err(error))) => said(ui, &describe_error(error)),
             (None, _) if app.frame().is_some_and(proposed) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not know what it shows");
@@ -81,7 +81,7 @@ fn said(ui: &mut Ui, text: &str) {
 }
 
 /// An error as one calm line.
-fn in_words(error: &CalibrationError) -> String {
+fn describe_error(error: &CalibrationError) -> String {
     match error {
         CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
             "One more point decides.".to_owned()

@@ -67,7 +67,7 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let pointed = Scatter { name: "The other's clicks around these", offsets: &offsets, sigma_px }.show(ui);
         ui.vertical(|ui| {
             ui.set_width(COLUMN);
-            words(ui, agreement);
+            describe(ui, agreement);
             if let Some(((frame, pair), clicked)) =
                 pointed.and_then(|(index, clicked)| Some((pairs.get(index)?, clicked)))
             {
@@ -92,7 +92,7 @@ fn look_at(frame: &FrameAgreement, click: usize) -> Action {
     Action::LookAt { frame: frame.frames[0], click: Some(click) }
 }
 
-fn words(ui: &mut Ui, agreement: &Agreement) {
+fn describe(ui: &mut Ui, agreement: &Agreement) {
     let mut text = String::new();
     if let Some(distances) = &agreement.distances {
         text = format!(
@@ -103,7 +103,7 @@ fn words(ui: &mut Ui, agreement: &Agreement) {
             distances.p90
         );
     }
-    text.push_str(&agreement.noise_words());
+    text.push_str(&agreement.describe_noise());
     let here = agreement.lone.iter().filter(|lone| lone.by_first).count();
     let there = agreement.lone.len() - here;
     if here + there > 0 {

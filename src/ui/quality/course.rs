@@ -127,7 +127,7 @@ impl Stack {
 
     /// Draws the plots and reads the pointer; the point under it is returned.
     fn show<'a>(&self, panel: &mut Panel<'_>, ui: &Ui, course: &'a Course, whole: [f64; 2]) -> Option<&'a CoursePoint> {
-        let told = told(course);
+        let told = describe(course);
         self.response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &told));
         let under = self.response.hover_pos().and_then(|pointer| self.nearest(course, pointer));
         if ui.is_rect_visible(self.rect) {
@@ -208,7 +208,7 @@ impl Stack {
 }
 
 /// What a screen reader says.
-fn told(course: &Course) -> String {
+fn describe(course: &Course) -> String {
     let counts =
         PointKind::ALL.map(|kind| (kind, course.count(kind))).into_iter().rev().filter(|(_, count)| *count > 0);
     let counts: Vec<String> = counts.map(|(kind, count)| legend::counted(kind, count)).collect();
@@ -290,13 +290,13 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
         ui.label(RichText::new(text).small().color(theme::WEAK));
         return;
     };
-    let text = told_of(point, frame, course.axis);
+    let text = describe_point(point, frame, course.axis);
     let colour = if point.stands_out { theme::BAD } else { theme::STRONG };
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
 }
 
 /// A frame in words.
-fn told_of(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
+fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let [pan_deg, tilt, focal] = point.values;
     let pan = Angle::from_degrees(pan_deg).wrapped();
     let shot = frame.clip.as_ref().map(|clip| format!(", shot {clip}")).unwrap_or_default();

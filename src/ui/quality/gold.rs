@@ -33,7 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let pointed = Scatter { name: "Blind clicks around the label", offsets: &offsets, sigma_px }.show(ui);
             ui.vertical(|ui| {
                 ui.set_width(COLUMN);
-                words(panel, ui, own);
+                describe(panel, ui, own);
                 let under = pointed.and_then(|(index, clicked)| Some((own.offsets.get(index)?, clicked)));
                 if let Some((repeat, clicked)) = under {
                     let label = app.label(&Target::Landmark(repeat.landmark.clone()));
@@ -76,7 +76,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.label(RichText::new(format!("{gold} gold frame{plural}")).small().color(theme::WEAK));
 }
 
-fn words(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
+fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let said = match &own.noise {
         Some(noise) => {
             let [low, high] = noise.interval_95;

@@ -36,16 +36,16 @@ fn clock(at_s: f64) -> String {
 mod tests {
     use super::*;
 
-    fn words(axis: TimeAxis, span: [f64; 2]) -> Vec<String> {
+    fn describe(axis: TimeAxis, span: [f64; 2]) -> Vec<String> {
         time_ticks(axis, span, 4.0).into_iter().map(|(_, words)| words).collect()
     }
 
     #[test]
     fn time_has_numbers_that_a_person_counts_in() {
-        assert_eq!(words(TimeAxis::Frame, [1.0, 812.0]), ["200", "400", "600", "800"]);
-        assert_eq!(words(TimeAxis::Frame, [3.0, 4.0]), ["3", "4"]);
-        assert_eq!(words(TimeAxis::Video, [0.0, 100.0]), ["0:00", "0:30", "1:00", "1:30"]);
-        assert_eq!(words(TimeAxis::Video, [3599.0, 9000.0]), ["60:00", "90:00", "120:00", "150:00"]);
-        assert_eq!(words(TimeAxis::Video, [1.0, 2.0]), ["1.0 s", "1.2 s", "1.4 s", "1.6 s", "1.8 s", "2.0 s"]);
+        assert_eq!(describe(TimeAxis::Frame, [1.0, 812.0]), ["200", "400", "600", "800"]);
+        assert_eq!(describe(TimeAxis::Frame, [3.0, 4.0]), ["3", "4"]);
+        assert_eq!(describe(TimeAxis::Video, [0.0, 100.0]), ["0:00", "0:30", "1:00", "1:30"]);
+        assert_eq!(describe(TimeAxis::Video, [3599.0, 9000.0]), ["60:00", "90:00", "120:00", "150:00"]);
+        assert_eq!(describe(TimeAxis::Video, [1.0, 2.0]), ["1.0 s", "1.2 s", "1.4 s", "1.6 s", "1.8 s", "2.0 s"]);
     }
 }

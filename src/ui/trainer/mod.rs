@@ -71,7 +71,7 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let said = match status.doing {
         Doing::Nothing if status.references == 0 => "Waits for the first reference.".to_owned(),
         Doing::Nothing => "Nothing to do: every frame is answered that can be.".to_owned(),
-        doing => format!("{}.", doing.told()),
+        doing => format!("{}.", doing.describe()),
     };
     ui.add(Label::new(said).wrap());
     if let Some(share) = status.doing.share() {
