@@ -9,7 +9,7 @@ use crate::geometry::Vec3;
 use crate::render::{Layer, Offscreen, View};
 use crate::scene::OverlayStyle;
 use crate::scene::field_map::{FieldMap, SURROUND, field_map};
-use crate::scene::overlay::{OverlayScene, Standing};
+use crate::scene::overlay::OverlayScene;
 use anyhow::{Context as _, bail};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -216,17 +216,7 @@ fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
     let px_per_m = MAP_WIDTH_PX / (field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M);
     let map = FieldMap::new(field, MAP_MARGIN_M, px_per_m);
     let size = map.size_px();
-    let scene = OverlayScene {
-        field,
-        camera: None,
-        standing: Standing::Solved,
-        image_size: size,
-        clicks: &[],
-        selected: None,
-        disputed: &[],
-        style: &OverlayStyle::default(),
-        zoom: 1.0,
-    };
+    let scene = OverlayScene::new(field, size, &OverlayStyle::default());
     let drawing = field_map(&scene, &map);
     let layers = [Layer::Drawing(Arc::new(drawing.ground)), Layer::Drawing(Arc::new(drawing.over))];
     let drawn = Offscreen::new()?.render(&View::one_to_one([size.width, size.height]), SURROUND, &layers)?;

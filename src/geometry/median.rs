@@ -8,10 +8,10 @@ pub fn median(values: &mut [f64]) -> Option<f64> {
     Some(if odd { at } else { f64::midpoint(below.iter().copied().fold(f64::NEG_INFINITY, f64::max), at) })
 }
 
-/// The upper median of numbers in any order, which it reorders: of two in the middle the greater, so that it is always one
+/// The high median of numbers in any order, which it reorders: of two in the middle the greater, so that it is always one
 /// of the numbers. None without any.
 #[must_use]
-pub fn upper_median(values: &mut [f64]) -> Option<f64> {
+pub fn median_high(values: &mut [f64]) -> Option<f64> {
     split_at_middle(values).map(|(_, at)| at)
 }
 
@@ -32,8 +32,8 @@ mod tests {
     fn medians_in_any_order() {
         assert_eq!(median(&mut [5.0, 1.0, 3.0]), Some(3.0));
         assert_eq!(median(&mut [5.0, 1.0, 3.0, 4.0]), Some(3.5));
-        assert_eq!(upper_median(&mut [5.0, 1.0, 3.0, 4.0]), Some(4.0));
-        assert_eq!(upper_median(&mut [7.0]), Some(7.0));
-        assert_eq!((median(&mut []), upper_median(&mut [])), (None, None));
+        assert_eq!(median_high(&mut [5.0, 1.0, 3.0, 4.0]), Some(4.0));
+        assert_eq!(median_high(&mut [7.0]), Some(7.0));
+        assert_eq!((median(&mut []), median_high(&mut [])), (None, None));
     }
 }

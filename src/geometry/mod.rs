@@ -16,7 +16,7 @@ pub use angle::Angle;
 pub use angle_range::AngleRange;
 pub use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
-pub use median::{median, upper_median};
+pub use median::{median, median_high};
 pub use segment::distance_from_segment;
 pub use text::{hex, thousands};
 

@@ -7,7 +7,7 @@ use super::consensus::{Consensus, find_consensus};
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, NotFound, RayMatches};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::score::median_rayleigh;
 use crate::solve::{Loss, Observation, Uncertainty, refine_until};
 use std::collections::BTreeSet;
@@ -168,8 +168,7 @@ fn refine_over_all(
             return None;
         }
         let mut distances: Vec<f64> = near.iter().map(|(_, distance_px)| *distance_px).collect();
-        distances.sort_by(f64::total_cmp);
-        let sigma_px = (distances[distances.len() / 2] / median_rayleigh()).max(MIN_SIGMA_PX * scale);
+        let sigma_px = (median_high(&mut distances)? / median_rayleigh()).max(MIN_SIGMA_PX * scale);
         if round == ROUNDS {
             let rms_px = (distances.iter().map(|d| d * d).sum::<f64>() / distances.len() as f64).sqrt();
             let inliers = near.into_iter().map(|(feature, _)| feature).collect();

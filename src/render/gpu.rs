@@ -3,9 +3,13 @@
 use super::shaders::Shader;
 
 /// What is needed to put something on the GPU.
-pub(super) struct Gpu<'a> {
+#[derive(Debug)]
+pub struct Gpu<'a> {
+    /// Makes buffers and textures.
     pub device: &'a wgpu::Device,
+    /// Takes their contents.
     pub queue: &'a wgpu::Queue,
+    /// Records what is drawn before a canvas's own pass.
     pub encoder: &'a mut wgpu::CommandEncoder,
 }
 

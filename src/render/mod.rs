@@ -22,6 +22,7 @@ mod stroke;
 mod text;
 mod view;
 
+pub use gpu::Gpu;
 pub use layer::{Layer, PictureKey, PictureLayer};
 pub use offscreen::{AdapterReport, Offscreen, RenderError};
 pub use picture::SMOOTH_UP_TO_SCALE;

@@ -1,5 +1,6 @@
 //! A device without a window, and pictures instead of a screen.
 
+use super::gpu::Gpu;
 use super::layer::Layer;
 use super::renderer::{CanvasId, Renderer};
 use super::text::write_labels;
@@ -140,7 +141,8 @@ impl Offscreen {
         }
         let target = ReadbackTexture::new(&self.device, width, height);
         let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        self.renderer.prepare(&self.device, &self.queue, &mut encoder, CANVAS, view, layers);
+        let gpu = Gpu { device: &self.device, queue: &self.queue, encoder: &mut encoder };
+        self.renderer.prepare(gpu, CANVAS, view, layers);
         target.draw(&mut encoder, &self.renderer, CANVAS, background);
         self.queue.submit([encoder.finish()]);
         let mut picture = target.read_back(&self.device)?;
@@ -249,7 +251,7 @@ mod tests {
         let Offscreen { device, queue, renderer, .. } = &mut offscreen;
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         for (canvas, (view, layers)) in (1..).map(CanvasId).zip(views.iter().zip(&layers)) {
-            renderer.prepare(device, queue, &mut encoder, canvas, view, layers);
+            renderer.prepare(Gpu { device, queue, encoder: &mut encoder }, canvas, view, layers);
         }
         let targets = [1, 2].map(|canvas| {
             let [width, height] = views[canvas - 1].size_px;

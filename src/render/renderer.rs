@@ -39,17 +39,8 @@ impl Renderer {
     /// Uploads what a canvas's layers need and records the passes that go before `paint`'s.
     ///
     /// To be called at most once per canvas between two submissions: a second call replaces the first.
-    pub fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        encoder: &mut wgpu::CommandEncoder,
-        id: CanvasId,
-        view: &View,
-        layers: &[Layer],
-    ) {
-        let canvas = self.canvases.entry(id).or_insert_with(|| Canvas::new(device, &self.pipelines));
-        let mut gpu = Gpu { device, queue, encoder };
+    pub fn prepare(&mut self, mut gpu: Gpu<'_>, id: CanvasId, view: &View, layers: &[Layer]) {
+        let canvas = self.canvases.entry(id).or_insert_with(|| Canvas::new(gpu.device, &self.pipelines));
         canvas.prepare(&mut gpu, &self.pipelines, &mut self.pictures, view, layers);
     }
 

@@ -232,7 +232,6 @@ mod tests {
     use crate::field::builtin;
     use crate::geometry::Angle;
     use crate::scene::OverlayStyle;
-    use crate::scene::overlay::Standing;
     use std::collections::BTreeMap;
 
     const SIZE: ImageSize = ImageSize::new(640, 360);
@@ -263,17 +262,7 @@ mod tests {
     #[test]
     fn the_map_shows_the_markings_and_what_the_picture_shows() {
         let (field, camera, style) = (field(), camera(-60.0, 0.0), OverlayStyle::default());
-        let scene = OverlayScene {
-            field: &field,
-            camera: Some(&camera),
-            standing: Standing::Solved,
-            image_size: SIZE,
-            clicks: &[],
-            selected: None,
-            disputed: &[],
-            style: &style,
-            zoom: 1.0,
-        };
+        let scene = OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &style) };
         let drawing = field_map(&scene, &FieldMap::new(&field, 5.0, 10.0));
         let on_ground = field.lines.iter().filter(|line| lies_on_ground(line)).count();
         assert_eq!(drawing.over.strokes[0].strokes.len(), on_ground);

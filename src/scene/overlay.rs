@@ -61,6 +61,38 @@ pub struct OverlayScene<'a> {
     pub zoom: f64,
 }
 
+impl<'a> OverlayScene<'a> {
+    /// A field over a picture of this size, without camera or clicks, one canvas px for a px of the picture.
+    #[must_use]
+    pub const fn new(field: &'a FieldModel, image_size: ImageSize, style: &'a OverlayStyle) -> Self {
+        Self {
+            field,
+            camera: None,
+            standing: Standing::Solved,
+            image_size,
+            clicks: &[],
+            selected: None,
+            disputed: &[],
+            style,
+            zoom: 1.0,
+        }
+    }
+}
+
+/// The colour of a click's marker while it is not selected.
+#[must_use]
+pub fn click_colour(click: &Click, disputed: bool) -> Colour {
+    if disputed {
+        DISPUTED
+    } else if click.target.is_none() {
+        UNNAMED
+    } else if click.check {
+        CHECK
+    } else {
+        CLICK
+    }
+}
+
 /// The whole overlay: lines, landmarks, and the clicks on top.
 #[must_use]
 pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
@@ -148,15 +180,7 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
     let mut whiskers = Vec::new();
     for (index, click) in scene.clicks.iter().enumerate().filter(|(_, click)| click.image.is_finite()) {
         let selected = scene.selected == Some(index);
-        let kind = if scene.disputed.contains(&index) {
-            DISPUTED
-        } else if click.target.is_none() {
-            UNNAMED
-        } else if click.check {
-            CHECK
-        } else {
-            CLICK
-        };
+        let kind = click_colour(click, scene.disputed.contains(&index));
         let colour = if selected && kind == CLICK { SELECTED } else { kind };
         if let Some(predicted) = predicted(scene, click) {
             let times = if scene.style.residuals_times_ten { 10.0 } else { 1.0 };

@@ -3,7 +3,7 @@
 use super::frame::SAME_FIT;
 use super::{FrameSolution, Observation, SolveContext, Warning, WarningCode};
 use crate::camera::PtzCamera;
-use crate::geometry::{ImagePoint, Vec2};
+use crate::geometry::{ImagePoint, Vec2, thousands};
 
 /// From this 1-σ at the worst corner on, the points' separation is worth a warning, px at 1920 px width.
 const WARN_CORNER_SIGMA_PX: f64 = 7.0;
@@ -125,8 +125,9 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
         "as neighbours do"
     };
     let message = if (one / two).ln().abs() > 0.02 {
-        let (low, high) = (grouped(one.min(two)), grouped(one.max(two)));
-        format!("Two focal lengths fit: {low} and {high} px. Using {}, {why}.", grouped(one))
+        let px = |focal_px: f64| thousands(focal_px.round() as usize);
+        let (low, high) = (px(one.min(two)), px(one.max(two)));
+        format!("Two focal lengths fit: {low} and {high} px. Using {}, {why}.", px(one))
     } else {
         format!(
             "Two directions fit: pan {:.1} and {:.1}. Using {:.1}, {why}. Another point decides.",
@@ -191,17 +192,4 @@ fn best_corner_with_click_at(
 /// A sigma in as few digits as it deserves: "14", "3.6".
 fn short(value: f64) -> String {
     if value >= 10.0 { format!("{value:.0}") } else { format!("{value:.1}") }
-}
-
-/// A positive number, rounded, with thousands set apart: "2,410".
-fn grouped(value: f64) -> String {
-    let digits = format!("{value:.0}");
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

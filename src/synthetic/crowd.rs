@@ -67,6 +67,13 @@ impl Place {
     }
 }
 
+/// A seat of the stands, counted around the field in its row, from the front.
+struct Seat {
+    tier: i32,
+    row: i32,
+    number: i32,
+}
+
 impl Crowd {
     /// `home` and `away` are the colours their supporters wear.
     pub fn new(seed: u64, attendance: f64, home: Light, away: Light) -> Self {
@@ -168,7 +175,7 @@ impl Crowd {
                 continue;
             }
             let up = place.up - seated_in as f32 * ROW_RISE_M;
-            let (person, share) = self.person(place, tier, seated_in, seat, across, up);
+            let (person, share) = self.person(place, &Seat { tier, row: seated_in, number: seat }, [across, up]);
             colour += person * (left * share);
             left *= 1.0 - share;
             if left < 0.01 {
@@ -178,9 +185,9 @@ impl Crowd {
         colour + hex(0x3C_3B3A) * (0.5 * left)
     }
 
-    /// The colour and the coverage of one seat and whoever sits in it; `across`, `up`: from the seat's foot, m.
-    fn person(&self, place: &Place, tier: i32, row: i32, seat: i32, across: f32, up: f32) -> (Light, f32) {
-        let draw = hash(self.seed ^ (tier as u32).wrapping_mul(0x51ED), seat, row);
+    /// The colour and the coverage of one seat and whoever sits in it, at a point across and up from the seat's foot, m.
+    fn person(&self, place: &Place, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
+        let draw = hash(self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED), seat.number, seat.row);
         let again = hash(draw, 17, 4);
         let pixel = place.pixel();
         if unit(draw) > self.attendance {
@@ -197,7 +204,7 @@ impl Crowd {
         let skin = self.skins[again as usize % self.skins.len()];
         let hair = self.hair[(again >> 5) as usize % self.hair.len()];
         let hat = unit(again.rotate_left(13));
-        let loyal = self.loyalty(place.around, tier);
+        let loyal = self.loyalty(place.around, seat.tier);
         let coat = self.coat(draw, loyal);
         let top = if hat > 0.86 { coat } else { hair };
         let face = mix(skin, top, smooth_step(0.75, 0.80, y + 0.3 * (x.abs() - 0.04)));

@@ -32,20 +32,36 @@ pub(super) fn draw(picture: &mut RgbImage, seed: u64, kits: &Kits, time_s: f64) 
     let goals = |salt: u32| (1.4 + 1.4 * smooth_walk(sub_seed(seed, salt), 0.5)) as i64;
     let mut canvas = Canvas { picture, scale };
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xDD_E2E8));
-    let (x, y, height) = (AT_1280.x as f32, AT_1280.y as f32, AT_1280.height as f32);
-    canvas.panel(x, y, 86.0, height, navy);
-    canvas.words(&clock(clock_s), x + 43.0, y, height, white);
-    canvas.panel(x + 86.0, y, 206.0, height, white);
-    canvas.panel(x + 86.0, y, 6.0, height, kits.home.shirt);
-    canvas.panel(x + 286.0, y, 6.0, height, kits.away.shirt);
-    canvas.words(kits.names[0], x + 121.0, y, height, navy);
-    canvas.words(kits.names[1], x + 257.0, y, height, navy);
-    canvas.panel(x + 152.0, y, 74.0, height, grey);
-    canvas.words(&format!("{} – {}", goals(0x72), goals(0x73)), x + 189.0, y, height, navy);
+    let (left, y, height) = (AT_1280.x as f32, AT_1280.y as f32, AT_1280.height as f32);
+    let part = |x: f32, width: f32| Area { x: left + x, y, width, height };
+    canvas.panel(part(0.0, 86.0), navy);
+    canvas.text(&clock(clock_s), part(0.0, 86.0), white);
+    canvas.panel(part(86.0, 206.0), white);
+    canvas.panel(part(86.0, 6.0), kits.home.shirt);
+    canvas.panel(part(286.0, 6.0), kits.away.shirt);
+    canvas.text(kits.names[0], part(92.0, 58.0), navy);
+    canvas.text(kits.names[1], part(228.0, 58.0), navy);
+    canvas.panel(part(152.0, 74.0), grey);
+    canvas.text(&format!("{} – {}", goals(0x72), goals(0x73)), part(152.0, 74.0), navy);
 }
 
 fn clock(seconds: i64) -> String {
     format!("{:02}:{:02}", seconds / 60, seconds % 60)
+}
+
+/// A box with sides of its own length, px.
+#[derive(Clone, Copy)]
+struct Area {
+    x: f32,
+    y: f32,
+    width: f32,
+    height: f32,
+}
+
+impl Area {
+    fn scaled(self, scale: f32) -> Self {
+        Self { x: self.x * scale, y: self.y * scale, width: self.width * scale, height: self.height * scale }
+    }
 }
 
 struct Canvas<'a> {
@@ -55,25 +71,27 @@ struct Canvas<'a> {
 
 impl Canvas<'_> {
     /// A filled box with smooth rims; lengths in px at 1280 px width.
-    fn panel(&mut self, x: f32, y: f32, width: f32, height: f32, colour: Light) {
-        let (x, y, width, height) = (x * self.scale, y * self.scale, width * self.scale, height * self.scale);
-        self.cover(x, y, width, height, colour, |px, py| {
+    fn panel(&mut self, at: Area, colour: Light) {
+        let Area { x, y, width, height } = at.scaled(self.scale);
+        self.cover(at.scaled(self.scale), colour, |px, py| {
             let beyond = (x - px).max(px - x - width).max(y - py).max(py - y - height);
             inside(beyond, 1.0)
         });
     }
 
-    /// Words centred on `middle`.
-    fn words(&mut self, text: &str, middle: f32, y: f32, height: f32, ink: Light) {
-        let letters: GlyphCoverage = rasterise(text, 0.44 * height * self.scale, 1.15 * self.scale);
-        let left = (middle * self.scale - 0.5 * letters.width as f32).round();
-        let top = ((y + 0.5 * height) * self.scale - 0.5 * letters.height as f32).round();
-        self.cover(left, top, letters.width as f32, letters.height as f32, ink, |px, py| {
-            letters.at((px - left).floor() as i64, (py - top).floor() as i64)
+    /// A text in the middle of a box; lengths in px at 1280 px width.
+    fn text(&mut self, text: &str, within: Area, ink: Light) {
+        let within = within.scaled(self.scale);
+        let letters: GlyphCoverage = rasterise(text, 0.44 * within.height, 1.15 * self.scale);
+        let (width, height) = (letters.width as f32, letters.height as f32);
+        let x = (within.x + 0.5 * within.width - 0.5 * width).round();
+        let y = (within.y + 0.5 * within.height - 0.5 * height).round();
+        self.cover(Area { x, y, width, height }, ink, |px, py| {
+            letters.at((px - x).floor() as i64, (py - y).floor() as i64)
         });
     }
 
-    fn cover(&mut self, x: f32, y: f32, width: f32, height: f32, ink: Light, share: impl Fn(f32, f32) -> f32) {
+    fn cover(&mut self, Area { x, y, width, height }: Area, ink: Light, share: impl Fn(f32, f32) -> f32) {
         let columns = (x.floor().max(0.0) as u32)..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
         let rows = (y.floor().max(0.0) as u32)..((y + height).ceil().max(0.0) as u32).min(self.picture.height());
         for row in rows {

@@ -3,7 +3,7 @@
 //! The window's wgpu renderer keeps one [`Renderer`]; a canvas is a paint callback that hands it the layers of this frame.
 //! Without wgpu (a test without a GPU) a canvas says so and everything else works.
 
-use crate::render::{CanvasId, Layer, Renderer, View};
+use crate::render::{CanvasId, Gpu, Layer, Renderer, View};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 use egui::{Align2, Color32, FontId, Id, Painter, Rect};
 
@@ -61,7 +61,7 @@ impl CallbackTrait for Canvas {
         resources: &mut CallbackResources,
     ) -> Vec<wgpu::CommandBuffer> {
         if let Some(renderer) = resources.get_mut::<Renderer>() {
-            renderer.prepare(device, queue, encoder, self.id, &self.view, &self.layers);
+            renderer.prepare(Gpu { device, queue, encoder }, self.id, &self.view, &self.layers);
         }
         Vec::new()
     }

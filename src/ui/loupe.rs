@@ -73,9 +73,7 @@ pub fn show_at(
         corner,
         Align2::CENTER_CENTER,
         &text,
-        FontId::monospace(11.0),
-        Color32::from_gray(230),
-        behind,
+        super::viewport::PlateStyle::new(FontId::monospace(11.0), Color32::from_gray(230), behind),
     );
     painter.rect_stroke(rect, 2.0, Stroke::new(3.0, Color32::from_black_alpha(160)), StrokeKind::Outside);
     painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);

@@ -1,7 +1,7 @@
 //! The boxes whose pixels give no features: what they are for, and a cross that deletes each.
 
 use super::Panel;
-use super::viewport::{Placement, plate};
+use super::viewport::{Placement, PlateStyle, plate};
 use crate::app::{Action, App};
 use crate::geometry::{ImagePoint, PixelBox};
 use egui::{Align2, Color32, FontId, Id, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
@@ -61,7 +61,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         let (what, name) = if mask.of_camera { ("every frame", "camera") } else { ("this frame", "frame") };
         let at = whole.intersect(placement.rect).left_bottom() + vec2(8.0, -10.0);
         let behind = Color32::from_black_alpha(150);
-        plate(&painter, at, Align2::LEFT_CENTER, what, FontId::proportional(11.0), Color32::from_gray(225), behind);
+        plate(
+            &painter,
+            at,
+            Align2::LEFT_CENTER,
+            what,
+            PlateStyle::new(FontId::proportional(11.0), Color32::from_gray(225), behind),
+        );
         let rect = mask.cross(placement);
         let id = Id::NULL.with(("mask", mask.of_camera, mask.index));
         let response = ui.interact(rect, id, Sense::click()).on_hover_text("Delete this mask.");

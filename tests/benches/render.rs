@@ -11,7 +11,7 @@ use touchline::media;
 use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::{Colour, Drawing};
-use touchline::scene::overlay::{OverlayScene, Standing, overlay};
+use touchline::scene::overlay::{OverlayScene, overlay};
 use touchline::scene::uncertainty::{HeatMap, band};
 use touchline::solve::{Observation, Uncertainty};
 
@@ -29,17 +29,7 @@ fn drawing() -> Drawing {
     let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
     let base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
     let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1600.0));
-    overlay(&OverlayScene {
-        field: &field,
-        camera: Some(&camera),
-        standing: Standing::Solved,
-        image_size: SIZE,
-        clicks: &[],
-        selected: None,
-        disputed: &[],
-        style: &OverlayStyle::default(),
-        zoom: 1.0,
-    })
+    overlay(&OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &OverlayStyle::default()) })
 }
 
 fn picture(key: u64) -> Layer {

@@ -1,7 +1,8 @@
 //! Broken image files: each gets one clear line, none brings the program down.
 
+use crate::files::{behind_path, cut, written};
 use image::{ImageFormat, RgbImage};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use touchline::geometry::ImageSize;
 use touchline::media::{
     ImageLimits, MediaError, Picture, image_size, list_images, load_image, load_image_within, sha256_of_file,
@@ -59,27 +60,12 @@ fn with_byte_flipped(mut bytes: Vec<u8>, at: usize) -> Vec<u8> {
     bytes
 }
 
-fn cut(bytes: &[u8], length: usize) -> Vec<u8> {
-    bytes[..length].to_vec()
-}
-
 /// What a loader says behind the file's path; what a success is called otherwise.
 fn said(folder: &Path, name: &str, result: Result<Picture, MediaError>) -> String {
     match result {
         Ok(picture) => format!("read, {} × {} px", picture.size().width, picture.size().height),
-        Err(error) => {
-            let line = error.to_string();
-            assert!(!line.contains('\n'));
-            let behind = line.strip_prefix(&format!("{}: ", folder.join(name).display())).map(ToOwned::to_owned);
-            behind.unwrap_or_else(|| panic!("no path in front: {line}"))
-        }
+        Err(error) => behind_path(folder, name, &error),
     }
-}
-
-fn written(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, bytes).unwrap();
-    path
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Broken videos: each gets one clear line, none brings the program down.
 #![cfg(feature = "opencv")]
 
-use std::path::{Path, PathBuf};
+use crate::files::{behind_path, cut, written};
+use std::path::Path;
 use std::process::Command;
 use touchline::media::{MediaError, Video};
 
@@ -23,10 +24,6 @@ fn box_at(bytes: &[u8], kind: [u8; 4]) -> usize {
     bytes.windows(4).position(|window| *window == kind).unwrap() - 4
 }
 
-fn cut(bytes: &[u8], length: usize) -> Vec<u8> {
-    bytes[..length].to_vec()
-}
-
 fn filled(mut bytes: Vec<u8>, range: std::ops::Range<usize>, with: u8) -> Vec<u8> {
     bytes[range].fill(with);
     bytes
@@ -42,18 +39,7 @@ fn said(folder: &Path, name: &str, path: &Path) -> String {
         let notices = video.info().notices.iter().map(|notice| format!("; {notice}"));
         Ok(format!("read, {frames} frames{}", notices.collect::<String>()))
     });
-    outcome.unwrap_or_else(|error| {
-        let line = error.to_string();
-        assert!(!line.contains('\n'));
-        let behind = line.strip_prefix(&format!("{}: ", folder.join(name).display())).map(ToOwned::to_owned);
-        behind.unwrap_or_else(|| panic!("no path in front: {line}"))
-    })
-}
-
-fn written(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
-    let path = folder.join(name);
-    std::fs::write(&path, bytes).unwrap();
-    path
+    outcome.unwrap_or_else(|error| behind_path(folder, name, &error))
 }
 
 /// A test card of 100 frames as H.264.

@@ -27,6 +27,7 @@ mod experiment_command;
 mod features;
 mod fields;
 mod fields_command;
+mod files;
 mod forest;
 mod given_data;
 mod gold_in_app;

@@ -9,7 +9,7 @@ use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
 use touchline::render::{Layer, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
-use touchline::scene::overlay::{OverlayScene, Standing, field_overlay};
+use touchline::scene::overlay::{OverlayScene, field_overlay};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 const WIDTH_PX: f32 = 3.0;
@@ -130,17 +130,7 @@ fn the_rendered_lines_lie_where_the_formulas_put_them() {
         let (mut checked, mut worst) = (0, 0.0_f64);
         for line in &field.lines {
             let alone = FieldModel { lines: vec![line.clone()], ..field.clone() };
-            let scene = OverlayScene {
-                field: &alone,
-                camera: Some(&camera),
-                standing: Standing::Solved,
-                image_size: SIZE,
-                clicks: &[],
-                selected: None,
-                disputed: &[],
-                style: &style,
-                zoom: 1.0,
-            };
+            let scene = OverlayScene { camera: Some(&camera), ..OverlayScene::new(&alone, SIZE, &style) };
             let layers = [Layer::Drawing(field_overlay(&scene).into())];
             let picture = super::overlay_pixels::offscreen()
                 .render(&View::one_to_one([SIZE.width, SIZE.height]), Colour::rgb(0, 0, 0), &layers)

@@ -19,7 +19,7 @@ use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::render::{Layer, Offscreen, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
-use touchline::scene::overlay::{OverlayScene, Standing, field_overlay};
+use touchline::scene::overlay::{OverlayScene, field_overlay};
 use touchline::ui::Shell;
 
 /// The size of every frame.
@@ -56,17 +56,7 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
         ..OverlayStyle::default()
     };
     for index in 0..frames {
-        let scene = OverlayScene {
-            field: &field(),
-            camera: Some(&truth(index)),
-            standing: Standing::Solved,
-            image_size: SIZE,
-            clicks: &[],
-            selected: None,
-            disputed: &[],
-            style: &style,
-            zoom: 1.0,
-        };
+        let scene = OverlayScene { camera: Some(&truth(index)), ..OverlayScene::new(&field(), SIZE, &style) };
         let lines = Layer::Drawing(Arc::new(field_overlay(&scene)));
         let view = View::one_to_one([SIZE.width, SIZE.height]);
         let picture = offscreen.render(&view, Colour::rgb(62, 118, 66), &[lines]).unwrap();

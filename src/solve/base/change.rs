@@ -9,12 +9,11 @@
 use super::FrameClicks;
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState, frame_equations};
-use super::median_high::median_high;
 use super::parameters::{K1, OF_BASE, ROTATION, Shared};
 use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{Angle, Vec3};
+use crate::geometry::{Angle, Vec3, median_high};
 use crate::solve::least_squares::{BlockEquations, Stopping, minimise};
 use crate::solve::{Loss, Observation, refine};
 use nalgebra::{SMatrix, SVector};
@@ -239,7 +238,7 @@ impl Displaced {
     /// Median distance of some frames' clicks, each frame pointed anew, px.
     fn median_px(&self, frames: &[Telling]) -> Option<f64> {
         let base = self.shared.base;
-        let errors: Vec<f64> = frames
+        let mut errors: Vec<f64> = frames
             .par_iter()
             .flat_map_iter(|frame| {
                 let refined = refine(&base, frame.ptz, &frame.observations, Loss::default(), None);
@@ -247,7 +246,7 @@ impl Displaced {
                 frame.observations.iter().filter_map(move |click| click.distance_px(&camera)).collect::<Vec<_>>()
             })
             .collect();
-        median_high(errors)
+        median_high(&mut errors)
     }
 
     /// How far position and rotation are known.

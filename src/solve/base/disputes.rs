@@ -3,7 +3,7 @@
 use super::FrameClicks;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldModel, LandmarkId, Symmetry};
-use crate::geometry::ImageSize;
+use crate::geometry::{ImageSize, median_high};
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, Observation, SolveContext, solve_frame};
 
@@ -130,7 +130,6 @@ fn median_and_cost(base: &CameraBase, ptz: Option<Ptz>, clicks: &[Observation], 
         .zip(clicks)
         .map(|(distance, click)| loss.of(squared_sigmas(*distance, click.sigma_px)).0)
         .sum();
-    let mut sorted: Vec<f64> = distances.into_iter().map(|distance| distance.unwrap_or(f64::INFINITY)).collect();
-    sorted.sort_by(f64::total_cmp);
-    (sorted[sorted.len() / 2], cost)
+    let mut distances: Vec<f64> = distances.into_iter().map(|distance| distance.unwrap_or(f64::INFINITY)).collect();
+    (median_high(&mut distances).unwrap_or(f64::INFINITY), cost)
 }

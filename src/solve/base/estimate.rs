@@ -2,7 +2,6 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
-use super::median_high::median_high;
 use super::model_choice::{CrossValidation, FOLDS, choose};
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
@@ -12,7 +11,7 @@ use super::{
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3};
+use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median_high};
 use std::ops::ControlFlow;
 
 /// What a person may ask for.
@@ -136,7 +135,7 @@ pub fn estimate_base_watched(
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
-        (*base, median_high(distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
+        (*base, median_high(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
     });
     let (mut base, mut ptz) = match start_base(frames, image_size, principal_point) {
         Ok(start) => (start.base, start.ptz),
@@ -246,10 +245,10 @@ fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameCli
 }
 
 fn frame_fit(base: &CameraBase, frame: &FrameClicks, ptz: Ptz) -> Option<FrameFit> {
-    let errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
+    let mut errors = distances(base, std::slice::from_ref(frame), &[Some(ptz)]);
     let squares: f64 = errors.iter().map(|error| error * error).sum();
     let rms_px = (squares / errors.len() as f64).sqrt();
-    Some(FrameFit { ptz, median_px: median_high(errors)?, rms_px })
+    Some(FrameFit { ptz, median_px: median_high(&mut errors)?, rms_px })
 }
 
 /// The distances of all clicks of solved frames, px, in order.

@@ -11,7 +11,6 @@ mod change;
 mod disputes;
 mod estimate;
 mod field_fit;
-mod median_high;
 mod model_choice;
 mod parameters;
 mod progress;

@@ -4,10 +4,9 @@
 //! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
 //! wins. Wrong names in some frames so cannot spoil the start.
 
-use super::median_high::median_high;
 use super::{BaseError, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::solve::plane_pose::pose_from_plane;
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, SolveContext, solve_frame};
@@ -56,8 +55,9 @@ pub fn start_base(
     let rotations = [BaseAngles::default().base_from_world(), least_roll(poses.iter().map(|pose| pose.1))];
     let sample = spread(frames.iter().filter(|frame| frame.equations() >= 6), SAMPLE);
     let mut positions = spread(poses.iter().map(|pose| pose.0), MAX_POSITIONS);
-    positions
-        .push(Vec3::from_fn(|axis, _| median_high(poses.iter().map(|pose| pose.0[axis]).collect()).unwrap_or(0.0)));
+    positions.push(Vec3::from_fn(|axis, _| {
+        median_high(&mut poses.iter().map(|pose| pose.0[axis]).collect::<Vec<_>>()).unwrap_or(0.0)
+    }));
     let mut best: Option<(f64, CameraBase)> = None;
     for position_m in positions {
         for rotation in rotations {

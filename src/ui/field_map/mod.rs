@@ -3,7 +3,7 @@
 
 mod pick;
 
-use super::viewport::{Gesture, Placement, plate};
+use super::viewport::{Gesture, Placement, PlateStyle, plate};
 use super::{Panel, canvas};
 use crate::app::Action;
 use crate::app::App;
@@ -134,9 +134,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
                 spot + vec2(8.0, -8.0),
                 Align2::LEFT_CENTER,
                 &(index + 1).to_string(),
-                font,
-                letters,
-                behind,
+                PlateStyle::new(font, letters, behind),
             );
         }
     }
@@ -209,9 +207,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
         pos2(middle, at.y + 26.0),
         Align2::CENTER_CENTER,
         text,
-        font,
-        Color32::WHITE,
-        Color32::from_black_alpha(225),
+        PlateStyle::new(font, Color32::WHITE, Color32::from_black_alpha(225)),
     );
 }
 

@@ -44,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
         let label = format!("Frame {}, {}, {status}{selected}", index + 1, file_name(&frame.name()));
         WidgetInfo::selected(Role::Button, true, current, label)
     });
-    paint(panel, ui, open, index, frame, place, response.hovered());
+    paint(panel, ui, &Item { open, index, frame, place, hovered: response.hovered() });
     if response.clicked() {
         let modifiers = ui.input(|input| input.modifiers);
         match (modifiers.shift, modifiers.command) {
@@ -56,7 +56,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     tooltip(response, index, frame);
 }
 
-fn paint(panel: &mut Panel<'_>, ui: &Ui, open: &OpenProject, index: usize, frame: &Frame, place: Rect, hovered: bool) {
+/// A frame of the open project and its place in the strip.
+struct Item<'a> {
+    open: &'a OpenProject,
+    index: usize,
+    frame: &'a Frame,
+    place: Rect,
+    hovered: bool,
+}
+
+fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
+    let &Item { open, index, frame, place, hovered } = item;
     let painter = ui.painter();
     let look = theme::status_look(frame.status);
     let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));

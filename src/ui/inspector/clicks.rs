@@ -3,7 +3,7 @@
 use crate::app::{Action, App, Command};
 use crate::document::{Click, Target};
 use crate::scene::drawing;
-use crate::scene::overlay::{CHECK, CLICK, DISPUTED, UNNAMED};
+use crate::scene::overlay::{CHECK, click_colour};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -133,15 +133,7 @@ fn name(app: &App, click: &Click) -> String {
 
 /// The colour that the point has on the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    shown(if app.current().disputed.contains(&index) {
-        DISPUTED
-    } else if click.target.is_none() {
-        UNNAMED
-    } else if click.check {
-        CHECK
-    } else {
-        CLICK
-    })
+    shown(click_colour(click, app.current().disputed.contains(&index)))
 }
 
 const fn shown(colour: drawing::Colour) -> Color32 {

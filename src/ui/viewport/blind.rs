@@ -1,7 +1,7 @@
 //! The picture during a blind round: nothing lies over it but the click that the pointer holds and what is asked for.
 
 use super::hints::{PLATE, beside};
-use super::labels::plate;
+use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
 use super::pointer::Hold;
 use crate::document::Target;
@@ -24,7 +24,13 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     let label = panel.app.label(&Target::Landmark(asked.landmark.clone()));
     let text = format!("Click: {label}");
     let at = rect.center_top() + vec2(0.0, 18.0);
-    plate(&painter, at, Align2::CENTER_CENTER, &text, FontId::proportional(15.0), viewport::colour(CLICK), PLATE);
+    plate(
+        &painter,
+        at,
+        Align2::CENTER_CENTER,
+        &text,
+        PlateStyle::new(FontId::proportional(15.0), viewport::colour(CLICK), PLATE),
+    );
     if let Some(held) = round.held {
         cross(&painter, placement, held);
         loupe::show_at(ui, placement, held, picture, |_| super::Overlay::default());

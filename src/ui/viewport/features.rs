@@ -1,6 +1,6 @@
 //! The features of the shown frame, and what the forest made of them.
 
-use super::{Placement, plate};
+use super::{Placement, PlateStyle, plate};
 use crate::app::App;
 use crate::proposals::{FeatureUse, UsedFeatures};
 use crate::ui::theme;
@@ -31,7 +31,13 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     // Notices stand below.
     let at = visible.left_top() + vec2(10.0, 16.0);
     let behind = Color32::from_black_alpha(170);
-    plate(painter, at, Align2::LEFT_CENTER, &legend(used), FontId::proportional(12.0), theme::STRONG, behind);
+    plate(
+        painter,
+        at,
+        Align2::LEFT_CENTER,
+        &legend(used),
+        PlateStyle::new(FontId::proportional(12.0), theme::STRONG, behind),
+    );
 }
 
 fn legend(used: Option<&UsedFeatures>) -> String {

@@ -1,6 +1,6 @@
 //! What is said on the picture: what a point is called, what the next click places, why there is no picture.
 
-use super::labels::{colour, plate};
+use super::labels::{PlateStyle, colour, plate};
 use super::placement::Placement;
 use super::scene::waits_for_name;
 use crate::app::Command;
@@ -27,7 +27,13 @@ pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placem
         rejecting::show(panel, ui, placement.rect, whole_shot);
     } else if let Some(text) = banner(panel) {
         let at = placement.rect.center_top() + vec2(0.0, 18.0);
-        plate(&painter, at, Align2::CENTER_CENTER, &text, FontId::proportional(13.0), Color32::WHITE, PLATE);
+        plate(
+            &painter,
+            at,
+            Align2::CENTER_CENTER,
+            &text,
+            PlateStyle::new(FontId::proportional(13.0), Color32::WHITE, PLATE),
+        );
     }
 }
 
@@ -110,10 +116,10 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
     let (side, align) = if fits { (1.0, Align2::LEFT_CENTER) } else { (-1.0, Align2::RIGHT_CENTER) };
     let down = if at.y + BESIDE.y + 40.0 < bounds.bottom() { 1.0 } else { -1.0 };
     let first = at + vec2(side * BESIDE.x, down * BESIDE.y);
-    let written = plate(painter, first, align, name, FontId::proportional(13.0), colour(CLICK), PLATE);
+    let written = plate(painter, first, align, name, PlateStyle::new(FontId::proportional(13.0), colour(CLICK), PLATE));
     if !hint.is_empty() {
         let second = first + vec2(0.0, down * written.height());
-        plate(painter, second, align, hint, FontId::proportional(11.0), theme::TEXT, PLATE);
+        plate(painter, second, align, hint, PlateStyle::new(FontId::proportional(11.0), theme::TEXT, PLATE));
     }
 }
 

@@ -15,26 +15,33 @@ pub fn paint<'a>(painter: &Painter, placement: &Placement, labels: impl Iterator
         let at = placement.screen_from_image(ImagePoint::new(x, y)) + label.offset_pt.into();
         if placement.rect.expand(40.0).contains(at) {
             let font = FontId::proportional(label.size_pt);
-            plate(painter, at, Align2::LEFT_CENTER, &label.text, font, colour(label.colour), colour(label.plate));
+            let style = PlateStyle::new(font, colour(label.colour), colour(label.plate));
+            plate(painter, at, Align2::LEFT_CENTER, &label.text, style);
         }
     }
 }
 
-/// Writes a text on a plate and returns the box that the plate fills.
-pub fn plate(
-    painter: &Painter,
-    at: Pos2,
-    align: Align2,
-    text: &str,
+/// How a text on a plate looks.
+pub struct PlateStyle {
     font: FontId,
     letters: Color32,
     behind: Color32,
-) -> Rect {
-    let galley = painter.layout_no_wrap(text.to_owned(), font, letters);
+}
+
+impl PlateStyle {
+    /// Letters of this font and colour on a plate of that colour.
+    pub const fn new(font: FontId, letters: Color32, behind: Color32) -> Self {
+        Self { font, letters, behind }
+    }
+}
+
+/// Writes a text on a plate and returns the box that the plate fills.
+pub fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, style: PlateStyle) -> Rect {
+    let galley = painter.layout_no_wrap(text.to_owned(), style.font, style.letters);
     let rect = align.anchor_size(at, galley.size());
     let around = rect.expand2(PADDING);
-    painter.rect_filled(around, CornerRadius::same(3), behind);
-    painter.galley(rect.min, galley, letters);
+    painter.rect_filled(around, CornerRadius::same(3), style.behind);
+    painter.galley(rect.min, galley, style.letters);
     around
 }
 

@@ -22,7 +22,7 @@ use crate::render::{Layer, PictureKey, PictureLayer};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
 
-pub use labels::{colour, plate};
+pub use labels::{PlateStyle, colour, plate};
 pub use placement::Placement;
 pub use scene::Overlay;
 pub use wheel::Gesture;

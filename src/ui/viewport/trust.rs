@@ -164,9 +164,7 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
             at + vec2(0.0, 24.0),
             Align2::CENTER_CENTER,
             &told,
-            text,
-            theme::CAUTION,
-            Color32::from_black_alpha(150),
+            super::labels::PlateStyle::new(text, theme::CAUTION, Color32::from_black_alpha(150)),
         );
     }
     if pulsing {
