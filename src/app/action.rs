@@ -1,9 +1,8 @@
 //! What changes state, and what the outside then has to do.
 
-use super::quality::TimeAxis;
+use super::choices::{Scope, Selecting, TimeAxis};
 use super::review::ReviewOrder;
-use super::selection::{Scope, Selecting};
-use super::session::{Filter, Level, PictureView};
+use super::session::{Filter, Level, PictureView, Question};
 use super::{Chord, Command, Compared, TrainerOrder, TrainerStatus};
 use crate::calibrate::EstimatedBase;
 use crate::camera::Ptz;
@@ -467,23 +466,4 @@ pub enum Effect {
     SaveSettings,
     /// Everything is on disk: close the window.
     Close,
-}
-
-/// What the file dialog asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
-    /// A project or dataset to open.
-    Project,
-    /// A folder of frames to open.
-    Folder,
-    /// A video to open.
-    Video,
-    /// Where to write a copy of the project.
-    CopyTo,
-    /// Where to write the dataset.
-    ExportTo,
-    /// The document to take a camera from.
-    CameraFrom,
-    /// Another annotator's document of the same frames.
-    CompareWith,
 }

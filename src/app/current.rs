@@ -332,7 +332,7 @@ mod tests {
         frame.clicks =
             ["centre_mark", "halfway_far"].map(|id| Click::landmark(id.into(), image_of(id))).into_iter().collect();
         document.frames.push(frame.into());
-        OpenProject::new(Opened::new(document, "/match/project.json"))
+        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
     /// Whether the frame is solved anew by a refresh: a mark left in what was derived is gone then.

@@ -6,6 +6,7 @@
 
 mod action;
 pub mod base;
+mod choices;
 mod command;
 mod compared;
 mod current;
@@ -25,12 +26,13 @@ mod update;
 mod versioned;
 pub mod where_to_label;
 
-pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, Question};
+pub use action::{Action, ActionKind, CameraChoice, Effect, Opened};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use keymap::{Chord, ChordError, Keymap};
 pub use open_project::OpenProject;
+pub use session::Question;
 pub use settings::{Settings, SettingsError};
 pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus};
 pub use update::{App, MAX_SCALE};

@@ -1,7 +1,6 @@
 //! The document that is open, with its history.
 
 use super::Versioned;
-use super::action::Opened;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
@@ -36,16 +35,16 @@ pub struct OpenProject {
 }
 
 impl OpenProject {
-    /// Nothing has been done yet.
+    /// A document to which nothing has been done yet, its file and its folder, and why it can only be looked at, if so.
     #[must_use]
-    pub fn new(opened: Opened) -> Self {
+    pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
         Self {
-            journalled: opened.document.clone(),
-            document: Versioned::new(opened.document),
+            journalled: document.clone(),
+            document: Versioned::new(document),
             history: History::default(),
-            folder: opened.folder,
-            file: opened.file,
-            read_only: opened.read_only,
+            folder,
+            file,
+            read_only,
             revision: 0,
             forest_generation: 0,
             fields: None,

@@ -1,47 +1,12 @@
 //! Several frames at once: which are selected, and what a wish that concerns more than one frame is about.
 
 use super::OpenProject;
+pub use super::choices::{Scope, Selecting};
 use super::session::Session;
 use crate::document::Frame;
 use std::collections::BTreeSet;
 
-/// How a click on the filmstrip adds to the selection.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Selecting {
-    /// From the shown frame to this one, as far as the filter shows them.
-    Range,
-    /// This one too, or no longer.
-    Toggle,
-}
-
-/// Which frames are meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
-    /// The shown one.
-    Frame,
-    /// The selected ones.
-    Selected,
-    /// All of the shown frame's shot and camera.
-    Shot,
-    /// The shown one and all after it of its camera.
-    Onwards,
-}
-
 impl Scope {
-    /// Every scope, the smallest first.
-    pub const ALL: [Self; 4] = [Self::Frame, Self::Selected, Self::Shot, Self::Onwards];
-
-    /// What a person reads.
-    #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Frame => "This frame",
-            Self::Selected => "Selected frames",
-            Self::Shot => "This shot",
-            Self::Onwards => "From here on",
-        }
-    }
-
     /// The frames, by their places in the document.
     #[must_use]
     pub fn frames(self, open: &OpenProject, session: &Session) -> Vec<usize> {

@@ -1,12 +1,11 @@
 //! What the window shows and what has been begun: not saved, not undone.
 
 use super::base::BaseWork;
+use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
-use super::quality::QualityChoice;
 use super::reclick::Reclick;
 use super::review::ReviewChoice;
-use super::selection::Scope;
-use super::{Command, Comparison, Question, TrainerState};
+use super::{Command, Comparison, TrainerState};
 use crate::document::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use crate::geometry::ImagePoint;
 use crate::scene::uncertainty::UncertaintyView;
@@ -318,6 +317,25 @@ pub enum Level {
     Warning,
     /// Something failed; stays until it is closed.
     Error,
+}
+
+/// What the file dialog asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// A project or dataset to open.
+    Project,
+    /// A folder of frames to open.
+    Folder,
+    /// A video to open.
+    Video,
+    /// Where to write a copy of the project.
+    CopyTo,
+    /// Where to write the dataset.
+    ExportTo,
+    /// The document to take a camera from.
+    CameraFrom,
+    /// Another annotator's document of the same frames.
+    CompareWith,
 }
 
 impl Session {

@@ -1,5 +1,6 @@
 //! Pan, tilt and focal length of a camera's frames over time.
 
+use crate::app::choices::TimeAxis;
 use crate::app::review::disagrees;
 use crate::calibrate::disagreements;
 use crate::document::{CameraId, Clip, Document, Frame, FrameStatus};
@@ -7,16 +8,6 @@ use crate::geometry::AngleRange;
 
 /// A part of the time is shown with at least this share of the whole.
 const SMALLEST_SHARE: f64 = 1e-5;
-
-/// What time is counted in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TimeAxis {
-    /// The frame's number in the document, from 1.
-    #[default]
-    Frame,
-    /// Seconds of the video.
-    Video,
-}
 
 /// What is shown over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,7 +10,8 @@ mod seen;
 mod targets;
 mod thinned;
 
-pub use course::{Course, CoursePoint, PointKind, Quantity, TimeAxis, within_whole, zoomed};
+pub use super::choices::{QualityChoice, TimeAxis};
+pub use course::{Course, CoursePoint, PointKind, Quantity, within_whole, zoomed};
 pub use errors::{Bin, ClickError, ClickErrors, Histogram, Spread};
 pub use seen::Seen;
 pub use targets::{TargetErrors, by_target};
@@ -18,19 +19,6 @@ pub use thinned::{Column, Drawn, drawn};
 
 use super::{OpenProject, session::Session};
 use crate::document::CameraId;
-
-/// What a person chose on the quality page.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct QualityChoice {
-    /// The page takes the window.
-    pub open: bool,
-    /// The camera it speaks of; none: the shown frame's.
-    pub camera: Option<CameraId>,
-    /// What time is counted in.
-    pub axis: TimeAxis,
-    /// The part of the time that is shown; none: all of it.
-    pub span: Option<[f64; 2]>,
-}
 
 /// What the quality page shows of one camera: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -34,9 +34,9 @@ impl Review {
 
 #[cfg(test)]
 mod tests {
+    use crate::app::OpenProject;
     use crate::app::review::{Review, ReviewChoice};
     use crate::app::session::{Panel, Session};
-    use crate::app::{OpenProject, Opened};
     use crate::camera::Ptz;
     use crate::document::{Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
     use crate::geometry::ImageSize;
@@ -49,7 +49,7 @@ mod tests {
             frame.clip = Some(Clip::Number(index as i64 % 2));
             document.frames.push(frame.into());
         }
-        OpenProject::new(Opened::new(document, "/match/project.json"))
+        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
     /// A frame is proposed, or proposed anew.

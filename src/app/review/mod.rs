@@ -250,7 +250,6 @@ pub fn percent(probability: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::Opened;
     use crate::camera::Ptz;
     use crate::document::{Clip, Document, FieldSpec, FramePtz, Solution, SolutionSource};
     use crate::geometry::ImageSize;
@@ -265,7 +264,7 @@ mod tests {
             frame.status = FrameStatus::Suggested;
             document.frames.push(frame.into());
         }
-        OpenProject::new(Opened::new(document, "/match/project.json"))
+        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
     fn review_of(open: &OpenProject, choice: ReviewChoice) -> Review {

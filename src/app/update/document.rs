@@ -28,7 +28,8 @@ impl App {
         }
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
-        let open = OpenProject::new(opened);
+        let Opened { document, folder, file, read_only, .. } = opened;
+        let open = OpenProject::new(document, file, folder, read_only);
         // Go on where work is left.
         let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame));
         self.session.frame = first.unwrap_or(0);

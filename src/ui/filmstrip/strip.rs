@@ -156,7 +156,6 @@ fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::Opened;
     use crate::document::{Document, FieldSpec, FrameStatus, Solution, SolutionSource};
     use crate::geometry::ImageSize;
 
@@ -168,7 +167,7 @@ mod tests {
             frame.status = if index % 2 == 0 { FrameStatus::New } else { FrameStatus::Reference };
             document.frames.push(frame.into());
         }
-        OpenProject::new(Opened::new(document, "/match/project.json"))
+        OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
     #[test]
