@@ -2,8 +2,8 @@
 
 use super::App;
 use super::gold::IN_ROUND;
-use crate::app::action::{Effect, Question};
-use crate::app::session::{Dialog, Level, Mode, Panel, PictureView};
+use crate::app::action::Effect;
+use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, Question};
 use crate::app::{Chord, Command, CommandKind, Comparison};
 use crate::document::{Frame, FrameStatus};
 

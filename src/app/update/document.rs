@@ -3,8 +3,8 @@
 use super::App;
 use super::Current;
 use crate::app::OpenProject;
-use crate::app::action::{Effect, Opened, Question};
-use crate::app::session::{Level, Mode, Saving, Session};
+use crate::app::action::{Effect, Opened};
+use crate::app::session::{Level, Mode, Question, Saving, Session};
 use std::path::PathBuf;
 
 impl App {
