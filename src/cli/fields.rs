@@ -216,8 +216,8 @@ fn png(field: &FieldModel) -> anyhow::Result<Vec<u8>> {
     let px_per_m = MAP_WIDTH_PX / (field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M);
     let map = FieldMap::new(field, MAP_MARGIN_M, px_per_m);
     let size = map.size_px();
-    let scene = OverlayScene::new(field, size, &OverlayStyle::default());
-    let drawing = field_map(&scene, &map);
+    let style = OverlayStyle::default();
+    let drawing = field_map(&OverlayScene::new(field, size, &style), &map);
     let layers = [Layer::Drawing(Arc::new(drawing.ground)), Layer::Drawing(Arc::new(drawing.over))];
     let drawn = Offscreen::new()?.render(&View::one_to_one([size.width, size.height]), SURROUND, &layers)?;
     let mut png = Cursor::new(Vec::new());

@@ -100,7 +100,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
     } else if !ranges.tilt.contains(&ptz.tilt) {
         format!("tilt {:.1} (usual {:.1} to {:.1})", ptz.tilt, ranges.tilt.start(), ranges.tilt.end())
     } else if !ranges.focal_px.contains(&ptz.focal_px) {
-        let [focal, from, upto] = [ptz.focal_px, *ranges.focal_px.start(), *ranges.focal_px.end()].map(grouped);
+        let [focal, from, upto] = [ptz.focal_px, *ranges.focal_px.start(), *ranges.focal_px.end()].map(rounded);
         format!("focal length {focal} px (usual {from} to {upto})")
     } else {
         return context.habits.warning(&ptz, &solution.slack());
@@ -125,9 +125,8 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
         "as neighbours do"
     };
     let message = if (one / two).ln().abs() > 0.02 {
-        let px = |focal_px: f64| thousands(focal_px.round() as usize);
-        let (low, high) = (px(one.min(two)), px(one.max(two)));
-        format!("Two focal lengths fit: {low} and {high} px. Using {}, {why}.", px(one))
+        let (low, high) = (rounded(one.min(two)), rounded(one.max(two)));
+        format!("Two focal lengths fit: {low} and {high} px. Using {}, {why}.", rounded(one))
     } else {
         format!(
             "Two directions fit: pan {:.1} and {:.1}. Using {:.1}, {why}. Another point decides.",
@@ -187,6 +186,11 @@ fn best_corner_with_click_at(
             Some(better.worst_corner_sigma_px(camera, context.image_size))
         })
         .min_by(f64::total_cmp)
+}
+
+/// A positive number, rounded: "2,410".
+fn rounded(value: f64) -> String {
+    thousands(value.round() as usize)
 }
 
 /// A sigma in as few digits as it deserves: "14", "3.6".
