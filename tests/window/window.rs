@@ -56,7 +56,8 @@ fn write_project(folder: &Path, frames: usize, offscreen: &mut Offscreen) {
         ..OverlayStyle::default()
     };
     for index in 0..frames {
-        let scene = OverlayScene { camera: Some(&truth(index)), ..OverlayScene::new(&field(), SIZE, &style) };
+        let (field, camera) = (field(), truth(index));
+        let scene = OverlayScene { camera: Some(&camera), ..OverlayScene::new(&field, SIZE, &style) };
         let lines = Layer::Drawing(Arc::new(field_overlay(&scene)));
         let view = View::one_to_one([SIZE.width, SIZE.height]);
         let picture = offscreen.render(&view, Colour::rgb(62, 118, 66), &[lines]).unwrap();
