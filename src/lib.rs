@@ -4,6 +4,23 @@
 //! frame's pan, tilt and focal length (Chen, Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports",
 //! WACV 2018). This crate is the library behind the desktop app and the command line of the same name.
 //!
+//! # As a library
+//!
+//! | what | begin with |
+//! |---|---|
+//! | a camera: base, pan, tilt, focal length, projection | [`camera::PtzCamera`] |
+//! | a field: landmarks and lines by name, for a venue's size | [`field::builtin`] |
+//! | a frame from two clicks and more | [`solve::solve_frame`] |
+//! | where a camera stands, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
+//! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
+//! | a forest, and frames that nobody clicked | [`proposals::learn`], [`relocalize::relocalize()`] |
+//! | two documents compared | [`evaluate::evaluate`], [`score`] |
+//!
+//! Results are plain values that serde writes; their keys carry the units. Options are structs with documented defaults, made
+//! with `..Default::default()`; errors and other enums that grow are `#[non_exhaustive]`. `tests/examples` has programs to start
+//! from. Without default features neither wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
+//! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests alone and may change at any time.
+//!
 //! # The house
 //!
 //! Rooms stand on floors; a room uses only rooms below it, and rooms on one floor do not see each other
@@ -11,10 +28,10 @@
 //!
 //! | floor | rooms |
 //! |---|---|
-//! | 8 | `ui` (egui only here), [`cli`] (one file per command) |
-//! | 7 | [`jobs`] (the only detached threads), [`render`] (wgpu, no egui) |
-//! | 6 | [`app`] (the whole application without a window), [`experiments`] (tables and figures of what was measured) |
-//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (references teach, the other frames get a camera proposed), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), [`scene`] (what is drawn, as plain data), [`report`] (tables, figures, Markdown) |
+//! | 8 | `ui` (egui only here), `cli` (one file per command) |
+//! | 7 | `jobs` (the only detached threads), `render` (wgpu, no egui) |
+//! | 6 | `app` (the whole application without a window), `experiments` (tables and figures of what was measured) |
+//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (references teach, the other frames get a camera proposed), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
 //! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
@@ -23,31 +40,39 @@
 //!
 //! Within floor 5, `calibrate` is used by `proposals` and `evaluate`.
 
+#[doc(hidden)]
 pub mod app;
 pub mod calibrate;
 pub mod camera;
+#[doc(hidden)]
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod document;
 pub mod evaluate;
 pub mod exchange;
+#[doc(hidden)]
 pub mod experiments;
 pub mod features;
 pub mod field;
 pub mod geometry;
+#[doc(hidden)]
 pub mod jobs;
 pub mod markings;
 pub mod media;
 pub mod proposals;
 pub mod relocalize;
+#[doc(hidden)]
 #[cfg(feature = "render")]
 pub mod render;
+#[doc(hidden)]
 pub mod report;
+#[doc(hidden)]
 pub mod scene;
 pub mod score;
 pub mod solve;
 pub mod store;
 pub mod synthetic;
+#[doc(hidden)]
 #[cfg(feature = "gui")]
 pub mod ui;
 

@@ -24,6 +24,7 @@ pub const LANDMARKS_ALONE: usize = 4;
 
 /// Why a base cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum BaseEstimationError {
     /// The document lacks the camera.
     #[error("camera {camera:?} is not in the document")]

@@ -15,6 +15,7 @@ const NEIGHBOURS: usize = 4;
 
 /// Why a frame's clicks give no camera.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum CalibrationError {
     /// The frame names a camera that the document lacks.
     #[error("camera {camera:?} is not in the document")]

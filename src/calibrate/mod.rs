@@ -15,15 +15,17 @@ mod solve_all;
 mod which_camera;
 
 pub use base_change::{CameraChange, camera_change};
-pub use base_estimation::{
-    BaseEstimationError, BaseProblem, EstimatedBase, LANDMARKS_ALONE, LandmarkFit, camera_alone, describe_mirrored,
-};
-pub use calibration::{CalibrationError, calibrate, observations, solved_neighbours};
+pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
+pub(crate) use base_estimation::{LANDMARKS_ALONE, camera_alone};
+pub(crate) use calibration::solved_neighbours;
+pub use calibration::{CalibrationError, calibrate, observations};
 pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
 pub use disagreement::{Disagreement, Disagreements, disagreements};
-pub use gold::{can_choose_gold, choose_gold};
+pub(crate) use gold::can_choose_gold;
+pub use gold::choose_gold;
 pub use habits::habits;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
-pub use size_fit::describe_size;
+pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
-pub use which_camera::{BetterCamera, GiveError, better_camera, warn_of_better_camera};
+pub(crate) use which_camera::warn_of_better_camera;
+pub use which_camera::{BetterCamera, GiveError, better_camera};

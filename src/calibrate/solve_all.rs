@@ -12,6 +12,7 @@ const UNKNOWNS: usize = 3;
 
 /// How solving a frame ended.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum SolveOutcome {
     /// The frame has its `ptz` and `solution` now.
     Solved,

@@ -83,6 +83,7 @@ pub fn warn_of_better_camera(
 
 /// Why frames cannot be given to a camera.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum GiveError {
     /// The document lacks it.
     #[error("camera {camera:?} is not in the document")]

@@ -3,15 +3,18 @@
 use super::FocalCurve;
 use crate::geometry::rotation::{q_pan, rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
+use serde::Serialize;
 
 /// What is known of a fixed camera before a frame is looked at (the paper's prior C and S, section 3.1).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraBase {
     /// C: the centre of projection in `world`, m.
     pub position_m: Vec3,
     /// S: the rotation from `world` to `base`.
+    #[serde(serialize_with = "crate::geometry::rows")]
     pub base_from_world: Mat3,
     /// The principal point, px.
+    #[serde(rename = "principal_point_px")]
     pub principal_point: ImagePoint,
     /// k₁ by focal length.
     pub distortion: FocalCurve,
@@ -20,11 +23,12 @@ pub struct CameraBase {
 }
 
 /// Prior 1-σ of a base; zero means exactly known.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BaseSigma {
     /// Of the position, along world x, y, z, m.
     pub position_m: Vec3,
     /// Of the base rotation, about world x, y, z (z is the pan gauge), rad.
+    #[serde(rename = "rotation_rad")]
     pub rotation: Vec3,
 }
 

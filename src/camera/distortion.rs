@@ -4,10 +4,11 @@
 //! A zoom lens changes k₁ with the focal length, so a camera holds a curve and not a number.
 
 use crate::geometry::Vec2;
+use serde::Serialize;
 use thiserror::Error;
 
 /// k₁ as a function of the focal length: value + `per_1000_px` · (f − `at_focal_px`) / 1000.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct FocalCurve {
     /// The focal length at which `value` holds, px.
     pub at_focal_px: f64,
@@ -48,6 +49,7 @@ impl FocalCurve {
 
 /// Why a distorted point has no ideal one.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum UndistortError {
     /// The lens model folds before it reaches this radius.
     #[error("the distortion model (k1 = {k1}) folds at normalised radius {fold}, the point lies at {radius}")]

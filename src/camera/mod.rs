@@ -23,17 +23,21 @@ pub use base::{BaseAngles, BaseSigma, CameraBase};
 pub(crate) use distortion::undistort;
 pub use distortion::{FocalCurve, UndistortError};
 pub use jacobian::ProjectionJacobian;
-pub use projection::{MIN_DEPTH, ProjectError, PtzCamera};
+pub(crate) use projection::MIN_DEPTH;
+pub use projection::{ProjectError, PtzCamera};
 pub use ray::PanTilt;
 
 use crate::geometry::Angle;
+use serde::Serialize;
 
 /// What a frame adds to its camera's base: pan, tilt and focal length.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Ptz {
     /// Positive to the right.
+    #[serde(rename = "pan_deg")]
     pub pan: Angle,
     /// Positive up.
+    #[serde(rename = "tilt_deg")]
     pub tilt: Angle,
     /// px of the frame.
     pub focal_px: f64,

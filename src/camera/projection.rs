@@ -11,6 +11,7 @@ pub const MIN_DEPTH: f64 = 1e-6;
 
 /// Why a point has no image.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ProjectError {
     /// The point is behind the camera, or beside it.
     #[error("the point is behind the camera (depth {depth} of its distance)")]

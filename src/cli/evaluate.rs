@@ -8,7 +8,6 @@ use super::output::{print, refuse_existing, write_file};
 use crate::evaluate::{Agreement, Evaluation, FrameGroup, agreement, evaluate as evaluated};
 use crate::experiments::{agreement_json, agreement_tables, evaluation_report, evaluation_tables, frame_scores};
 use crate::report::Table;
-use crate::score::Summary;
 use serde_json::{Map, Value, json};
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
@@ -139,7 +138,7 @@ fn report(evaluation: &Evaluation, groups: &[FrameGroup], agreed: Option<&Agreem
 
 fn described_group(group: &FrameGroup) -> Value {
     let measures: Map<String, Value> =
-        group.measures.iter().map(|(measure, summary)| (measure.key().to_owned(), described(summary))).collect();
+        group.measures.iter().map(|(measure, summary)| (measure.key().to_owned(), json!(summary))).collect();
     let mut value = json!({
         "by": group.kind.key(),
         "name": group.name,
@@ -155,25 +154,11 @@ fn described_group(group: &FrameGroup) -> Value {
         ("every_held_out_click_m", &group.held_out_m),
     ] {
         if let Some(summary) = summary {
-            value[key] = described(summary);
+            value[key] = json!(summary);
         }
     }
     if let Some(coverage) = &group.coverage {
-        value["coverage"] = json!({
-            "count": coverage.count,
-            "within_68": coverage.within_68,
-            "within_95": coverage.within_95,
-            "error_over_sigma": coverage.error_over_sigma,
-        });
+        value["coverage"] = json!(coverage);
     }
     value
-}
-
-fn described(summary: &Summary) -> Value {
-    json!({
-        "count": summary.count, "mean": summary.mean, "mean_interval_95": summary.mean_interval, "std": summary.std,
-        "min": summary.min, "p10": summary.p10, "p25": summary.p25, "median": summary.median,
-        "median_interval_95": summary.median_interval, "p75": summary.p75, "p90": summary.p90, "p95": summary.p95,
-        "max": summary.max,
-    })
 }

@@ -8,6 +8,7 @@ use thiserror::Error;
 
 /// Why bytes are no document.
 #[derive(Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum ReadError {
     /// Nothing is in the file.
     #[error("the file is empty; a document is expected")]

@@ -81,6 +81,7 @@ pub struct Solution {
 /// What a frame was solved from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum SolutionSource {
     /// A person's clicks.
     Clicks,

@@ -13,6 +13,7 @@ const LINE_WIDTH: usize = 120;
 
 /// Why a document cannot be written.
 #[derive(Debug, Error, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum WriteError {
     /// A value is no finite number.
     #[error("{place}: {message}")]

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Why a picture has no features to offer.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum FeatureError {
     /// The program was built without the feature `opencv`.
     #[error("this touchline was built without OpenCV and finds no image features; build it with the feature `opencv`")]

@@ -27,9 +27,10 @@ mod sift;
 #[cfg(feature = "opencv")]
 mod spread;
 
-pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
+pub(crate) use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use cache::{FeatureCache, FeatureKey};
-pub use descriptor::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor, MAX_SQUARED_DISTANCE, Sketch};
+pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
+pub(crate) use descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE, Sketch};
 pub use error::FeatureError;
 pub use extract::extract;
 pub use keypoint::{Features, Keypoint};

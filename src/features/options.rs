@@ -2,6 +2,7 @@
 
 /// What finds and describes features.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Detector {
     /// SIFT (Lowe, 2004), as in the paper.
     #[default]

@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Why there is no field: each message says what, where, and how to mend it.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum FieldError {
     /// No built-in template has this name, and it is not the path of a JSON file.
     #[error(

@@ -14,6 +14,7 @@ const MAX_DEPTH: usize = 32;
 
 /// What is wrong with an expression; positions count characters from 1.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ExpressionError {
     /// Nothing but blanks.
     #[error("the expression is empty")]

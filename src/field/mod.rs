@@ -27,4 +27,5 @@ pub use expression::{Expression, ExpressionError};
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use svg::svg;
 pub use symmetry::Symmetry;
-pub use template::{Dimension, MAX_CROWN_M, Param, Template};
+pub(crate) use template::MAX_CROWN_M;
+pub use template::{Dimension, Param, Template};

@@ -3,6 +3,7 @@
 use super::model::same_place;
 use super::{Curve, FieldLine, FieldModel, Landmark};
 use crate::geometry::Vec3;
+use serde::{Serialize, Serializer};
 
 /// A way of moving the field onto itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +14,12 @@ pub enum Symmetry {
     MirrorY,
     /// Both: half a turn about the middle, what a camera on the other side sees.
     Turn180,
+}
+
+impl Serialize for Symmetry {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
 }
 
 impl Symmetry {

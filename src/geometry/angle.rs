@@ -1,5 +1,6 @@
 //! One type for angles, so that degrees and radians cannot be mixed.
 
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -7,6 +8,13 @@ use std::ops::{Add, Mul, Neg, Sub};
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Angle {
     radians: f64,
+}
+
+/// Written in degrees: the key says so.
+impl Serialize for Angle {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.degrees().serialize(serializer)
+    }
 }
 
 impl Angle {

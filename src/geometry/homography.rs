@@ -9,6 +9,7 @@ const MIN_SECOND_EIGENVALUE: f64 = 1e-9;
 
 /// Why point pairs give no homography.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum HomographyError {
     /// Fewer than four pairs.
     #[error("{pairs} pairs of points, four are needed")]

@@ -1,9 +1,11 @@
 //! Points, sizes and boxes in a picture.
 
 use super::Vec2;
+use serde::Serialize;
 
 /// A point of a picture, px, corner convention: (0, 0) is the top-left corner, x right, y down.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[serde(into = "[f64; 2]")]
 pub struct ImagePoint {
     /// To the right, px.
     pub x: f64,
@@ -56,12 +58,19 @@ impl From<ImagePoint> for [f64; 2] {
 }
 
 /// The size of a picture, px.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+#[serde(into = "[u32; 2]")]
 pub struct ImageSize {
     /// Columns.
     pub width: u32,
     /// Rows.
     pub height: u32,
+}
+
+impl From<ImageSize> for [u32; 2] {
+    fn from(size: ImageSize) -> Self {
+        [size.width, size.height]
+    }
 }
 
 impl ImageSize {

@@ -9,16 +9,18 @@ mod homography;
 mod image;
 mod median;
 pub mod rotation;
+mod rows;
 mod segment;
 mod text;
 
 pub use angle::Angle;
 pub use angle_range::AngleRange;
-pub use homography::{HomographyError, homography};
+pub(crate) use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
-pub use median::{median, median_high};
-pub use segment::distance_from_segment;
-pub use text::{hex, thousands};
+pub(crate) use median::{median, median_high};
+pub(crate) use rows::rows;
+pub(crate) use segment::distance_from_segment;
+pub(crate) use text::{hex, thousands};
 
 /// A column of two numbers; the frame and unit stand in the name of the value.
 pub type Vec2 = nalgebra::Vector2<f64>;

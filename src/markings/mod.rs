@@ -11,6 +11,6 @@ mod landmarks;
 mod lines;
 mod window;
 
-pub use ground::visible_ground;
+pub(crate) use ground::visible_ground;
 pub use landmarks::{ProjectedLandmark, project_landmarks};
 pub use lines::{MarkingOptions, MarkingPolyline, project_lines};

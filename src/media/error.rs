@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 ///
 /// Every message is one line: what, where, how to mend it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum MediaError {
     /// Nothing is at the path.
     #[error("{}: there is no such file; check whether it was moved or renamed", path.display())]

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// A remark about a folder or a video: shown once, stops nothing.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum Notice {
     /// The container's count is not the number of frames that decode.
     FramesStated {

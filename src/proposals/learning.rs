@@ -36,6 +36,7 @@ impl Lesson {
 
 /// Why a reference teaches nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum LessonError {
     /// It names a camera that the document lacks.
     #[error("camera {camera:?} is not in the document")]
@@ -71,6 +72,7 @@ pub struct LearnOptions {
 
 /// Why there is no forest.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum LearnError {
     /// Training ended without one.
     #[error(transparent)]

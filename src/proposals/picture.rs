@@ -9,6 +9,7 @@ use thiserror::Error;
 
 /// Why a frame's picture, or its features, could not be had.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum PictureError {
     /// The frame names no file.
     #[error("the frame has neither an image nor a video to show")]

@@ -59,6 +59,7 @@ pub struct Answer {
 
 /// Why there is no proposal.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum NoProposal {
     /// The forest does not know.
     #[error(transparent)]

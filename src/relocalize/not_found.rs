@@ -5,6 +5,7 @@ use thiserror::Error;
 
 /// Why no camera is returned. None of it is a failure of the program: some pictures cannot be answered.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum NotFound {
     /// Hardly any feature looks like something in the references.
     #[error("{matched} features look like the references, {needed} are needed; label a frame that looks here")]

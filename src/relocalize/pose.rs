@@ -10,14 +10,16 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::score::median_rayleigh;
 use crate::solve::{Loss, Observation, Uncertainty, refine_until};
+use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// The camera that a picture's features agree on.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Pose {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
     /// Covariance of (pan deg, tilt deg, focal px); features close together count as one.
+    #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
     /// 1-σ of the overlay at the worst corner of the picture, px.
     pub worst_corner_sigma_px: f64,

@@ -12,6 +12,6 @@ mod document;
 pub mod figure;
 mod table;
 
-pub use contact_sheet::{SheetFrame, contact_sheet};
+pub(crate) use contact_sheet::{SheetFrame, contact_sheet};
 pub use document::{Block, Report, ReportFile};
 pub use table::{Cell, Column, Table};

@@ -3,15 +3,19 @@
 use crate::camera::{PanTilt, PtzCamera};
 use crate::geometry::rotation::angle_between;
 use crate::geometry::{Angle, ImageSize, Vec3};
+use serde::Serialize;
 
 /// What an estimated camera's numbers err by: estimate less truth.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraError {
     /// The angle between the two rotations from `world` to `cam`; never negative. Roll counts as well.
+    #[serde(rename = "rotation_deg")]
     pub rotation: Angle,
     /// Pan of the optical axis, both seen in the truth's base: bases may differ.
+    #[serde(rename = "pan_deg")]
     pub pan: Angle,
     /// Tilt of the optical axis, likewise.
+    #[serde(rename = "tilt_deg")]
     pub tilt: Angle,
     /// Focal length, px.
     pub focal_px: f64,

@@ -13,6 +13,7 @@
 
 use super::{chi_squared_quantile, median_normal_size, quantile};
 use crate::geometry::Vec2;
+use serde::Serialize;
 
 /// Below so many pairs nothing is said: an interval would span a factor of three and more.
 const MIN_PAIRS: usize = 5;
@@ -30,7 +31,7 @@ const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
 const LEAST_WORTH: f64 = 3.0;
 
 /// A hand's click noise.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClickNoise {
     /// 1-σ of one click in each direction, in the unit of the differences.
     pub sigma: f64,

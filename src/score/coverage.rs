@@ -2,6 +2,7 @@
 
 use super::chi_squared_quantile;
 use crate::geometry::{Mat3, Vec3};
+use serde::Serialize;
 
 /// The share of a normal number within 1 σ.
 const ONE_SIGMA: f64 = 0.682_689_492_137_086;
@@ -20,7 +21,7 @@ pub fn squared_sigmas(error: Vec3, covariance: &Mat3) -> Option<f64> {
 }
 
 /// How often errors of three numbers stay within the region that was stated for them.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SigmaCoverage {
     /// Errors with a stated covariance.
     pub count: usize,

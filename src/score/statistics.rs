@@ -3,6 +3,7 @@
 use crate::geometry::median;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
+use serde::Serialize;
 
 /// Resamples of the bootstrap.
 const RESAMPLES: usize = 1000;
@@ -10,13 +11,14 @@ const RESAMPLES: usize = 1000;
 const TAIL: f64 = 0.025;
 
 /// Many numbers in a few.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Summary {
     /// How many there are.
     pub count: usize,
     /// Their mean.
     pub mean: f64,
     /// The 95 % bootstrap interval of the mean (percentiles of 1000 resamples).
+    #[serde(rename = "mean_interval_95")]
     pub mean_interval: [f64; 2],
     /// Their standard deviation (n − 1); 0 for a single one.
     pub std: f64,
@@ -29,6 +31,7 @@ pub struct Summary {
     /// The median.
     pub median: f64,
     /// The 95 % bootstrap interval of the median.
+    #[serde(rename = "median_interval_95")]
     pub median_interval: [f64; 2],
     /// The upper quartile.
     pub p75: f64,

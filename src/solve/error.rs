@@ -4,6 +4,7 @@ use thiserror::Error;
 
 /// Why a click is no observation of this field.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum ObservationError {
     /// The field model has no landmark of this name.
     #[error("the field {template:?} has no landmark {name:?}; `touchline fields` lists them")]
@@ -25,6 +26,7 @@ pub enum ObservationError {
 
 /// Why a frame has no solution. Clicks are indices into the frame's clicks, from 0; the messages count from 1.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum SolveError {
     /// The clicks do not determine pan, tilt and focal length, however they lie.
     #[error(

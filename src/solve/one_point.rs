@@ -13,6 +13,7 @@ use thiserror::Error;
 
 /// Why one point gives no pan and tilt.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum OnePointError {
     /// The point is so steeply above or below the camera that no pan brings it to that column.
     #[error("no pan brings a point at tilt {tilt_deg:.2}° to a pixel {column_deg:.2}° beside the optical axis")]

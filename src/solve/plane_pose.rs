@@ -21,6 +21,7 @@ pub struct PlanePose {
 
 /// Why a picture of the ground gives no camera.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum PlanePoseError {
     /// No homography.
     #[error(transparent)]

@@ -3,6 +3,7 @@
 use super::{Habits, IdentityFinding, Loss, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::{Angle, AngleRange, ImageSize, Mat3, Vec2};
+use serde::Serialize;
 use std::ops::RangeInclusive;
 
 /// What is known of a frame beside its clicks and its camera's base.
@@ -81,7 +82,7 @@ impl PtzRanges {
 }
 
 /// A camera that fits the clicks of a frame, but was not chosen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Candidate {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
@@ -94,7 +95,7 @@ pub struct Candidate {
 }
 
 /// Where a click lies as seen from where the solution puts what it shows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClickResidual {
     /// Which click, from 0.
     pub click: usize,
@@ -114,7 +115,7 @@ impl ClickResidual {
 }
 
 /// A click that was held out of the solve, against what the solution predicts for it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CheckResult {
     /// Which click, from 0.
     pub click: usize,
@@ -126,15 +127,17 @@ pub struct CheckResult {
 }
 
 /// What a frame's clicks and a base say about its pan, tilt and focal length.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameSolution {
     /// The result.
     pub ptz: Ptz,
     /// k₁ at this focal length.
     pub k1: f64,
     /// Covariance in the order pan (deg), tilt (deg), focal length (px), as documents hold it.
+    #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
     /// The same in radians, with the base's part kept apart: gives the overlay's own uncertainty at any pixel.
+    #[serde(skip)]
     pub uncertainty: Uncertainty,
     /// One for each click that took part, in the order given.
     pub residuals: Vec<ClickResidual>,

@@ -22,6 +22,7 @@ pub const MIN_RAY_ANGLE_DEG: f64 = 1e-3;
 
 /// Why two points give no focal length.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum TwoPointError {
     /// The pixels coincide.
     #[error("the pixels are {separation_px} px apart, {MIN_SEPARATION_PX} px are needed")]

@@ -1,10 +1,11 @@
 //! What a person should look at before trusting a solved frame.
 
+use serde::{Serialize, Serializer};
 use std::fmt;
 use std::str::FromStr;
 
 /// A warning: what is wrong, the number, and the way out, in that order.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Warning {
     /// Its kind.
     pub code: WarningCode,
@@ -24,6 +25,7 @@ macro_rules! warning_codes {
     ($($(#[$doc:meta])* $variant:ident = $name:literal,)*) => {
         /// The kinds of warning, as documents write them.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[non_exhaustive]
         pub enum WarningCode {
             $($(#[$doc])* $variant,)*
         }
@@ -39,6 +41,12 @@ macro_rules! warning_codes {
             }
         }
     };
+}
+
+impl Serialize for WarningCode {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
 }
 
 warning_codes! {

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 /// Why a document was not opened or not saved.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StoreError {
     /// The system refused.
     #[error("cannot {action} {}: {source}{}", path.display(), way_out(source))]

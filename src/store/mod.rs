@@ -9,8 +9,9 @@ mod journal;
 mod location;
 mod lock;
 
-pub use atomic::{write_atomically, write_output};
+pub(crate) use atomic::{write_atomically, write_output};
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use error::StoreError;
-pub use location::{Location, PROJECT_FILE, PROJECT_SUFFIX};
+pub use location::Location;
+pub(crate) use location::{PROJECT_FILE, PROJECT_SUFFIX};
 pub use lock::ReadOnly;

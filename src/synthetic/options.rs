@@ -29,6 +29,7 @@ impl StadiumOptions {
 
 /// The light over the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Daylight {
     /// A sun behind thin cloud: soft shadows that point one way.
     #[default]
@@ -119,6 +120,7 @@ pub struct ShootOptions {
 
 /// A named [`ShootOptions`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Preset {
     /// A perfect lens and a clean sensor: what is wrong here is wrong in the mathematics.
     Easy,

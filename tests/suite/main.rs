@@ -35,6 +35,7 @@ mod headless;
 mod identity;
 mod journal;
 mod killed;
+mod library;
 mod media;
 mod motion_330;
 mod names_in_app;

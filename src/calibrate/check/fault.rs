@@ -29,6 +29,7 @@ fn size(size: ImageSize) -> String {
 
 /// What is wrong. Clicks are counted from 0 here and from 1 in messages.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum Fault {
     /// Two cameras share a name.
     #[error("another camera has this name too; rename one")]

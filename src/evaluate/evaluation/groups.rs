@@ -5,6 +5,7 @@ use crate::score::{SigmaCoverage, Summary};
 
 /// What makes frames a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum GroupKind {
     /// All frames.
     All,

@@ -2,6 +2,7 @@
 
 /// One number of a frame. Errors are magnitudes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[non_exhaustive]
 pub enum Measure {
     /// Intersection over union of the part of the field that the picture shows.
     IouPart,

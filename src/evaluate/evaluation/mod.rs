@@ -21,10 +21,11 @@ use crate::score::{FieldView, horizontal_view};
 use crate::solve::ObservationError;
 use rayon::prelude::*;
 use scores::{TrueFrame, scores};
+use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 /// How an estimate compares with a truth.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
     /// Every frame of which the truth knows something, in its order.
     pub frames: Vec<FrameResult>,
@@ -33,7 +34,7 @@ pub struct Evaluation {
 }
 
 /// One frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct FrameResult {
     /// What messages call it.
     pub name: String,
@@ -44,13 +45,24 @@ pub struct FrameResult {
     /// Its camera in the truth.
     pub camera: CameraId,
     /// The horizontal field of view: the true camera's, else the estimate's.
+    #[serde(rename = "view_deg")]
     pub view: Option<Angle>,
     /// What it scores, or why it has no score.
+    #[serde(serialize_with = "scores_or_reason")]
     pub scores: Result<FrameScores, Unscored>,
+}
+
+/// The scores, or why there are none as text.
+fn scores_or_reason<S: Serializer>(scores: &Result<FrameScores, Unscored>, serializer: S) -> Result<S::Ok, S::Error> {
+    match scores {
+        Ok(scores) => scores.serialize(serializer),
+        Err(reason) => serializer.collect_str(reason),
+    }
 }
 
 /// Why a frame has no score.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum Unscored {
     /// No frame of the estimate shows this picture.
     #[error("the estimate has no such frame")]
@@ -78,6 +90,7 @@ pub enum Unscored {
 
 /// Why documents cannot be compared at all.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum EvaluationError {
     /// A field is not valid.
     #[error("the {which}: {source}")]

@@ -11,6 +11,8 @@ use crate::score::{
     landmark_errors, squared_sigmas,
 };
 use crate::solve::{Observation, ObservationError};
+use serde::ser::SerializeMap as _;
+use serde::{Serialize, Serializer};
 
 /// What a frame scores.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -33,6 +35,22 @@ impl FrameScores {
 
     fn set(&mut self, measure: Measure, value: Option<f64>) {
         self.values[measure as usize] = value;
+    }
+}
+
+/// The measures that the frame gives by their keys, and the clicks' distances.
+impl Serialize for FrameScores {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for measure in Measure::ALL {
+            if let Some(value) = self.get(measure) {
+                map.serialize_entry(measure.key(), &value)?;
+            }
+        }
+        map.serialize_entry("every_click_px", &self.clicks_px)?;
+        map.serialize_entry("every_held_out_click_px", &self.held_out_px)?;
+        map.serialize_entry("every_held_out_click_m", &self.held_out_m)?;
+        map.end()
     }
 }
 

@@ -18,6 +18,7 @@ const MOST_NESTED: u32 = 16;
 
 /// Why a MAT file cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum MatError {
     /// It has another format.
     #[error("it is not a MATLAB file of level 5")]

@@ -32,6 +32,7 @@ use thiserror::Error;
 
 /// Why the authors' files cannot be read.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum AuthorsError {
     /// A file or folder cannot be read.
     #[error("cannot read {}: {source}", path.display())]

@@ -6,6 +6,7 @@ use thiserror::Error;
 
 /// Why bytes are no forest.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
 pub enum ForestFileError {
     /// The file does not begin as a forest does.
     #[error("this is not a forest of touchline; `touchline train` makes one")]

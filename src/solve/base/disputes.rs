@@ -6,6 +6,7 @@ use crate::field::{FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{ImageSize, median_high};
 use crate::solve::refine::squared_sigmas;
 use crate::solve::{Loss, Observation, SolveContext, solve_frame};
+use serde::Serialize;
 
 /// A click farther off than this many sigmas (of clicks as they scatter here) is disputed.
 const DISPUTED_SIGMAS: f64 = 5.0;
@@ -14,7 +15,7 @@ const DISPUTED_SIGMAS: f64 = 5.0;
 const FITS_SIGMAS: f64 = 2.5;
 
 /// A click that the rest contradicts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DisputedClick {
     /// Which frame, from 0.
     pub frame: usize,
@@ -27,7 +28,7 @@ pub struct DisputedClick {
 }
 
 /// A frame whose names are all taken from the wrong side.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct MirroredFrame {
     /// Which frame, from 0.
     pub frame: usize,

@@ -12,6 +12,7 @@ use super::{
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median_high};
+use serde::Serialize;
 use std::ops::ControlFlow;
 
 /// What a person may ask for.
@@ -61,7 +62,7 @@ impl Default for BaseOptions {
 }
 
 /// How one frame fits the base.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct FrameFit {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
@@ -72,7 +73,7 @@ pub struct FrameFit {
 }
 
 /// A base estimated from clicks, with everything needed to judge it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BaseEstimate {
     /// The base with its sigma: of the position the larger of the adjustment's (landmarks that lie off their places in every
     /// frame included) and the jackknife's over groups of frames.
@@ -84,6 +85,7 @@ pub struct BaseEstimate {
     /// The models compared on clicks that they had not seen; one only where it was prescribed.
     pub scores: Vec<ModelScore>,
     /// Covariance of the position, m².
+    #[serde(serialize_with = "crate::geometry::rows")]
     pub position_covariance: Mat3,
     /// Each frame's fit; none where its clicks gave no camera.
     pub frames: Vec<Option<FrameFit>>,

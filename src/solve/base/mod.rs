@@ -55,6 +55,7 @@ impl FrameClicks {
 
 /// Why the base cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
 pub enum BaseError {
     /// No frame determines a camera by itself.
     #[error(

@@ -8,10 +8,13 @@ use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
+use serde::Serialize;
 use std::fmt;
 
 /// How k₁ depends on the focal length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum LensModel {
     /// None.
     Pinhole,
@@ -22,7 +25,9 @@ pub enum LensModel {
 }
 
 /// How the pitch is shaped.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum CrownModel {
     /// This much higher in the middle, m.
     Fixed(f64),
@@ -42,13 +47,14 @@ impl CrownModel {
 }
 
 /// What is left free beside position, base rotation and every frame's pan, tilt and focal length.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct BaseModel {
     /// The lens.
     pub lens: LensModel,
     /// The pitch.
     pub crown: CrownModel,
     /// Where set, the principal point is found as well, with a prior around this point.
+    #[serde(rename = "principal_point_px")]
     pub principal_point: Option<ImagePoint>,
 }
 
@@ -66,7 +72,7 @@ impl fmt::Display for BaseModel {
 }
 
 /// How a model does on clicks that it has not seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ModelScore {
     /// The model.
     pub model: BaseModel,

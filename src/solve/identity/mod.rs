@@ -12,6 +12,7 @@ use super::{FrameSolution, Loss, Observation, SolveContext};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::{FieldElement, FieldModel, LandmarkId, LineId, Symmetry};
 use hypotheses::{Judged, Search};
+use serde::{Serialize, Serializer};
 
 /// Renaming must lower χ² by this much, and to this share.
 const MIN_GAIN: f64 = 25.0;
@@ -33,7 +34,9 @@ const FEW_CLICKS: usize = 6;
 const MIRRORS_FIT_UPTO: usize = 4;
 
 /// What is wrong with the names.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
 pub enum IdentityKind {
     /// Two names are exchanged.
     Swapped,
@@ -51,7 +54,8 @@ pub enum IdentityKind {
 }
 
 /// What speaks for the other names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Evidence {
     /// The clicks contradict each other as named.
     Clicks,
@@ -62,7 +66,7 @@ pub enum Evidence {
 }
 
 /// A new name for a click.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Rename {
     /// Which click, from 0.
     pub click: usize,
@@ -79,6 +83,12 @@ pub enum Name {
     Landmark(LandmarkId),
     /// A line.
     Line(LineId),
+}
+
+impl Serialize for Name {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.as_str())
+    }
 }
 
 impl Name {
@@ -101,7 +111,7 @@ impl Name {
 }
 
 /// Another set of names that fits better, or as well.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct IdentityFinding {
     /// What is wrong.
     pub kind: IdentityKind,
