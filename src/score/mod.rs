@@ -34,6 +34,6 @@ pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};
 pub use marking_match::MarkingMatch;
 pub(crate) use marking_match::{AnnotatedLine, annotated_lines};
 pub use overlap::{iou_part, iou_whole};
-pub(crate) use plane::PlaneView;
+pub use plane::PlaneView;
 pub use statistics::{Summary, quantile};
 pub(crate) use view::FieldView;
