@@ -73,34 +73,34 @@ pub(crate) fn distort(ideal: Vec2, k1: f64) -> Vec2 {
     ideal * (1.0 + k1 * ideal.norm_squared())
 }
 
-/// The ideal point of a distorted one (normalised coordinates): Newton on r (1 + k₁ r²) = `r_d`, to the last digit.
+/// The ideal point of a distorted one (normalised coordinates), to the last digit.
+///
+/// With s = r / `r_d` and w = k₁ `r_d`², r (1 + k₁ r²) = `r_d` becomes s + w s³ = 1: Newton on s, without a root.
 pub(crate) fn undistort(distorted: Vec2, k1: f64) -> Result<Vec2, UndistortError> {
-    if k1 == 0.0 {
-        return Ok(distorted);
+    /// w at the fold, where r² = −1 / (3 k₁).
+    const FOLD: f64 = -4.0 / 27.0;
+    /// Up to here the series is the better start.
+    const SERIES_UPTO: f64 = 0.1;
+    let w = k1 * distorted.norm_squared();
+    if w <= FOLD {
+        let fold = fold_radius_squared(k1).sqrt() * 2.0 / 3.0;
+        return Err(UndistortError::BeyondFold { k1, fold, radius: distorted.norm() });
     }
-    let radius = distorted.norm();
-    let fold_squared = fold_radius_squared(k1);
-    let fold = fold_squared.sqrt() * 2.0 / 3.0;
-    if fold_squared.is_finite() && radius >= fold {
-        return Err(UndistortError::BeyondFold { k1, fold, radius });
-    }
-    if radius == 0.0 {
-        return Ok(distorted);
-    }
-    // Both shapes are monotonic and without inflection between zero and the start, so Newton cannot leave the branch.
-    let mut ideal = if k1 < 0.0 { radius } else { radius / (1.0 + k1 * radius * radius).cbrt() };
+    // For a barrel (w < 0) all terms of the series are positive, so it starts below the root, where the function is concave:
+    // Newton ascends and cannot leave the branch. For w > 0 the function is monotonic and convex.
+    let mut s = if w < SERIES_UPTO { 1.0 - w * (1.0 - w * (3.0 - w * 12.0)) } else { 1.0 / (1.0 + w).cbrt() };
     for _ in 0..64 {
-        let step = (ideal * (1.0 + k1 * ideal * ideal) - radius) / (1.0 + 3.0 * k1 * ideal * ideal);
+        let step = (s * (1.0 + w * s * s) - 1.0) / (1.0 + 3.0 * w * s * s);
         if !step.is_finite() {
             break;
         }
-        ideal -= step;
+        s -= step;
         // The error after a step is of the size of its square.
-        if step.abs() <= 1e-10 * ideal.abs() {
+        if step.abs() <= 1e-9 * s {
             break;
         }
     }
-    Ok(distorted * (ideal / radius))
+    Ok(distorted * s)
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::distortion::fold_radius_squared;
 use super::{MIN_DEPTH, ProjectError, PtzCamera};
-use crate::geometry::rotation::skew;
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, Matrix2x6};
 
@@ -27,6 +26,7 @@ impl PtzCamera {
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
+    #[inline]
     pub fn image_from_world_jacobian(&self, point_in_world: Vec3) -> Result<ProjectionJacobian, ProjectError> {
         let offset = point_in_world - self.base().position_m;
         let in_base = self.base().base_from_world * offset;
@@ -35,10 +35,14 @@ impl PtzCamera {
         let by_ptz = self.by_ptz(in_base, in_cam, &by_cam, by_focal_fixed_k1, by_k1);
 
         let by_world = by_cam * self.cam_from_world();
-        let by_rotation = by_world * -skew(offset);
+        // A turn by ω moves the point by ω × offset, so a row r of `by_world` gives offset × r.
+        let turned = |row: usize| offset.cross(&by_world.row(row).transpose());
+        let (x, y) = (turned(0), turned(1));
         let mut by_base = Matrix2x6::zeros();
-        by_base.fixed_columns_mut::<3>(0).copy_from(&-by_world);
-        by_base.fixed_columns_mut::<3>(3).copy_from(&by_rotation);
+        for axis in 0..3 {
+            by_base.set_column(axis, &-by_world.column(axis));
+            by_base.set_column(3 + axis, &Vec2::new(x[axis], y[axis]));
+        }
         Ok(ProjectionJacobian { point, by_ptz, by_base, by_world, by_k1 })
     }
 

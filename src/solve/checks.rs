@@ -1,5 +1,6 @@
 //! What a person should look at before trusting a solved frame, in words with numbers.
 
+use super::covariance::corners;
 use super::frame::SAME_FIT;
 use super::{FrameSolution, Observation, SolveContext, Warning, WarningCode};
 use crate::camera::PtzCamera;
@@ -177,14 +178,13 @@ fn best_corner_with_click_at(
 ) -> Option<f64> {
     const DIRECTIONS: u32 = 16;
     let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
+    let corners = corners(camera, context.image_size);
     (0..DIRECTIONS)
-        .filter_map(|direction| {
-            let angle = f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU;
-            let pixel = from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px);
-            let in_frame = context.image_size.contains(pixel);
-            let better = solution.uncertainty.with_click_at(camera, pixel, sigma_px).filter(|_| in_frame)?;
-            Some(better.worst_corner_sigma_px(camera, context.image_size))
-        })
+        .map(|direction| f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU)
+        .map(|angle| from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px))
+        .filter(|pixel| context.image_size.contains(*pixel))
+        .filter_map(|pixel| solution.uncertainty.with_click_at(camera, pixel, sigma_px))
+        .map(|better| better.worst_sigma_px(&corners))
         .min_by(f64::total_cmp)
 }
 

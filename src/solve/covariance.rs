@@ -14,13 +14,13 @@
 
 use super::{Observation, PtzPrior, SolveError};
 use crate::camera::PtzCamera;
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Matrix3x6, Vector6};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
 
-/// Where a pixel shows no ground the overlay is taken to be this far away, m.
+/// Where a pixel shows no ground the overlay is taken to lie at this depth, m.
 const FAR_M: f64 = 1e5;
 
 /// The covariance of a frame's solution, click noise and base kept apart.
@@ -88,12 +88,9 @@ impl Uncertainty {
     /// Covariance (px²) of the overlay at a world point; none where the point has no image.
     #[must_use]
     pub fn overlay_at_world(&self, camera: &PtzCamera, point_in_world: Vec3) -> Option<Matrix2<f64>> {
-        let here = camera.image_from_world_jacobian(point_in_world).ok()?;
-        let mut by_base = here.by_base - here.by_ptz * self.by_base;
-        for (mut column, sigma) in by_base.column_iter_mut().zip(self.base_sigma.iter()) {
-            column *= *sigma;
-        }
-        Some(here.by_ptz * self.clicks * here.by_ptz.transpose() + by_base * by_base.transpose())
+        let point = OverlayPoint::at_world(camera, point_in_world)?;
+        let by_base = self.by_base_in_sigmas(&point);
+        Some(point.by_ptz * self.clicks * point.by_ptz.transpose() + by_base * by_base.transpose())
     }
 
     /// Covariance (px²) of the overlay at a pixel: of the ground it shows, or of the far distance above the horizon. None
@@ -106,45 +103,100 @@ impl Uncertainty {
     /// 1-σ of the overlay at a pixel, px: the root of the covariance's trace, an RMS distance.
     #[must_use]
     pub fn overlay_sigma_px(&self, camera: &PtzCamera, pixel: ImagePoint) -> Option<f64> {
-        self.overlay_at(camera, pixel).map(|covariance| covariance.trace().sqrt())
+        OverlayPoint::at_pixel(camera, pixel).map(|point| self.sigma_px(&point))
     }
 
     /// The largest [`Self::overlay_sigma_px`] of the frame's four corners; a corner beyond the fold of the distortion model
     /// is drawn in towards the middle until it shows something.
     #[must_use]
     pub fn worst_corner_sigma_px(&self, camera: &PtzCamera, image_size: ImageSize) -> f64 {
-        let middle = camera.base().principal_point;
-        image_size
-            .corners()
-            .into_iter()
-            .filter_map(|corner| {
-                (0..10).find_map(|step| {
-                    let towards = corner.offset_from(middle) * (1.0 - 0.1 * f64::from(step));
-                    self.overlay_sigma_px(camera, middle.moved(towards))
-                })
-            })
-            .fold(0.0, f64::max)
+        self.worst_sigma_px(&corners(camera, image_size))
+    }
+
+    /// The largest 1-σ of the overlay at some points, px.
+    pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
+        points.iter().flatten().map(|point| self.sigma_px(point)).fold(0.0, f64::max)
+    }
+
+    /// 1-σ of the overlay at a point, px.
+    fn sigma_px(&self, point: &OverlayPoint) -> f64 {
+        // x and y side by side: this is evaluated at every pixel of a heat map.
+        let by_ptz: [Vec2; 3] = std::array::from_fn(|column| point.by_ptz.column(column).into_owned());
+        let mut variances = Vec2::zeros();
+        for (column, by) in by_ptz.iter().enumerate() {
+            let clicks = self.clicks.fixed_view::<3, 1>(0, column);
+            let covariance = by_ptz[0] * clicks[0] + by_ptz[1] * clicks[1] + by_ptz[2] * clicks[2];
+            variances += covariance.component_mul(by);
+        }
+        for (column, sigma) in self.base_sigma.iter().enumerate() {
+            let follows = self.by_base.fixed_view::<3, 1>(0, column);
+            let followed = by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2];
+            let by_base = (point.by_base.column(column) - followed) * *sigma;
+            variances += by_base.component_mul(&by_base);
+        }
+        variances.sum().sqrt()
+    }
+
+    /// How the overlay at a point moves with the base, the solution following, for one sigma of each of its parameters, px.
+    fn by_base_in_sigmas(&self, point: &OverlayPoint) -> Matrix2x6<f64> {
+        let mut by_base = point.by_base - point.by_ptz * self.by_base;
+        for (mut column, sigma) in by_base.column_iter_mut().zip(self.base_sigma.iter()) {
+            column *= *sigma;
+        }
+        by_base
     }
 
     /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there would give. None where the
     /// pixel has no ray.
     #[must_use]
     pub fn with_click_at(&self, camera: &PtzCamera, pixel: ImagePoint, sigma_px: f64) -> Option<Self> {
-        let here = camera.image_from_world_jacobian(shown_at(camera, pixel)?).ok()?;
+        let click = OverlayPoint::at_pixel(camera, pixel)?;
         let mut information = self.clicks.try_inverse()?;
         let mut cross = information * self.by_base;
-        add(&mut information, &mut cross, &here.by_ptz, &here.by_base, sigma_px.powi(-2));
+        add(&mut information, &mut cross, &click.by_ptz, &click.by_base, sigma_px.powi(-2));
         let clicks = invert_information(&information, camera.ptz().focal_px).ok()?;
         Some(Self { clicks, by_base: clicks * cross, base_sigma: self.base_sigma })
     }
 }
 
+/// A point of the overlay: how its image moves with the camera, whatever the camera's uncertainty.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OverlayPoint {
+    by_ptz: Matrix2x3<f64>,
+    by_base: Matrix2x6<f64>,
+}
+
+impl OverlayPoint {
+    /// At a world point; none where it has no image.
+    fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
+        let here = camera.image_from_world_jacobian(point_in_world).ok()?;
+        Some(Self { by_ptz: here.by_ptz, by_base: here.by_base })
+    }
+
+    /// At what a pixel shows.
+    fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
+        Self::at_world(camera, shown_at(camera, pixel)?)
+    }
+}
+
+/// The frame's four corners, each drawn in towards the middle until it shows something.
+pub(super) fn corners(camera: &PtzCamera, image_size: ImageSize) -> [Option<OverlayPoint>; 4] {
+    let middle = camera.base().principal_point;
+    image_size.corners().map(|corner| {
+        (0..10).find_map(|step| {
+            let towards = corner.offset_from(middle) * (1.0 - 0.1 * f64::from(step));
+            OverlayPoint::at_pixel(camera, middle.moved(towards))
+        })
+    })
+}
+
 /// What a pixel shows, `world`: the ground, or the far distance above the horizon. None beyond the fold of the distortion model.
 fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
-    let direction = camera.world_direction_from_image(pixel).ok()?;
+    let ideal = camera.cam_plane_from_image(pixel).ok()?;
+    let direction = camera.cam_from_world().tr_mul(&Vec3::new(ideal.x, ideal.y, 1.0));
     let to_ground = -camera.base().position_m.z / direction.z;
-    let distance_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
-    Some(camera.base().position_m + direction * distance_m)
+    let depth_m = if to_ground > 0.0 { to_ground.min(FAR_M) } else { FAR_M };
+    Some(camera.base().position_m + direction * depth_m)
 }
 
 /// Adds the rows of one click to Jᵀ W J and Jᵀ W `J_b`.
