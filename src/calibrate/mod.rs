@@ -9,6 +9,7 @@ mod from_proposal;
 mod gold;
 mod habits;
 mod own_noise;
+mod paint;
 mod refit;
 mod size_fit;
 mod solve_all;
@@ -25,6 +26,10 @@ pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use habits::habits;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
+pub use paint::{
+    LINE_CHECK, NOT_SNAPPED, SnapFrameError, against, check_camera, masks, record_line_check, record_refusal,
+    record_snapped, snap_frame,
+};
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use which_camera::warn_of_better_camera;

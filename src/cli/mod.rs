@@ -16,6 +16,7 @@ mod output;
 mod refine_base;
 mod relocalize;
 mod render;
+mod snap;
 mod solve;
 mod synth;
 mod train;
@@ -49,6 +50,7 @@ enum Command {
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
     Render(render::RenderArgs),
+    Snap(snap::SnapArgs),
     Solve(solve::SolveArgs),
     Synth(synth::SynthArgs),
     Train(train::TrainArgs),
@@ -96,6 +98,7 @@ pub fn run() -> Next {
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),
         Command::Render(args) => render::render(&args, messages),
+        Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Synth(args) => synth::synth(&args, messages),
         Command::Train(args) => train::train(&args, messages),

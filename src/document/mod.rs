@@ -48,7 +48,7 @@ pub use repeats::Repeat;
 pub use shared::Shared;
 pub use shots::shots;
 pub(crate) use solution::ENOUGH_EQUATIONS;
-pub use solution::{BetterName, FramePtz, Solution, SolutionSource, SolutionWarning};
+pub use solution::{BetterName, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

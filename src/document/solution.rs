@@ -64,6 +64,12 @@ pub struct Solution {
     /// The probability that the overlay is right within 10 px at 1920 px width.
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
+    /// How many samples of painted lines took part, where they did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub samples: Option<usize>,
+    /// What the paint of the picture says about the camera, where it was asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub line_check: Option<PaintEvidence>,
     /// What the program proposed before a person corrected it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
@@ -73,6 +79,35 @@ pub struct Solution {
     /// What a person should know.
     #[serde(default)]
     pub warnings: Vec<SolutionWarning>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What the painted lines of a picture say about a camera.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PaintEvidence {
+    /// The probability that the camera is right within 10 px at 1920 px width, by the paint alone.
+    #[serde(with = "adapters::number")]
+    pub score: f64,
+    /// Places of the lines that the camera puts into the picture.
+    pub predicted: usize,
+    /// Those with paint near by.
+    pub found: usize,
+    /// Those that show open ground and no paint.
+    pub bare: usize,
+    /// The median distance of the paint from where it is predicted, px.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub offset_px: Option<f64>,
+    /// The median of how far the paint lies below the lines that are predicted, across them, px.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub bias_px: Option<f64>,
+    /// How far apart the overlays are that two halves of the paint would give, px.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub halves_px: Option<f64>,
+    /// The share of the paint on the playing area that no predicted line explains.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub unexplained: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -193,6 +228,8 @@ impl Frame {
             worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
             source: Some(source),
             confidence: None,
+            samples: None,
+            line_check: None,
             proposed,
             disputed: solved.disputed(),
             warnings: solved

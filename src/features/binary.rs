@@ -90,13 +90,14 @@ pub fn extract_binary(
     max_count: usize,
 ) -> Result<BinaryFeatures, FeatureError> {
     let image_size = picture.size();
-    let found = opencv_calls::detect(&super::grey::grey_reduced(picture, 1), kind, 3 * max_count).map_err(|error| {
-        FeatureError::OpenCv {
-            width: image_size.width,
-            height: image_size.height,
-            reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
-        }
-    })?;
+    let found =
+        opencv_calls::detect(&crate::media::grey_reduced(picture, 1), kind, 3 * max_count).map_err(|error| {
+            FeatureError::OpenCv {
+                width: image_size.width,
+                height: image_size.height,
+                reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" "),
+            }
+        })?;
     let open = found.into_iter().filter(|(keypoint, _)| !masks.iter().any(|mask| mask.contains(keypoint.point)));
     let (keypoints, descriptors): (Vec<Keypoint>, Vec<BinaryDescriptor>) = open.unzip();
     let kept = super::spread::spread(&keypoints, image_size, max_count);
@@ -125,8 +126,8 @@ pub fn extract_binary(
 pub(super) mod opencv_calls {
     use super::{BinaryDescriptor, BinaryKind};
     use crate::features::Keypoint;
-    use crate::features::grey::GreyPicture;
     use crate::geometry::ImagePoint;
+    use crate::media::GreyPicture;
     use opencv::core::{KeyPoint, Mat, Ptr, Vector, no_array};
     use opencv::features2d::{AKAZE, AKAZE_DescriptorType, KAZE_DiffusivityType, ORB, ORB_ScoreType};
     use opencv::prelude::*;

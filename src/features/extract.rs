@@ -21,7 +21,7 @@ const SURPLUS: u32 = 2;
 pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) -> Result<Features, FeatureError> {
     let image_size = picture.size();
     let factor = options.reduction(image_size.width);
-    let grey = super::grey::grey_reduced(picture, factor);
+    let grey = crate::media::grey_reduced(picture, factor);
     let limit = f64::from(options.max_count.saturating_mul(SURPLUS)) / open_share(masks, image_size);
     let found = found(&grey, limit.min(f64::from(i32::MAX)) as u32, options).map_err(|error| FeatureError::OpenCv {
         width: image_size.width,
@@ -48,7 +48,7 @@ pub fn extract(picture: &Picture, masks: &[PixelBox], options: &FeatureOptions) 
 /// What the detector finds in a grey picture: about `limit` keypoints in its px, and their descriptors.
 #[cfg(feature = "opencv")]
 fn found(
-    grey: &super::grey::GreyPicture,
+    grey: &crate::media::GreyPicture,
     limit: u32,
     options: &FeatureOptions,
 ) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
@@ -64,7 +64,7 @@ fn found(
 }
 
 #[cfg(feature = "opencv")]
-fn bits(grey: &super::grey::GreyPicture, limit: u32, kind: BinaryKind) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
+fn bits(grey: &crate::media::GreyPicture, limit: u32, kind: BinaryKind) -> opencv::Result<Vec<(Keypoint, Descriptor)>> {
     let found = super::binary::opencv_calls::detect(grey, kind, limit as usize)?;
     Ok(found.into_iter().map(|(keypoint, descriptor)| (keypoint, descriptor.as_bytes(kind))).collect())
 }

@@ -18,8 +18,6 @@ mod cache;
 mod descriptor;
 mod error;
 mod extract;
-#[cfg(feature = "opencv")]
-mod grey;
 mod keypoint;
 mod options;
 #[cfg(feature = "opencv")]

@@ -1,8 +1,8 @@
 //! The boundary to OpenCV's SIFT, the only place where its pixel convention is seen.
 
-use super::grey::GreyPicture;
 use super::{DESCRIPTOR_BYTES, Keypoint};
 use crate::geometry::ImagePoint;
+use crate::media::GreyPicture;
 use opencv::core::{KeyPoint, Mat, Vector, no_array};
 use opencv::features2d::SIFT;
 use opencv::prelude::*;

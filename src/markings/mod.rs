@@ -3,14 +3,18 @@
 //! [`project_lines`] turns every line, circle, arc and post of a field into polylines in px, exact to a stated
 //! tolerance with the crown and the distortion in them, and clipped before anything is drawn: at the near plane, where
 //! the distortion folds, and at the picture's border. A point behind the camera never makes a stray line.
+//! [`sample_lines`] gives points along the painted lines with their normals and the paint's width, for whoever looks for
+//! the paint in the picture.
 
 mod clip;
 mod flatten;
 mod ground;
 mod landmarks;
 mod lines;
+mod samples;
 mod window;
 
 pub(crate) use ground::visible_ground;
 pub use landmarks::{ProjectedLandmark, project_landmarks};
 pub use lines::{MarkingOptions, MarkingPolyline, project_lines};
+pub use samples::{LineSample, SampleOptions, sample_lines};

@@ -108,7 +108,7 @@ impl ObservedShape {
     /// The residual and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px): what of
     /// [`Self::jacobian`] a fit over a known base needs.
     #[inline]
-    pub(super) fn residual_by_ptz(&self, camera: &PtzCamera, click: ImagePoint) -> Option<(Vec2, Matrix2x3<f64>)> {
+    pub(crate) fn residual_by_ptz(&self, camera: &PtzCamera, click: ImagePoint) -> Option<(Vec2, Matrix2x3<f64>)> {
         match self {
             Self::Point(at) => {
                 let (image, by_ptz) = camera.image_from_world_by_ptz(*at).ok()?;

@@ -9,7 +9,7 @@ const FLOORS: &[&[&str]] = &[
     &["camera", "field", "media"],
     &["markings"],
     &["solve", "score", "features"],
-    &["document", "relocalize", "synthetic"],
+    &["document", "relocalize", "paint", "synthetic"],
     &["calibrate", "evaluate", "exchange", "proposals", "report", "scene", "store"],
     &["app", "experiments"],
     &["jobs", "render"],

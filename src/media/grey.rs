@@ -1,10 +1,11 @@
 //! A picture in grey, at full or reduced size.
 
-use crate::geometry::ImageSize;
-use crate::media::Picture;
+use super::Picture;
+use crate::geometry::{ImagePoint, ImageSize};
 
 /// Grey values, rows from the top.
-pub(super) struct GreyPicture {
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GreyPicture {
     /// Columns and rows after reduction.
     pub size: ImageSize,
     /// One byte a pixel, no padding.
@@ -16,7 +17,8 @@ const WEIGHTS: [u32; 3] = [77, 150, 29];
 
 /// The picture in grey, every block of `factor` × `factor` px averaged to one; columns and rows that fill no block are
 /// dropped. A corner coordinate of the full picture is `factor` times that of the reduced one.
-pub(super) fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
+#[must_use]
+pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let full = picture.size();
     let size = ImageSize::new(full.width / factor, full.height / factor);
     let (factor, width) = (factor as usize, size.width as usize);
@@ -40,6 +42,27 @@ pub(super) fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     GreyPicture { size, values }
 }
 
+impl GreyPicture {
+    /// The grey value at a point (corner convention, px of this picture), linear between the centres of the four pixels around
+    /// it; points outside take the nearest pixel's. 0 for a picture without pixels.
+    #[must_use]
+    pub fn at(&self, point: ImagePoint) -> f64 {
+        let width = self.size.width as usize;
+        let (Some(right), Some(bottom)) = (width.checked_sub(1), (self.size.height as usize).checked_sub(1)) else {
+            return 0.0;
+        };
+        let x = (point.x - 0.5).clamp(0.0, right as f64);
+        let y = (point.y - 0.5).clamp(0.0, bottom as f64);
+        let (column, row) = (x as usize, y as usize);
+        let (share_x, share_y) = (x - column as f64, y - row as f64);
+        let (next_column, next_row) = ((column + 1).min(right), (row + 1).min(bottom));
+        let grey = |row: usize, column: usize| f64::from(self.values[row * width + column]);
+        let above = grey(row, column) * (1.0 - share_x) + grey(row, next_column) * share_x;
+        let below = grey(next_row, column) * (1.0 - share_x) + grey(next_row, next_column) * share_x;
+        above * (1.0 - share_y) + below * share_y
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -55,5 +78,15 @@ mod tests {
         assert_eq!((half.size, half.values), (ImageSize::new(1, 1), vec![15]));
         assert_eq!(grey_reduced(&picture, 1).values, [0, 10, 99, 20, 30, 99, 7, 7, 7]);
         assert!(grey_reduced(&picture, 4).values.is_empty());
+    }
+
+    #[test]
+    fn between_pixel_centres_grey_is_linear_and_outside_it_is_the_borders() {
+        let grey = GreyPicture { size: ImageSize::new(2, 2), values: vec![0, 100, 40, 200] };
+        for (x, y, value) in [(0.5, 0.5, 0.0), (1.0, 0.5, 50.0), (0.5, 1.0, 20.0), (1.0, 1.0, 85.0), (9.0, -3.0, 100.0)]
+        {
+            assert!((grey.at(ImagePoint::new(x, y)) - value).abs() < 1e-12, "at {x}, {y}");
+        }
+        assert!(GreyPicture { size: ImageSize::new(0, 0), values: Vec::new() }.at(ImagePoint::default()) == 0.0);
     }
 }

@@ -1,0 +1,140 @@
+//! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
+
+use super::observations;
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::{Document, Frame, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning};
+use crate::field::FieldModel;
+use crate::geometry::PixelBox;
+use crate::media::Picture;
+use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapError, SnapOptions, Snapped, check_lines, snap};
+use crate::solve::ObservationError;
+use thiserror::Error;
+
+/// The code of a warning that the paint speaks against a camera.
+pub const LINE_CHECK: &str = "line_check";
+
+/// The code of a warning that a camera was not pulled onto the paint.
+pub const NOT_SNAPPED: &str = "not_snapped";
+
+/// Why a frame is not snapped.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SnapFrameError {
+    /// There is no camera to begin with.
+    #[error("it has no camera yet, or its camera has no base: solve it first")]
+    Unsolved,
+    /// A click names something that the field lacks.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Paint(#[from] SnapError),
+}
+
+/// The boxes of a frame's picture that show no ground: its camera's and its own, px.
+#[must_use]
+pub fn masks(document: &Document, frame: &Frame) -> Vec<PixelBox> {
+    let of_camera = document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
+    of_camera.iter().chain(&frame.masks).copied().collect()
+}
+
+/// What the paint of its picture says about a camera of a frame.
+#[must_use]
+pub fn check_camera(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    picture: &Picture,
+) -> LineCheck {
+    check_lines(&GroundPicture::new(picture, &masks(document, frame)), field, camera)
+}
+
+/// A solved frame's camera pulled onto the paint of its picture, tied to its clicks.
+///
+/// # Errors
+/// The frame is not solved, a click names something that the field lacks, or the paint does not decide.
+pub fn snap_frame(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &SnapOptions,
+) -> Result<(CameraBase, Snapped), SnapFrameError> {
+    let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
+    let clicks = observations(frame, field)?;
+    let ground = GroundPicture::new(picture, &masks(document, frame));
+    let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
+    Ok((*camera.base(), snapped))
+}
+
+impl From<&LineCheck> for PaintEvidence {
+    fn from(check: &LineCheck) -> Self {
+        Self {
+            score: check.score,
+            predicted: check.predicted,
+            found: check.found,
+            bare: check.bare,
+            offset_px: Some(check.offset_px).filter(|offset| offset.is_finite()),
+            bias_px: Some(check.bias_px).filter(|bias| bias.is_finite()),
+            halves_px: Some(check.halves_px).filter(|halves| halves.is_finite()),
+            unexplained: check.unexplained,
+            ..Self::default()
+        }
+    }
+}
+
+/// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status stays.
+pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
+    let camera = PtzCamera::new(*base, snapped.ptz);
+    record_ptz(frame, snapped.ptz, camera.k1());
+    let mut solution = frame.solution.take().unwrap_or_default();
+    drop_paint_warnings(&mut solution);
+    frame.solution = Some(Solution {
+        covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
+        rms_px: Some(snapped.rms_px),
+        worst_corner_sigma_px: Some(snapped.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
+        source: Some(SolutionSource::Markings),
+        confidence: Some(snapped.check.score),
+        samples: Some(snapped.samples),
+        line_check: Some(PaintEvidence::from(&snapped.check)),
+        ..solution
+    });
+}
+
+fn record_ptz(frame: &mut Frame, ptz: Ptz, k1: f64) {
+    let before = frame.ptz.take();
+    let k1 = (k1 != 0.0 || before.as_ref().is_some_and(|before| before.k1.is_some())).then_some(k1);
+    let extra = before.map(|before| before.extra).unwrap_or_default();
+    frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, k1) });
+}
+
+/// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
+pub fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
+    let solution = frame.solution.get_or_insert_default();
+    solution.warnings.retain(|warning| warning.code != NOT_SNAPPED);
+    solution.warnings.push(SolutionWarning::new(NOT_SNAPPED, format!("not snapped to the painted lines: {reason}")));
+}
+
+/// Writes into a frame what the paint says about its camera, with a warning where the paint speaks against it.
+pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
+    let solution = frame.solution.get_or_insert_default();
+    solution.line_check = Some(PaintEvidence::from(check));
+    solution.warnings.retain(|warning| warning.code != LINE_CHECK);
+    if check.verdict() == LineVerdict::Contradicts {
+        solution.warnings.push(SolutionWarning::new(LINE_CHECK, against(check)));
+    }
+}
+
+/// What a person reads where the paint speaks against a camera.
+#[must_use]
+pub fn against(check: &LineCheck) -> String {
+    format!(
+        "the painted lines are not where this camera puts them: paint at {} of {} open places",
+        check.found,
+        check.found + check.bare
+    )
+}
+
+fn drop_paint_warnings(solution: &mut Solution) {
+    solution.warnings.retain(|warning| warning.code != NOT_SNAPPED && warning.code != LINE_CHECK);
+}

@@ -1,0 +1,221 @@
+//! Points along the painted lines as a camera sees them: where, across which direction, how wide the paint is.
+
+use crate::camera::PtzCamera;
+use crate::field::{Curve, FieldModel};
+use crate::geometry::{ImagePoint, ImageSize, Vec2, Vec3};
+
+/// How painted lines are sampled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SampleOptions {
+    /// The distance between neighbouring samples of a line, px. Default 8.
+    pub spacing_px: f64,
+    /// Samples this near to the picture's border are left out, px; a negative number takes samples beyond it. Default 2.
+    pub border_px: f64,
+}
+
+impl Default for SampleOptions {
+    fn default() -> Self {
+        Self { spacing_px: 8.0, border_px: 2.0 }
+    }
+}
+
+/// A point in the middle of a painted line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LineSample {
+    /// Which line: index into [`FieldModel::lines`].
+    pub line: usize,
+    /// The point, `world`, m; the crown is in it.
+    pub at: Vec3,
+    /// Its image, px.
+    pub image: ImagePoint,
+    /// The unit normal of the projected line, to its left as the picture shows it (y down).
+    pub normal: Vec2,
+    /// How wide the paint is along the normal, px.
+    pub width_px: f64,
+    /// Which way leads out of the playing area: 1 along the normal, −1 against it, 0 where both sides belong to it.
+    pub outward: f64,
+}
+
+/// A step outside the picture never passes more than this share of a line, so that no part that the picture shows is
+/// stepped over.
+const MAX_STEP: f64 = 1.0 / 128.0;
+
+/// A step outside the picture passes at least this share of a line.
+const SHORTEST_STEP: f64 = 1e-5;
+
+/// What lies this far beside a line tells whether the line bounds the playing area, m.
+const BESIDE_M: f64 = 0.5;
+
+/// Samples at even distances in the picture along every painted line, in the field's order.
+///
+/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the nominal line. A camera that
+/// is not made of numbers sees none.
+#[must_use]
+pub fn sample_lines(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+    options: &SampleOptions,
+) -> Vec<LineSample> {
+    let spacing_px = options.spacing_px.max(0.1);
+    let mut samples = Vec::new();
+    for (line, of) in field.lines.iter().enumerate().filter(|(_, of)| of.painted) {
+        let curve = &of.paint_centre;
+        let mut t = 0.0;
+        while t <= 1.0 {
+            let Some(here) = project(field, camera, curve, t) else {
+                t += MAX_STEP;
+                continue;
+            };
+            let outside_px = outside_px(here.image, size, options.border_px);
+            if outside_px == 0.0 {
+                samples.push(LineSample {
+                    line,
+                    at: here.at,
+                    image: here.image,
+                    normal: here.normal,
+                    width_px: here.px_across_per_m.abs() * of.width_m,
+                    outward: here.outward(field),
+                });
+            }
+            t += if outside_px == 0.0 {
+                spacing_px / here.px_per_t
+            } else {
+                // Half the distance cannot pass the border at this speed.
+                (spacing_px.max(0.5 * outside_px) / here.px_per_t).clamp(SHORTEST_STEP, MAX_STEP)
+            };
+        }
+    }
+    samples
+}
+
+/// A point of a projected curve.
+struct Projected {
+    at: Vec3,
+    image: ImagePoint,
+    normal: Vec2,
+    px_per_t: f64,
+    /// The horizontal direction across the curve, `world`, unit.
+    across: Vec3,
+    /// How far the image moves along the normal when the point moves across the curve, px/m.
+    px_across_per_m: f64,
+}
+
+impl Projected {
+    fn outward(&self, field: &FieldModel) -> f64 {
+        let beyond = |sign: f64| {
+            let at = self.at + self.across * (sign * BESIDE_M);
+            at.x.abs() > field.length_m / 2.0 || at.y.abs() > field.width_m / 2.0
+        };
+        let sign = f64::from(i8::from(beyond(1.0)) - i8::from(beyond(-1.0)));
+        if self.px_across_per_m < 0.0 { -sign } else { sign }
+    }
+}
+
+fn project(field: &FieldModel, camera: &PtzCamera, curve: &Curve, t: f64) -> Option<Projected> {
+    let nominal = curve.point_at(t);
+    let at = field.world_from_nominal(nominal);
+    let mut tangent = curve.tangent_at(t);
+    let crown = field.crown();
+    let [drop_by_y, _] = crown.drop_share_by_y_and_width(nominal.y);
+    tangent.z -= crown.height_m * drop_by_y * tangent.y;
+    let here = camera.image_from_world_jacobian(at).ok()?;
+    let along = here.by_world * tangent;
+    let px_per_t = along.norm();
+    if !(px_per_t > 0.0) || !here.point.is_finite() {
+        return None;
+    }
+    let normal = Vec2::new(along.y, -along.x) / px_per_t;
+    let across = Vec3::new(-tangent.y, tangent.x, 0.0).try_normalize(0.0)?;
+    let px_across_per_m = normal.dot(&(here.by_world * across));
+    Some(Projected { at, image: here.point, normal, px_per_t, across, px_across_per_m })
+}
+
+/// How far a point lies outside the picture less its border, px; 0 inside.
+fn outside_px(point: ImagePoint, size: ImageSize, border_px: f64) -> f64 {
+    let beyond = |x: f64, extent: u32| (border_px - x).max(x - (f64::from(extent) - border_px)).max(0.0);
+    beyond(point.x, size.width).max(beyond(point.y, size.height))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::field::builtin;
+    use std::collections::BTreeMap;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn soccer() -> FieldModel {
+        builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap()
+    }
+
+    fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+        let base = CameraBase {
+            distortion: FocalCurve::constant(-0.05),
+            ..CameraBase::new(Vec3::new(2.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        };
+        PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+    }
+
+    #[test]
+    fn every_part_of_the_paint_that_the_picture_shows_has_a_sample_near_by() {
+        let field = soccer();
+        let options = SampleOptions { spacing_px: 10.0, border_px: 0.0 };
+        for camera in [camera(0.0, -14.0, 2000.0), camera(-40.0, -9.0, 3500.0), camera(25.0, -25.0, 9000.0)] {
+            let samples = sample_lines(&field, &camera, SIZE, &options);
+            for (line, of) in field.lines.iter().enumerate().filter(|(_, of)| of.painted) {
+                for step in 0..=400 {
+                    let at = field.world_from_nominal(of.paint_centre.point_at(f64::from(step) / 400.0));
+                    let Ok(image) = camera.image_from_world(at) else { continue };
+                    if outside_px(image, SIZE, 1.0) > 0.0 {
+                        continue;
+                    }
+                    let mine = samples.iter().filter(|sample| sample.line == line);
+                    let nearest = mine.map(|sample| sample.image.distance_px(image)).fold(f64::INFINITY, f64::min);
+                    assert!(nearest <= 12.0, "{}: no sample within {nearest} px of {image:?}", of.id);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn normals_and_widths_are_those_of_the_edges_of_the_paint() {
+        let (field, camera) = (soccer(), camera(8.0, -14.0, 2200.0));
+        let samples = sample_lines(&field, &camera, SIZE, &SampleOptions::default());
+        assert!(samples.len() > 300, "{}", samples.len());
+        for sample in &samples {
+            assert!((sample.normal.norm() - 1.0).abs() < 1e-12);
+            assert!(camera.image_from_world(sample.at).unwrap().distance_px(sample.image) < 1e-9);
+            assert!(outside_px(sample.image, SIZE, 2.0) == 0.0);
+        }
+        let halfway = field.lines.iter().position(|line| line.id.as_str() == "halfway_line").unwrap();
+        for sample in samples.iter().filter(|sample| sample.line == halfway) {
+            let edge = |side: f64| camera.image_from_world(sample.at + Vec3::new(0.06 * side, 0.0, 0.0)).unwrap();
+            let width_px = sample.normal.dot(&edge(1.0).offset_from(edge(-1.0))).abs();
+            assert!((sample.width_px / width_px - 1.0).abs() < 1e-4, "{} is not {width_px}", sample.width_px);
+            assert!(sample.outward == 0.0);
+        }
+    }
+
+    #[test]
+    fn beyond_the_touchlines_the_ground_may_end() {
+        let (field, camera) = (soccer(), camera(0.0, -14.0, 1500.0));
+        let samples = sample_lines(&field, &camera, SIZE, &SampleOptions::default());
+        let far = field.lines.iter().position(|line| line.id.as_str() == "touchline_far").unwrap();
+        let mut far = samples.iter().filter(|sample| sample.line == far).peekable();
+        assert!(far.peek().is_some());
+        for sample in far {
+            // The far side is up in the picture.
+            assert!(sample.outward * sample.normal.y < 0.0, "{sample:?}");
+        }
+    }
+
+    #[test]
+    fn a_camera_that_looks_away_has_no_samples() {
+        let samples = sample_lines(&soccer(), &camera(180.0, -10.0, 2000.0), SIZE, &SampleOptions::default());
+        assert!(samples.is_empty());
+        let broken = sample_lines(&soccer(), &camera(f64::NAN, -10.0, 2000.0), SIZE, &SampleOptions::default());
+        assert!(broken.is_empty());
+    }
+}

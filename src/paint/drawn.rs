@@ -1,0 +1,100 @@
+//! Pictures for the tests of this room: a field with its paint as an exact camera sees it.
+
+use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use crate::field::{Curve, FieldModel, builtin};
+use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::media::Picture;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// The size of the pictures.
+pub const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+/// The camera of [`PICTURE`].
+pub fn truth() -> PtzCamera {
+    camera(4.0, -14.0, 1500.0)
+}
+
+/// The soccer field as [`truth`] sees it, drawn once for all tests.
+pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth()));
+
+/// Pixels farther than this from all paint show none, m.
+const NO_PAINT_M: f64 = 1.0;
+
+/// Sub-pixels along each side of a pixel.
+const SUBPIXELS: u32 = 3;
+
+/// A crowned soccer field.
+pub fn soccer() -> FieldModel {
+    builtin("soccer").unwrap().model(&BTreeMap::new(), 0.1).unwrap()
+}
+
+/// A camera on the stand, with a lens that bends.
+pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+    let base = CameraBase {
+        distortion: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.2 },
+        ..CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    };
+    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+}
+
+/// Turf with the field's paint on it, sky where no ground is seen.
+fn drawn(field: &FieldModel, camera: &PtzCamera) -> Picture {
+    let mut rgba = Vec::with_capacity(4 * (SIZE.width * SIZE.height) as usize);
+    for row in 0..SIZE.height {
+        for column in 0..SIZE.width {
+            let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
+            let far = ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
+            let each = if far { 1 } else { SUBPIXELS };
+            let mut sums = [0.0; 3];
+            for sub in 0..each * each {
+                let at = |pixel: u32, sub: u32| f64::from(pixel) + (f64::from(sub) + 0.5) / f64::from(each);
+                let point = ImagePoint::new(at(column, sub % each), at(row, sub / each));
+                let colour = ground(field, camera, point).map_or([150.0, 180.0, 220.0], |at| colour(field, at));
+                for (sum, value) in sums.iter_mut().zip(colour) {
+                    *sum += value;
+                }
+            }
+            rgba.extend(sums.map(|sum| (sum / f64::from(each * each)).round() as u8));
+            rgba.push(255);
+        }
+    }
+    Picture::new(SIZE, rgba).unwrap()
+}
+
+fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<Vec3> {
+    let mut at = camera.plane_from_image(point, 0.0)?;
+    for _ in 0..3 {
+        at = camera.plane_from_image(point, field.ground_z(at.y))?;
+    }
+    Some(at)
+}
+
+/// How far the edge of the nearest paint is, m; negative within it.
+fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
+    let painted = field.lines.iter().filter(|line| line.painted);
+    painted.map(|line| distance_m(&line.paint_centre, at) - line.width_m / 2.0).fold(f64::INFINITY, f64::min)
+}
+
+fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
+    // Stripes of light and dark grass, 5 m wide.
+    let light = if (at.x / 5.0).floor() as i64 % 2 == 0 { 1.0 } else { 1.2 };
+    if from_paint_m(field, at) <= 0.0 { [225.0, 230.0, 220.0] } else { [62.0 * light, 110.0 * light, 42.0 * light] }
+}
+
+/// The distance on the ground between a point and a curve.
+fn distance_m(curve: &Curve, at: Vec3) -> f64 {
+    match *curve {
+        Curve::Segment { from, to } => {
+            let along = (to - from).xy();
+            let share = ((at - from).xy().dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+            ((at - from).xy() - along * share).norm()
+        }
+        Curve::Arc { centre, radius_m, start, sweep } => {
+            let offset = (at - centre).xy();
+            let turned = (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
+            let within = turned.rem_euclid(std::f64::consts::TAU) <= sweep.radians().abs() + 1e-9;
+            if within { (offset.norm() - radius_m).abs() } else { f64::INFINITY }
+        }
+    }
+}

@@ -1,0 +1,60 @@
+//! A picture made ready for finding paint.
+
+use super::Surface;
+use crate::geometry::{ImagePoint, ImageSize, PixelBox};
+use crate::media::{GreyPicture, Picture, grey_reduced};
+
+/// A picture, its brightness, the colours of its ground, and the boxes that hide it.
+#[derive(Clone, Debug)]
+pub struct GroundPicture {
+    picture: Picture,
+    grey: GreyPicture,
+    surface: Surface,
+    masks: Vec<PixelBox>,
+}
+
+impl GroundPicture {
+    /// A picture whose pixels within `masks` (px) show no ground: graphics, score bugs.
+    #[must_use]
+    pub fn new(picture: &Picture, masks: &[PixelBox]) -> Self {
+        Self {
+            picture: picture.clone(),
+            grey: grey_reduced(picture, 1),
+            surface: Surface::of(picture),
+            masks: masks.to_vec(),
+        }
+    }
+
+    /// Columns and rows.
+    #[must_use]
+    pub const fn size(&self) -> ImageSize {
+        self.picture.size()
+    }
+
+    /// The colours of the ground.
+    #[must_use]
+    pub const fn surface(&self) -> &Surface {
+        &self.surface
+    }
+
+    /// The brightness.
+    pub(super) const fn grey(&self) -> &GreyPicture {
+        &self.grey
+    }
+
+    /// Whether the pixel at a point has one of the ground's colours; never outside the picture.
+    #[must_use]
+    pub fn is_ground(&self, at: ImagePoint) -> bool {
+        if !(at.x >= 0.0 && at.y >= 0.0) {
+            return false;
+        }
+        let pixel = self.picture.pixel(at.x as u32, at.y as u32);
+        pixel.is_some_and(|[red, green, blue, _]| self.surface.holds([red, green, blue]))
+    }
+
+    /// Whether a point lies in one of the masks.
+    #[must_use]
+    pub fn is_masked(&self, at: ImagePoint) -> bool {
+        self.masks.iter().any(|mask| mask.contains(at))
+    }
+}

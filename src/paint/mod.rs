@@ -1,0 +1,32 @@
+//! Painted markings in pixels: finding them, judging a camera by them, pulling a camera onto them.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`GroundPicture`] | a picture made ready: brightness, the colours of its ground, masks |
+//! | [`Sightings`] | the ridges of paint that a picture shows where a camera predicts a line |
+//! | [`check_lines`], [`LineCheck`] | a camera judged by the paint that it predicts |
+//! | [`snap`], [`Snapped`] | pan, tilt and focal length pulled onto the paint, or the reason why not |
+//!
+//! Everything works on one picture and a known base; nothing is drawn by chance.
+
+mod check;
+#[cfg(test)]
+mod drawn;
+mod error;
+mod ground;
+mod profile;
+mod pull;
+mod ridge;
+mod search;
+mod sightings;
+mod snap;
+mod surface;
+mod unexplained;
+
+pub use check::{LineCheck, LineVerdict, check_lines};
+pub use error::SnapError;
+pub use ground::GroundPicture;
+pub use ridge::Ridge;
+pub use sightings::{Seen, Sightings};
+pub use snap::{SnapOptions, Snapped, snap};
+pub use surface::Surface;

@@ -1,0 +1,142 @@
+//! What the ground of a picture looks like: the colours of its turf or wood, whatever the light.
+
+use crate::media::Picture;
+
+/// Shares of red and of green in a colour's brightness are told apart in this many steps each.
+const BINS: usize = 64;
+
+/// The shares of red and green that the bins cover; colours outside fall into the outermost bin.
+const SHARES: (f64, f64) = (0.12, 0.60);
+
+/// Every so many-th column and row is looked at.
+const STRIDE: usize = 8;
+
+/// A colour belongs to the ground if it is at least this common, as a share of the most common one, and its neighbours
+/// connect it to that one.
+const LEAST_COMMON: f64 = 0.03;
+
+/// Darker pixels than this (sum of three channels) have no colour worth the name.
+const DARK: u32 = 36;
+
+/// The colours of the ground.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surface {
+    of_ground: Vec<bool>,
+    share: f64,
+}
+
+/// The bin of a colour; none where it is too dark to have one.
+fn bin([red, green, blue]: [u8; 3]) -> Option<usize> {
+    let sum = u32::from(red) + u32::from(green) + u32::from(blue);
+    if sum < DARK {
+        return None;
+    }
+    let step = |channel: u8| {
+        let share = f64::from(channel) / f64::from(sum);
+        let at = (share - SHARES.0) / (SHARES.1 - SHARES.0) * BINS as f64;
+        (at.max(0.0) as usize).min(BINS - 1)
+    };
+    Some(step(red) * BINS + step(green))
+}
+
+impl Surface {
+    /// The ground of a picture: its most common colour and what is continuous with it.
+    ///
+    /// Colours are shares of red, green and blue, so that stripes of light and shade are one colour.
+    #[must_use]
+    pub fn of(picture: &Picture) -> Self {
+        let width = picture.size().width as usize;
+        let mut counts = vec![0_f64; BINS * BINS];
+        let mut all = 0.0_f64;
+        for row in picture.rgba().chunks_exact((4 * width).max(4)).step_by(STRIDE) {
+            for pixel in row.as_chunks::<4>().0.iter().step_by(STRIDE) {
+                all += 1.0;
+                if let Some(bin) = bin([pixel[0], pixel[1], pixel[2]]) {
+                    counts[bin] += 1.0;
+                }
+            }
+        }
+        let counts = blurred(&counts);
+        let of_ground = connected_to_the_peak(&counts);
+        let ground: f64 = counts.iter().zip(&of_ground).filter(|(_, of)| **of).map(|(count, _)| count).sum();
+        Self { of_ground, share: ground / all.max(1.0) }
+    }
+
+    /// Whether a colour is one of the ground's.
+    #[must_use]
+    pub fn holds(&self, colour: [u8; 3]) -> bool {
+        bin(colour).is_some_and(|bin| self.of_ground[bin])
+    }
+
+    /// The share of the picture that has the ground's colours, from 0 to 1.
+    #[must_use]
+    pub const fn share(&self) -> f64 {
+        self.share
+    }
+}
+
+/// Every count averaged with its eight neighbours.
+fn blurred(counts: &[f64]) -> Vec<f64> {
+    let at = |row: usize, column: usize| {
+        let mut sum = 0.0;
+        for r in row.saturating_sub(1)..=(row + 1).min(BINS - 1) {
+            for c in column.saturating_sub(1)..=(column + 1).min(BINS - 1) {
+                sum += counts[r * BINS + c];
+            }
+        }
+        sum / 9.0
+    };
+    (0..BINS * BINS).map(|index| at(index / BINS, index % BINS)).collect()
+}
+
+/// The bins that are common enough and reached from the most common one over such bins.
+fn connected_to_the_peak(counts: &[f64]) -> Vec<bool> {
+    let mut reached = vec![false; counts.len()];
+    let Some(peak) = (0..counts.len()).max_by(|a, b| counts[*a].total_cmp(&counts[*b])) else { return reached };
+    let least = counts[peak] * LEAST_COMMON;
+    let mut open = vec![peak];
+    while let Some(bin) = open.pop() {
+        if reached[bin] || !(counts[bin] > least) {
+            continue;
+        }
+        reached[bin] = true;
+        let (row, column) = (bin / BINS, bin % BINS);
+        for r in row.saturating_sub(1)..=(row + 1).min(BINS - 1) {
+            for c in column.saturating_sub(1)..=(column + 1).min(BINS - 1) {
+                open.push(r * BINS + c);
+            }
+        }
+    }
+    reached
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+
+    /// A picture of vertical bands of equal width.
+    fn bands(colours: &[[u8; 3]]) -> Picture {
+        let size = ImageSize::new(40 * colours.len() as u32, 80);
+        let row = colours.iter().flat_map(|[red, green, blue]| [*red, *green, *blue, 255].repeat(40));
+        Picture::new(size, row.collect::<Vec<u8>>().repeat(80)).unwrap()
+    }
+
+    #[test]
+    fn stripes_of_light_and_shade_are_one_ground_and_paint_and_shirts_are_not() {
+        let turf = [[60, 110, 40], [90, 165, 60], [45, 82, 30], [60, 110, 40], [90, 165, 60]];
+        let mut colours = turf.to_vec();
+        colours.extend([[230, 235, 225], [190, 30, 40]]);
+        let surface = Surface::of(&bands(&colours));
+        assert!(turf.iter().all(|colour| surface.holds(*colour)));
+        assert!(!surface.holds([230, 235, 225]) && !surface.holds([190, 30, 40]) && !surface.holds([2, 4, 1]));
+        assert!((surface.share() - 5.0 / 7.0).abs() < 0.15, "{}", surface.share());
+    }
+
+    #[test]
+    fn a_picture_without_pixels_or_light_has_no_ground() {
+        let none = Surface::of(&Picture::filled(ImageSize::new(0, 0), [0, 0, 0, 255]));
+        assert!(none.share() == 0.0 && !none.holds([60, 110, 40]));
+        assert!(Surface::of(&Picture::filled(ImageSize::new(64, 64), [3, 3, 3, 255])).share() == 0.0);
+    }
+}
