@@ -6,7 +6,7 @@
 //! accepted or rejected it. What is journalled is one of these states too, so a step that is under way stays out of the
 //! journal until it is committed.
 
-use crate::document::{Camera, Change, Document, Edit, Frame, Shared};
+use crate::document::{Camera, Document, Frame, Shared};
 use crate::proposals::{NoProposal, Proposal};
 
 /// Writes a batch of proposals into states of a document that share most of their frames.
@@ -69,12 +69,10 @@ pub(super) fn write(document: &mut Document, changes: &[(usize, Shared<Frame>)])
     }
 }
 
-/// Changes as the journal keeps them.
-pub(super) fn edit(changes: Vec<(usize, Shared<Frame>)>) -> Edit {
-    let name = match changes.len() {
+/// What the edit of some changes is called.
+pub(super) fn name(changes: &[(usize, Shared<Frame>)]) -> String {
+    match changes.len() {
         1 => "Proposal for 1 frame".to_owned(),
         count => format!("Proposals for {count} frames"),
-    };
-    let changes = changes.into_iter().map(|(index, frame)| Change::Frame { index, frame }).collect();
-    Edit { name, changes }
+    }
 }

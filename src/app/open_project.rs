@@ -66,6 +66,7 @@ impl OpenProject {
 
     /// What has changed since the last time this was asked, to be journalled; none if nothing has.
     pub(super) fn take_edit(&mut self, name: &str) -> Option<Edit> {
+        self.document.keeping_version().count_edits_since(&self.journalled);
         let edit = Edit::between(&self.journalled, &self.document, name);
         if edit.is_empty() {
             return None;

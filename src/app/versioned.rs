@@ -24,6 +24,13 @@ impl<T> Versioned<T> {
     }
 }
 
+impl<T> Versioned<T> {
+    /// The value, to change what nothing is derived from: the version stays.
+    pub(super) const fn keeping_version(&mut self) -> &mut T {
+        &mut self.value
+    }
+}
+
 impl<T> Deref for Versioned<T> {
     type Target = T;
     fn deref(&self) -> &T {

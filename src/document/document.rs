@@ -1,6 +1,6 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, Extra, FieldSize, Frame, Shared, adapters};
+use super::{Camera, CameraId, Extra, FieldSize, Frame, Frames, Shared, adapters};
 use crate::camera::PtzCamera;
 use crate::field::{FieldError, FieldModel, Template, template_named};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ pub fn generator() -> String {
 
 /// A project or dataset: a field, cameras, frames.
 ///
-/// Cloning is cheap: cameras and frames are shared until one is written to, so undo may keep whole documents.
+/// Cloning is cheap: cameras and frames are shared until one is written to, so undo keeps whole documents.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Document {
     /// Who wrote the file that was read; the program writes its own name.
@@ -36,7 +36,7 @@ pub struct Document {
     /// The cameras.
     pub cameras: Vec<Shared<Camera>>,
     /// The frames, in the order in which a person steps through them.
-    pub frames: Vec<Shared<Frame>>,
+    pub frames: Frames,
     /// Unknown keys.
     pub extra: Extra,
 }
@@ -111,9 +111,15 @@ impl Document {
             conventions: conventions(),
             field,
             cameras: Vec::new(),
-            frames: Vec::new(),
+            frames: Frames::new(),
             extra: Extra::new(),
         }
+    }
+
+    /// Whether two differ in their frames at most.
+    pub(super) fn same_beside_frames(&self, other: &Self) -> bool {
+        let Self { generator: _, conventions, field, cameras, frames: _, extra } = self;
+        *conventions == other.conventions && *field == other.field && *cameras == other.cameras && *extra == other.extra
     }
 
     /// A camera by name.

@@ -1,8 +1,10 @@
-//! What changed between two states of a document, as the journal keeps it: whole frames, cameras and fields.
+//! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
 
-use super::{Camera, Document, Extra, FieldSpec, Frame, Shared};
+use super::old_edit::OldChange;
+use super::{Camera, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use std::collections::{BTreeMap, BTreeSet};
 use thiserror::Error;
 
 /// One edit: a name and what it changed.
@@ -20,20 +22,24 @@ pub struct Edit {
 pub enum Change {
     /// A frame.
     Frame {
-        /// Its place in the document.
-        index: usize,
+        /// Which.
+        id: FrameId,
+        /// The revision that was changed.
+        revision: u64,
         /// What it is now.
         frame: Shared<Frame>,
     },
-    /// Frames that came, went or moved.
-    Frames {
-        /// Where.
-        at: usize,
-        /// How many go.
-        remove: usize,
-        /// Which come.
-        insert: Vec<Shared<Frame>>,
+    /// Frames that go.
+    Remove(Vec<FrameId>),
+    /// Frames that come.
+    Insert {
+        /// The frame that they follow; none: they come first.
+        after: Option<FrameId>,
+        /// Which.
+        frames: Vec<Shared<Frame>>,
     },
+    /// All frames in a new order.
+    Order(Vec<FrameId>),
     /// The cameras.
     Cameras(Vec<Shared<Camera>>),
     /// The field.
@@ -45,16 +51,52 @@ pub enum Change {
         /// Unknown keys.
         extra: Extra,
     },
+    /// Frames by their positions, in a journal of an earlier version of the program.
+    #[serde(untagged)]
+    Old(OldChange),
 }
 
 /// An edit that does not fit the document it is applied to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error("the edit concerns frame {index}, the document has {frames} frames")]
-pub struct EditMismatch {
-    /// The frame it concerns.
-    pub index: usize,
-    /// How many frames there are.
-    pub frames: usize,
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum EditMismatch {
+    /// The document has no such frame.
+    #[error("the edit concerns frame {id}, which the document does not have")]
+    NoFrame {
+        /// Its id.
+        id: FrameId,
+    },
+    /// The frame is another one than was edited: the edit was made before, or another one was.
+    #[error("the edit was made on revision {made_on} of frame {id}, the document has revision {found}")]
+    Revision {
+        /// The frame.
+        id: FrameId,
+        /// The revision that was edited.
+        made_on: u64,
+        /// The document's.
+        found: u64,
+    },
+    /// A frame that is to come is there.
+    #[error("the edit brings frame {id}, which the document has")]
+    Present {
+        /// Its id.
+        id: FrameId,
+    },
+    /// A new order names other frames than there are.
+    #[error("the edit puts {ordered} frames in order, the document has {frames} frames, not all of them the same")]
+    Order {
+        /// How many frames it names.
+        ordered: usize,
+        /// How many there are.
+        frames: usize,
+    },
+    /// In a journal of an earlier version: a position that the document does not have.
+    #[error("the edit concerns frame {index}, the document has {frames} frames")]
+    Position {
+        /// The position.
+        index: usize,
+        /// How many frames there are.
+        frames: usize,
+    },
 }
 
 impl Edit {
@@ -90,7 +132,7 @@ impl Edit {
     /// Makes the changes.
     ///
     /// # Errors
-    /// A frame is not there. The document is as it was then.
+    /// A frame is not there, or is there in another revision than was edited. The document is as it was then.
     pub fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
         let before = document.clone();
         for change in self.changes {
@@ -105,15 +147,28 @@ impl Edit {
 
 impl Change {
     fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
-        let frames = document.frames.len();
         match self {
-            Self::Frame { index, frame } => {
-                *document.frames.get_mut(index).ok_or(EditMismatch { index, frames })? = frame;
+            Self::Frame { id, revision, frame } => {
+                let Some(place) = document.frames.by_id_mut(&id) else { return Err(EditMismatch::NoFrame { id }) };
+                if place.revision != revision {
+                    return Err(EditMismatch::Revision { id, made_on: revision, found: place.revision });
+                }
+                *place = frame;
             }
-            Self::Frames { at, remove, insert } => {
-                let end = at.checked_add(remove).filter(|end| *end <= frames);
-                let end = end.ok_or(EditMismatch { index: at, frames })?;
-                document.frames.splice(at..end, insert);
+            Self::Remove(ids) => {
+                let gone: BTreeSet<FrameId> = ids.into_iter().collect();
+                if let Some(id) = gone.iter().find(|id| document.frames.by_id(id).is_none()) {
+                    return Err(EditMismatch::NoFrame { id: id.clone() });
+                }
+                document.frames.retain(|frame| !gone.contains(&frame.id));
+            }
+            Self::Insert { after, frames } => insert(document, after, frames)?,
+            Self::Order(ids) => {
+                let ordered: Option<Frames> = ids.iter().map(|id| document.frames.by_id(id).cloned()).collect();
+                let (ordered, frames) = (ordered.filter(|frames| frames.len() == document.frames.len()), ids.len());
+                let mismatch = EditMismatch::Order { ordered: frames, frames: document.frames.len() };
+                let is_each_once = ids.iter().collect::<BTreeSet<_>>().len() == ids.len();
+                document.frames = ordered.filter(|_| is_each_once).ok_or(mismatch)?;
             }
             Self::Cameras(cameras) => document.cameras = cameras,
             Self::Field(field) => document.field = field,
@@ -121,24 +176,81 @@ impl Change {
                 document.conventions = conventions;
                 document.extra = extra;
             }
+            Self::Old(old) => old.apply(document)?,
         }
         Ok(())
     }
 }
 
-fn frame_changes(before: &[Shared<Frame>], after: &[Shared<Frame>], changes: &mut Vec<Change>) {
-    if before.len() == after.len() {
-        let pairs = before.iter().zip(after).enumerate();
-        let changed = pairs.filter(|(_, (before, after))| before != after);
-        changes.extend(changed.map(|(index, (_, frame))| Change::Frame { index, frame: frame.clone() }));
+fn insert(document: &mut Document, after: Option<FrameId>, frames: Vec<Shared<Frame>>) -> Result<(), EditMismatch> {
+    if let Some(present) = frames.iter().find(|frame| document.frames.by_id(&frame.id).is_some()) {
+        return Err(EditMismatch::Present { id: present.id.clone() });
+    }
+    let at = match after {
+        None => 0,
+        Some(id) => document.frames.position_of(&id).ok_or(EditMismatch::NoFrame { id })? + 1,
+    };
+    document.frames.insert_all(at, frames);
+    Ok(())
+}
+
+impl Document {
+    /// Counts the edits that led here from an earlier state: each frame that differs has a later revision than it had. What
+    /// undo brings back does, too.
+    pub fn count_edits_since(&mut self, before: &Self) {
+        for position in self.frames.differences(&before.frames) {
+            let Some(frame) = self.frames.get(position) else { continue };
+            let known = before.frames.get(position).filter(|known| known.id == frame.id);
+            let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
+            if frame.revision <= known.revision && frame != known {
+                let revision = known.revision + 1;
+                self.frames[position].revision = revision;
+            }
+        }
+    }
+}
+
+/// The frames that changed, then those that go, those that come and, where they are not where they were, all in order.
+fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
+    let differ = after.differences(before);
+    let changed = |known: &Frame, frame: &Shared<Frame>| Change::Frame {
+        id: known.id.clone(),
+        revision: known.revision,
+        frame: frame.clone(),
+    };
+    if before.len() == after.len() && differ.iter().all(|&position| before[position].id == after[position].id) {
+        changes.extend(differ.into_iter().map(|position| changed(&before[position], &after[position])));
         return;
     }
-    let shorter = before.len().min(after.len());
-    let at = before.iter().zip(after).take_while(|(before, after)| before == after).count();
-    let same_at_end = before.iter().rev().zip(after.iter().rev()).take(shorter - at);
-    let tail = same_at_end.take_while(|(before, after)| before == after).count();
-    let insert = after[at..after.len() - tail].to_vec();
-    changes.push(Change::Frames { at, remove: before.len() - tail - at, insert });
+    let known: BTreeMap<&FrameId, &Shared<Frame>> = before.iter().map(|frame| (&frame.id, frame)).collect();
+    let kept: BTreeSet<&FrameId> = after.iter().map(|frame| &frame.id).filter(|id| known.contains_key(id)).collect();
+    for frame in after {
+        if let Some(known) = known.get(&frame.id).filter(|known| **known != frame) {
+            changes.push(changed(known, frame));
+        }
+    }
+    let gone: Vec<FrameId> = before.iter().map(|frame| &frame.id).filter(|id| !kept.contains(id)).cloned().collect();
+    if !gone.is_empty() {
+        changes.push(Change::Remove(gone));
+    }
+    let order = |frames: &Frames| -> Vec<FrameId> {
+        frames.iter().map(|frame| &frame.id).filter(|id| kept.contains(id)).cloned().collect()
+    };
+    let is_moved = order(before) != order(after);
+    let mut last: Option<&FrameId> = None;
+    let mut coming: Option<(Option<FrameId>, Vec<Shared<Frame>>)> = None;
+    for frame in after {
+        if kept.contains(&frame.id) {
+            changes.extend(coming.take().map(|(after, frames)| Change::Insert { after, frames }));
+        } else {
+            coming.get_or_insert_with(|| (last.cloned(), Vec::new())).1.push(frame.clone());
+        }
+        last = Some(&frame.id);
+    }
+    changes.extend(coming.map(|(after, frames)| Change::Insert { after, frames }));
+    if is_moved {
+        changes.push(Change::Order(after.iter().map(|frame| frame.id.clone()).collect()));
+    }
 }
 
 #[cfg(test)]
@@ -160,10 +272,12 @@ mod tests {
         let mut after = before.clone();
         after.frames[1].comment = Some("rain".to_owned());
         let edit = Edit::between(&before, &after, "Comment");
-        assert!(matches!(&edit.changes[..], [Change::Frame { index: 1, .. }]));
+        assert!(matches!(&edit.changes[..], [Change::Frame { id, revision: 0, .. }] if *id == before.frames[1].id));
         after.frames.remove(0);
         let edit = Edit::between(&before, &after, "Remove");
-        assert!(matches!(&edit.changes[..], [Change::Frames { at: 0, remove: 2, insert }] if insert.len() == 1));
+        assert!(
+            matches!(&edit.changes[..], [Change::Frame { .. }, Change::Remove(ids)] if *ids == [before.frames[0].id.clone()])
+        );
         assert!(Edit::between(&after, &after.clone(), "Nothing").is_empty());
     }
 
@@ -174,19 +288,74 @@ mod tests {
         after.field.template = "other".to_owned();
         after.frames[1].comment = Some("x".to_owned());
         let edit = Edit::between(&two, &after, "Both");
-        two.frames.pop();
+        let id = two.frames.pop().unwrap().id.clone();
         let before = two.clone();
-        assert_eq!(edit.apply(&mut two), Err(EditMismatch { index: 1, frames: 1 }));
+        assert_eq!(edit.apply(&mut two), Err(EditMismatch::NoFrame { id }));
         assert_eq!(two, before);
+    }
+
+    #[test]
+    fn an_edit_is_made_once() {
+        let before = document(&[1, 2]);
+        let mut after = before.clone();
+        after.frames[1].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        assert_eq!((after.frames[0].revision, after.frames[1].revision), (0, 1));
+        let edit = Edit::between(&before, &after, "Comment");
+        let mut made = before.clone();
+        edit.clone().apply(&mut made).unwrap();
+        assert_eq!(made, after);
+        let id = after.frames[1].id.clone();
+        assert_eq!(edit.apply(&mut made), Err(EditMismatch::Revision { id, made_on: 0, found: 1 }));
+        // What undo brings back counts as an edit of what it took back.
+        let mut undone = before.clone();
+        undone.count_edits_since(&after);
+        assert_eq!((undone.frames[1].revision, &undone.frames[1].comment), (2, &None));
+    }
+
+    #[test]
+    fn an_edit_reaches_its_frame_wherever_it_stands_now() {
+        let before = document(&[1, 2, 3]);
+        let mut after = before.clone();
+        after.frames[2].comment = Some("x".to_owned());
+        let edit = Edit::between(&before, &after, "Comment");
+        let mut shorter = before.clone();
+        shorter.frames.remove(0);
+        edit.apply(&mut shorter).unwrap();
+        assert_eq!(shorter.frames[1], after.frames[2]);
+    }
+
+    #[test]
+    fn frames_that_come_and_go_do_so_once() {
+        let (before, after) = (document(&[1, 2]), document(&[3, 2]));
+        let edit = Edit::between(&before, &after, "Exchange");
+        let mut exchanged = before.clone();
+        edit.clone().apply(&mut exchanged).unwrap();
+        assert_eq!(exchanged, after);
+        assert!(matches!(edit.apply(&mut exchanged), Err(EditMismatch::NoFrame { .. })));
+        let only_new = Edit {
+            name: String::new(),
+            changes: vec![Change::Insert { after: None, frames: vec![after.frames[0].clone()] }],
+        };
+        assert_eq!(only_new.apply(&mut exchanged), Err(EditMismatch::Present { id: after.frames[0].id.clone() }));
+        let order = Edit { name: String::new(), changes: vec![Change::Order(vec![after.frames[0].id.clone(); 2])] };
+        assert_eq!(order.apply(&mut exchanged), Err(EditMismatch::Order { ordered: 2, frames: 2 }));
     }
 
     proptest! {
         #[test]
         fn an_edit_leads_from_one_state_to_the_other(
-            from in prop::collection::vec(0u8..5, 0..12), into in prop::collection::vec(0u8..5, 0..12),
+            from in prop::collection::vec(0u8..9, 0..12), into in prop::collection::vec(0u8..9, 0..12),
+            noted in 0usize..12,
         ) {
-            let (mut before, after) = (document(&from), document(&into));
-            Edit::between(&before, &after, "Any").apply(&mut before).unwrap();
+            let (mut before, mut after) = (document(&from), document(&into));
+            if let Some(frame) = after.frames.get_mut(noted) {
+                frame.comment = Some("noted".to_owned());
+            }
+            let edit = Edit::between(&before, &after, "Any");
+            let written = serde_json::to_string(&edit).unwrap();
+            prop_assert_eq!(&serde_json::from_str::<Edit>(&written).unwrap(), &edit);
+            edit.apply(&mut before).unwrap();
             prop_assert_eq!(before, after);
         }
     }

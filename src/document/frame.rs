@@ -1,6 +1,6 @@
 //! A frame of the document: where its picture is, its clicks, its solution.
 
-use super::{CameraId, Click, Extra, FramePtz, Repeat, Solution, adapters};
+use super::{CameraId, Click, Extra, FrameId, FramePtz, Repeat, Solution, adapters};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::FrameRef;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,12 @@ use std::path::{Path, PathBuf};
 /// A frame: a picture, what people clicked in it, and how the camera was pointed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
+    /// What edits, suggestions and undo call it; unique within the document.
+    #[serde(default, skip_serializing_if = "FrameId::is_missing")]
+    pub id: FrameId,
+    /// Counts its edits.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub revision: u64,
     /// The image file, relative to the document's folder or absolute; none for a frame that only a video has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<String>,
@@ -144,11 +150,18 @@ impl fmt::Display for Clip {
     }
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+const fn is_zero(revision: &u64) -> bool {
+    *revision == 0
+}
+
 impl Frame {
     /// A frame that is an image file, new.
     #[must_use]
     pub fn from_image(image: &str, camera: CameraId, image_size: ImageSize) -> Self {
         Self {
+            id: FrameId::of_picture(Some(image), None),
+            revision: 0,
             image: Some(image.to_owned()),
             camera,
             video: None,
@@ -170,7 +183,13 @@ impl Frame {
     /// A frame of a video, new.
     #[must_use]
     pub fn from_video(video: VideoFrame, camera: CameraId, image_size: ImageSize) -> Self {
-        Self { image: None, video: Some(video), ..Self::from_image("", camera, image_size) }
+        let id = FrameId::of_picture(None, Some((&video.path, video.frame_index)));
+        Self { id, image: None, video: Some(video), ..Self::from_image("", camera, image_size) }
+    }
+
+    /// Whether another frame holds the same, however often either was edited.
+    pub(super) fn has_content_of(&self, other: &Self) -> bool {
+        self == other || *self == Self { revision: self.revision, ..other.clone() }
     }
 
     /// What a message calls it: the image's path, else the video's and the frame's number (`match.mp4#412`).

@@ -3,6 +3,7 @@
 //! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is one step; a commit
 //! that changed nothing is none.
 
+use super::{Document, FrameId};
 use std::collections::VecDeque;
 
 /// What a person did, as undo names it.
@@ -10,14 +11,14 @@ use std::collections::VecDeque;
 pub struct Step {
     /// In words: "Move centre mark".
     pub name: String,
-    /// The frame it concerns, by its place in the document; none for a change of a camera or the field.
-    pub frame: Option<usize>,
+    /// The frame it concerns; none for a change of a camera or the field.
+    pub frame: Option<FrameId>,
 }
 
 impl Step {
     /// A step that concerns a frame.
     #[must_use]
-    pub fn on_frame(name: impl Into<String>, frame: usize) -> Self {
+    pub fn on_frame(name: impl Into<String>, frame: FrameId) -> Self {
         Self { name: name.into(), frame: Some(frame) }
     }
 
@@ -25,6 +26,22 @@ impl Step {
     #[must_use]
     pub fn on_document(name: impl Into<String>) -> Self {
         Self { name: name.into(), frame: None }
+    }
+}
+
+/// What undo goes back and forth in.
+pub trait Undoable: Clone {
+    /// Whether another value is the same to the person who undoes; counters may differ.
+    fn is_same_state(&self, other: &Self) -> bool;
+}
+
+impl Undoable for Document {
+    fn is_same_state(&self, other: &Self) -> bool {
+        let frames = self.frames.len() == other.frames.len() && {
+            let mut differ = self.frames.differences(&other.frames).into_iter();
+            differ.all(|position| self.frames[position].has_content_of(&other.frames[position]))
+        };
+        frames && self.same_beside_frames(other)
     }
 }
 
@@ -46,7 +63,7 @@ impl<T> Default for History<T> {
 }
 
 impl<T> History<T> {
-    /// How many steps are kept unless somebody says otherwise: 40 MB for a document of 10,000 frames.
+    /// How many steps are kept unless somebody says otherwise: what a step keeps does not grow with the document.
     pub const DEFAULT_LIMIT: usize = 500;
 
     /// A history that keeps at most `limit` steps; the oldest are forgotten.
@@ -98,7 +115,7 @@ impl<T> History<T> {
     }
 }
 
-impl<T: Clone + PartialEq> History<T> {
+impl<T: Undoable> History<T> {
     /// Opens a transaction on `current`; one that is still open is committed first.
     pub fn begin(&mut self, current: &T, step: Step) {
         self.commit(current);
@@ -118,7 +135,7 @@ impl<T: Clone + PartialEq> History<T> {
     /// then.
     pub fn commit(&mut self, current: &T) -> bool {
         let Some((step, before)) = self.open.take() else { return false };
-        if before == *current {
+        if before.is_same_state(current) {
             return false;
         }
         self.undone.clear();
@@ -160,8 +177,20 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
+    macro_rules! plain_values {
+        ($($kind:ty),*) => {
+            $(impl Undoable for $kind {
+                fn is_same_state(&self, other: &Self) -> bool {
+                    self == other
+                }
+            })*
+        };
+    }
+
+    plain_values!(u8, i32, [i32; 2]);
+
     fn step(name: &str) -> Step {
-        Step::on_frame(name, 7)
+        Step::on_frame(name, "7".into())
     }
 
     #[test]
@@ -175,7 +204,7 @@ mod tests {
         assert_eq!(history.next_undo(), Some(&step("drag")));
         assert_eq!(history.undo(&mut value), Some(step("drag")));
         assert_eq!(value, 0);
-        assert_eq!(history.next_redo().unwrap().frame, Some(7));
+        assert_eq!(history.next_redo().unwrap().frame, Some("7".into()));
         assert_eq!(history.redo(&mut value), Some(step("drag")));
         assert_eq!((value, history.redo(&mut value)), (99, None));
     }

@@ -1,7 +1,8 @@
 //! From bytes to a document, with errors that say where and what.
 
 use super::document::conventions;
-use super::{Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, Shared};
+use super::frames::DuplicateId;
+use super::{Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use thiserror::Error;
@@ -50,6 +51,18 @@ pub enum ReadError {
         /// The document's version.
         found: u64,
     },
+    /// Two frames have one id: an edit could mean either.
+    #[error(
+        "frames[{second}].id: {id} is also the id of frames[{first}]; take the key `id` away from one of the two, which then gets an id of its own"
+    )]
+    DuplicateFrameId {
+        /// The id.
+        id: FrameId,
+        /// The later frame's position.
+        second: usize,
+        /// The earlier one's.
+        first: usize,
+    },
     /// A key is missing or holds something unexpected.
     #[error("{place}: {message} at line {line} column {column}")]
     Schema {
@@ -77,7 +90,7 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     match serde_json::from_str::<DocumentJson>(text) {
         Ok(json) => {
             check_header(&json.format, &json.version)?;
-            Ok(json.into())
+            json.document()
         }
         Err(error) => Err(explain(text, &error)),
     }
@@ -100,10 +113,15 @@ struct DocumentJson {
     extra: Extra,
 }
 
-impl From<DocumentJson> for Document {
-    fn from(json: DocumentJson) -> Self {
-        let DocumentJson { generator, conventions, field, cameras, frames, extra, .. } = json;
-        Self { generator, conventions, field, cameras, frames, extra }
+impl DocumentJson {
+    fn document(self) -> Result<Document, ReadError> {
+        let Self { generator, conventions, field, cameras, frames, extra, .. } = self;
+        let frames = Frames::read(frames).map_err(|DuplicateId { id, second, first }| ReadError::DuplicateFrameId {
+            id,
+            second,
+            first,
+        })?;
+        Ok(Document { generator, conventions, field, cameras, frames, extra })
     }
 }
 

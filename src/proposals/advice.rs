@@ -307,7 +307,7 @@ mod tests {
     fn what_nobody_can_label_is_not_named() {
         let mut document = document(&[(1, Some((0.0, SURELY))), (2, None), (2, None), (2, None)]);
         assert_eq!(next(&document, &[]).frame, 2, "the middle of a shot without any answer");
-        for frame in &mut document.frames[1..] {
+        for frame in document.frames.iter_mut().skip(1) {
             frame.solution.as_mut().unwrap().warnings[0].code = "picture".to_owned();
         }
         assert_eq!(label_advice(&document, &[]), LabelAdvice { unanswered: 3, ..LabelAdvice::default() });

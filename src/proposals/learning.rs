@@ -2,7 +2,7 @@
 
 use super::{FrameFeatures, FramePictures, PictureError};
 use crate::camera::{PanTilt, Ptz};
-use crate::document::{CameraId, Document, Frame, WriteError};
+use crate::document::{CameraId, Document, Frame, Frames, WriteError};
 use crate::features::{FeatureOptions, Features};
 use crate::media::FrameReader;
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
@@ -174,7 +174,7 @@ fn learn_camera<'a>(
 /// The document's field and cameras as JSON. A template of the user's own is kept by its file name: a forest holds no
 /// paths.
 fn without_frames(document: &Document) -> Result<String, WriteError> {
-    let mut kept = Document { frames: Vec::new(), extra: crate::document::Extra::new(), ..document.clone() };
+    let mut kept = Document { frames: Frames::new(), extra: crate::document::Extra::new(), ..document.clone() };
     let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
     for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
         if field.is_file()

@@ -34,9 +34,11 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui) {
 }
 
 fn undo(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(step) = panel.app.open().and_then(|open| open.history.next_undo()) else { return };
-    let elsewhere = step.frame.filter(|frame| *frame != panel.app.session.frame);
-    let place = elsewhere.map(|frame| format!(" (frame {})", frame + 1)).unwrap_or_default();
+    let Some(open) = panel.app.open() else { return };
+    let Some(step) = open.history.next_undo() else { return };
+    let position = step.frame.as_ref().and_then(|id| open.document.frames.position_of(id));
+    let elsewhere = position.filter(|position| *position != panel.app.session.frame);
+    let place = elsewhere.map(|position| format!(" (frame {})", position + 1)).unwrap_or_default();
     let button = Button::new(RichText::new(format!("Undo: {}{place}", step.name)).color(theme::WEAK)).frame(false);
     if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(Command::Undo)).clicked() {
         panel.actions.push(Action::Command(Command::Undo));

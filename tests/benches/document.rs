@@ -83,7 +83,7 @@ fn edit_and_undo(bencher: Bencher) {
     let mut history = History::default();
     bencher.bench_local(|| {
         let before = document.clone();
-        history.begin(&document, Step::on_frame("Move", 5000));
+        history.begin(&document, Step::on_frame("Move", document.frames[5000].id.clone()));
         document.frames[5000].clicks[0].image.x += 1.0;
         history.commit(&document);
         let edit = Edit::between(&before, &document, "Move");

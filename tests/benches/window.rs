@@ -76,7 +76,8 @@ impl Window {
     /// Looking through suggestions of all frames of a match, with the list as it is by default.
     fn review() -> Self {
         let mut document = document(FRAMES);
-        document.frames.extend_from_within(..);
+        let twice = document.frames.clone();
+        document.frames.extend(twice.iter().cloned());
         for frame in &mut document.frames {
             frame.clicks.clear();
             (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);

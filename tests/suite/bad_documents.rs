@@ -403,8 +403,8 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
         let video = touchline::document::VideoFrame::new("match.mp4", index, pts_s);
         Frame::from_video(video, "main".into(), ImageSize::new(1280, 720)).into()
     };
-    document.frames =
-        vec![frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
+    let frames = [frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
+    document.frames = frames.into_iter().collect();
     let problems = check_pictures(document.at(&data.join("video-soccer")), &|| {});
     let said: Vec<_> = problems.iter().map(Problem::to_string).collect();
     let expected = [

@@ -8,6 +8,13 @@ use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 
 pub const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
+/// The document without the counts of its frames' edits: what undo brings back counts as another edit.
+pub fn uncounted(document: &Document) -> Document {
+    let mut document = document.clone();
+    document.frames.iter_mut().for_each(|frame| frame.revision = 0);
+    document
+}
+
 /// The base of the drawn truth.
 pub fn base() -> CameraBase {
     CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())

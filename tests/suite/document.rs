@@ -44,6 +44,10 @@ fn everything_that_is_read_is_written_back_with_unknown_keys() {
     expected["generator"] = touchline::document::generator().into();
     // Fractions and whole numbers are the same number.
     expected["cameras"][0]["masks_px"][1] = serde_json::json!([10.5, 30, 64, 80.25]);
+    let ids = ["48ffd214d244", "e84b7cec4fa4", "bccbd834ba92"];
+    for (frame, id) in expected["frames"].as_array_mut().unwrap().iter_mut().zip(ids) {
+        frame["id"] = id.into();
+    }
     assert_eq!(value(&text), expected);
     assert_eq!(document_to_string(&document_from_bytes(text.as_bytes()).unwrap()).unwrap(), text);
     assert_eq!(document_from_bytes(text.as_bytes()).unwrap().frames, document.frames);
@@ -186,4 +190,19 @@ proptest! {
         prop_assert_eq!(&again, &document);
         prop_assert_eq!(document_to_string(&again).unwrap(), text);
     }
+}
+
+#[test]
+fn frames_keep_their_ids_and_two_with_one_are_refused() {
+    let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let mut json = value(&document_to_string(&document).unwrap());
+    json["frames"][1]["id"] = "anna/7".into();
+    json["frames"].as_array_mut().unwrap().swap(0, 2);
+    let moved = document_from_bytes(json.to_string().as_bytes()).unwrap();
+    let ids = |document: &Document| document.frames.iter().map(|frame| frame.id.to_string()).collect::<Vec<_>>();
+    let before = ids(&document);
+    assert_eq!(ids(&moved), [before[2].as_str(), "anna/7", before[0].as_str()]);
+    json["frames"][2]["id"] = "anna/7".into();
+    let refused = document_from_bytes(json.to_string().as_bytes()).unwrap_err().to_string();
+    assert!(refused.starts_with("frames[2].id: anna/7 is also the id of frames[1]"), "{refused}");
 }

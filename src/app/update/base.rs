@@ -107,7 +107,7 @@ impl App {
             return;
         }
         let name = if used { "Put frame back" } else { "Leave frame out" };
-        if self.begin_step(Step::on_frame(name, index)) {
+        if self.begin_step(self.step_at(name, index)) {
             if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
                 frame.set_used_for_base(used);
             }

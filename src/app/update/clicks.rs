@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::session::{Level, Mode};
-use crate::document::{Click, FrameStatus, Step};
+use crate::document::{Click, FrameStatus};
 use crate::geometry::ImagePoint;
 
 impl App {
@@ -118,7 +118,7 @@ impl App {
         let Some(click) = self.session.selected else { return };
         let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
         let name = self.click_name(click);
-        let step = Step::on_frame(format!("Nudge {name}"), self.session.frame);
+        let step = self.step_at(format!("Nudge {name}"), self.session.frame);
         let resumed = held && self.open.as_mut().is_some_and(|open| open.history.resume(&step));
         if resumed || self.begin_step(step) {
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));

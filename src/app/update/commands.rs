@@ -279,8 +279,9 @@ impl App {
         let next = if back { open.history.next_undo() } else { open.history.next_redo() };
         let Some(step) = next.cloned() else { return };
         let word = if back { "undo" } else { "redo" };
-        if let Some(frame) = step.frame.filter(|frame| *frame != self.session.frame) {
-            self.go_to(frame);
+        let position = step.frame.and_then(|id| open.document.frames.position_of(&id));
+        if let Some(position) = position.filter(|position| *position != self.session.frame) {
+            self.go_to(position);
             let text = format!("The last change was here: {}. Press again to {word} it.", step.name);
             self.session.notify(Level::Info, text);
             return;

@@ -182,7 +182,7 @@ impl App {
     }
 
     fn change_masks(&mut self, of_camera: bool, name: &str, change: impl FnOnce(&mut Vec<PixelBox>)) {
-        let step = if of_camera { Step::on_document(name) } else { Step::on_frame(name, self.session.frame) };
+        let step = if of_camera { Step::on_document(name) } else { self.step_at(name, self.session.frame) };
         if !self.begin_step(step) {
             return;
         }

@@ -153,7 +153,7 @@ impl App {
         let Some(round) = self.round_mut() else { return };
         let Some((at, asked)) = round.held.take().zip(round.asked().cloned()) else { return };
         let number = round.round;
-        let step = Step::on_frame(self.step_again(&asked), asked.frame);
+        let step = self.step_at(self.step_again(&asked), asked.frame);
         if !self.begin_step(step) {
             return;
         }

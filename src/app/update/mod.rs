@@ -208,7 +208,13 @@ impl App {
 
     /// Opens a step of undo on the shown frame; false (and said so) if nothing can be changed.
     fn begin(&mut self, name: impl Into<String>) -> bool {
-        self.begin_step(Step::on_frame(name, self.session.frame))
+        self.begin_step(self.step_at(name, self.session.frame))
+    }
+
+    /// A step of undo on the frame at a position.
+    fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
+        let frame = self.open.as_ref().and_then(|open| open.frame(position)).map(|frame| frame.id.clone());
+        Step { name: name.into(), frame }
     }
 
     fn begin_step(&mut self, step: Step) -> bool {

@@ -29,7 +29,7 @@ impl App {
         if !ptz.is_finite() {
             return;
         }
-        let step = Step::on_frame("Set numbers by hand", self.session.frame);
+        let step = self.step_at("Set numbers by hand", self.session.frame);
         self.within_edit(step, |app| {
             let base = app.current.base;
             let Some(frame) = app.frame_mut() else { return };

@@ -96,7 +96,7 @@ fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
 impl OpenProject {
     /// Writes proposals into the document and every state of its history; what is to be journalled, if anything.
     fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<crate::document::Edit> {
-        use crate::app::intake::{Intake, edit, write};
+        use crate::app::intake::{Intake, name, write};
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
         let current: Vec<&Proposal> =
@@ -111,11 +111,12 @@ impl OpenProject {
             write(state, &changes);
         });
         let changes = intake.changes(&self.journalled);
+        let before = self.journalled.clone();
         write(&mut self.journalled, &changes);
         if changes.is_empty() {
             return None;
         }
         self.revision += 1;
-        Some(edit(changes))
+        Some(crate::document::Edit::between(&before, &self.journalled, &name(&changes)))
     }
 }

@@ -332,7 +332,7 @@ fn doubtful_answers_are_asked_for_again_by_a_better_forest() {
     hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
     hand.expect(&Begun::Propose(vec![2]), Let::Well);
     hand.expect(&Begun::Measure, Let::Well);
-    all.frames.push(document(3, 0).frames.swap_remove(2));
+    all.frames.push(document(3, 0).frames[2].clone());
     hand.document(&all);
     hand.expect(&Begun::Learn(vec![0, 1, 3]), Let::Well);
     hand.expect(&Begun::Propose(vec![2]), Let::Well);
@@ -425,7 +425,7 @@ fn a_panic_is_shown_and_work_goes_on() {
     hand.tell(TrainerOrder::Pause(false));
     hand.expect(&Begun::Learn(vec![0]), Let::Fail);
     hand.until(|status| status.trouble.as_deref() == Some("no features"));
-    all.frames.push(document(2, 0).frames.swap_remove(1));
+    all.frames.push(document(2, 0).frames[1].clone());
     hand.document(&all);
     hand.expect(&Begun::Learn(vec![0, 2]), Let::Well);
     hand.expect(&Begun::Propose(vec![1]), Let::Panic);
@@ -477,7 +477,7 @@ fn the_book_asks_again_for_what_the_document_lost() {
     assert_eq!((book.answered(&all), book.unanswered(&all), book.given_by(1)), (3, 0, 3));
 
     let mut undone = all.clone();
-    undone.frames[1] = document(1, 3).frames.swap_remove(1);
+    undone.frames[1] = document(1, 3).frames[1].clone();
     book.look_at(&undone);
     assert_eq!(wanted(&book, &undone, 1), [1]);
     let mut moved = all.clone();

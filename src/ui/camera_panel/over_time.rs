@@ -50,8 +50,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 }
 
 fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
-    let frames = panel.app.open().map_or(&[][..], |open| &open.document.frames);
-    let of_camera = frames.iter().enumerate().filter(|(_, frame)| frame.camera == camera.id);
+    let Some(open) = panel.app.open() else { return Vec::new() };
+    let of_camera = open.document.frames.iter().enumerate().filter(|(_, frame)| frame.camera == camera.id);
     of_camera
         .filter_map(|(index, frame)| {
             let rms_px = frame.solution.as_ref()?.rms_px.filter(|px| px.is_finite())?;

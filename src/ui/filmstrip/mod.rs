@@ -30,14 +30,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Which frames are shown, with how many there are of each.
 fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let mut counts = [0usize; Filter::ALL.len()];
-    let frames = panel.app.open().map_or(&[][..], |open| &open.document.frames);
-    for frame in frames {
+    let Some(open) = panel.app.open().filter(|open| !open.document.frames.is_empty()) else { return };
+    for frame in &open.document.frames {
         for (count, filter) in counts.iter_mut().zip(Filter::ALL) {
             *count += usize::from(filter.shows(frame));
         }
-    }
-    if frames.is_empty() {
-        return;
     }
     let chosen = panel.app.session.filter;
     let shown = ComboBox::from_id_salt("filter")

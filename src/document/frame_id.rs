@@ -1,0 +1,117 @@
+//! What a frame is called by whoever refers to it: a short string that stays when frames come, go or move.
+
+use super::Frame;
+use serde::{Deserialize, Deserializer, Serialize};
+use sha2::{Digest, Sha256};
+use std::fmt;
+use std::sync::Arc;
+
+/// The longest id that a document may hold, in bytes.
+const MAX_BYTES: usize = 128;
+
+/// The id of a frame, unique within a document. Edits, suggestions and undo refer to it, never to a position.
+///
+/// A frame that is made takes its id from its picture. One that was read without an id has an empty one until it is among
+/// the frames of a document, which give it its own.
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(transparent)]
+pub struct FrameId(Arc<str>);
+
+impl FrameId {
+    /// The id as the document writes it.
+    #[must_use]
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// Whether the frame was read without an id and has not been given one.
+    pub(super) fn is_missing(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The id of a frame that has none: twelve hexadecimal digits of a hash of its image's path, or else of its video's path and
+    /// the number of the frame.
+    pub(super) fn of_picture(image: Option<&str>, video: Option<(&str, u64)>) -> Self {
+        let hash = Sha256::new();
+        let hash = match (image, video) {
+            (Some(image), _) => hash.chain_update("image\0").chain_update(image),
+            (None, Some((path, index))) => {
+                hash.chain_update("video\0").chain_update(path).chain_update(index.to_be_bytes())
+            }
+            (None, None) => hash,
+        };
+        let mut first = [0; 8];
+        first[2..].copy_from_slice(&hash.finalize()[..6]);
+        Self(format!("{:012x}", u64::from_be_bytes(first)).into())
+    }
+
+    /// The first of `id`, `id-2`, `id-3`, … that is not taken.
+    pub(super) fn free(self, is_taken: impl Fn(&Self) -> bool) -> Self {
+        if !is_taken(&self) {
+            return self;
+        }
+        let numbered = (2_u64..).map(|number| Self(format!("{self}-{number}").into()));
+        numbered.into_iter().find(|id| !is_taken(id)).unwrap_or(self)
+    }
+}
+
+impl Frame {
+    /// The id that follows from its picture.
+    pub(super) fn id_of_picture(&self) -> FrameId {
+        let video = self.video.as_ref().map(|video| (video.path.as_str(), video.frame_index));
+        FrameId::of_picture(self.image.as_deref(), video)
+    }
+}
+
+impl From<&str> for FrameId {
+    fn from(id: &str) -> Self {
+        Self(id.into())
+    }
+}
+
+impl fmt::Display for FrameId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl<'de> Deserialize<'de> for FrameId {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let id = Arc::<str>::deserialize(deserializer)?;
+        if id.is_empty() || id.len() > MAX_BYTES || id.chars().any(char::is_control) {
+            let wanted = format!("a frame's id has 1 to {MAX_BYTES} bytes and no control characters, found {id:?}");
+            return Err(serde::de::Error::custom(wanted));
+        }
+        Ok(Self(id))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_id_follows_from_the_picture_and_is_the_same_for_ever() {
+        let image = FrameId::of_picture(Some("images/0001.jpg"), None);
+        assert_eq!(image, FrameId::of_picture(Some("images/0001.jpg"), Some(("match.mp4", 3))));
+        assert_eq!(image.as_str(), "48ffd214d244");
+        let video = FrameId::of_picture(None, Some(("match.mp4", 412)));
+        assert_eq!(video.as_str(), "0859afc6239f");
+        assert_ne!(video, FrameId::of_picture(None, Some(("match.mp4", 413))));
+    }
+
+    #[test]
+    fn a_taken_id_gets_a_number() {
+        let taken = ["a", "a-2", "b"].map(FrameId::from);
+        let free = |id: &str| FrameId::from(id).free(|id| taken.contains(id)).to_string();
+        assert_eq!([free("a"), free("b"), free("c")], ["a-3", "b-2", "c"]);
+    }
+
+    #[test]
+    fn what_is_no_id_is_refused() {
+        let read = |json: &str| serde_json::from_str::<FrameId>(json).map(|id| id.to_string()).ok();
+        assert_eq!(read("\"anna/7\"").as_deref(), Some("anna/7"));
+        let too_long = format!("\"{}\"", "x".repeat(MAX_BYTES + 1));
+        assert!(["\"\"", "\"a\\n\"", "7", &too_long].into_iter().all(|json| read(json).is_none()));
+    }
+}

@@ -1,0 +1,393 @@
+//! The frames of a document: in order, each with an id of its own, shared with the states that undo keeps.
+
+use super::{Frame, FrameId, Shared};
+use imbl::Vector;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator};
+use std::collections::HashMap;
+use std::fmt;
+use std::ops::{Bound, Index, IndexMut, RangeBounds};
+use std::sync::Arc;
+
+/// Frames in the order in which a person steps through them.
+///
+/// A persistent vector: a clone takes constant time, and changing a frame of a clone copies the chunk of handles that the frame is
+/// in. Each frame that comes in gets an id of its own if it has none or another's; frames come in through [`Frames::push`],
+/// [`Frames::insert`] and `extend`.
+#[derive(Clone, Default)]
+pub struct Frames {
+    frames: Vector<Shared<Frame>>,
+    /// Where each id stood when the order last changed.
+    positions: Arc<HashMap<FrameId, usize>>,
+}
+
+/// Two frames of a document that is read have one id.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct DuplicateId {
+    pub id: FrameId,
+    /// The later frame's position.
+    pub second: usize,
+    /// The earlier one's.
+    pub first: usize,
+}
+
+impl Frames {
+    /// No frames.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Frames as a file lists them. Those without an id get one that follows from their picture and that no frame states.
+    pub(super) fn read(mut frames: Vec<Shared<Frame>>) -> Result<Self, DuplicateId> {
+        let mut positions = HashMap::with_capacity(frames.len());
+        for (position, frame) in frames.iter().enumerate().filter(|(_, frame)| !frame.id.is_missing()) {
+            if let Some(first) = positions.insert(frame.id.clone(), position) {
+                return Err(DuplicateId { id: frame.id.clone(), second: position, first });
+            }
+        }
+        for (position, frame) in frames.iter_mut().enumerate().filter(|(_, frame)| frame.id.is_missing()) {
+            frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
+            positions.insert(frame.id.clone(), position);
+        }
+        Ok(Self { frames: frames.into_iter().collect(), positions: Arc::new(positions) })
+    }
+
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// The frame at a position.
+    #[must_use]
+    pub fn get(&self, position: usize) -> Option<&Shared<Frame>> {
+        self.frames.get(position)
+    }
+
+    /// The frame at a position, to change it.
+    pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
+        self.frames.get_mut(position)
+    }
+
+    /// Where the frame of an id stands.
+    #[must_use]
+    pub fn position_of(&self, id: &FrameId) -> Option<usize> {
+        let is_it = |position: &usize| self.get(*position).is_some_and(|frame| frame.id == *id);
+        let known = self.positions.get(id).copied().filter(is_it);
+        // A frame that was put in another's place is not among the known positions.
+        known.or_else(|| self.iter().position(|frame| frame.id == *id))
+    }
+
+    /// The frame of an id.
+    #[must_use]
+    pub fn by_id(&self, id: &FrameId) -> Option<&Shared<Frame>> {
+        self.get(self.position_of(id)?)
+    }
+
+    /// The frame of an id, to change it.
+    pub fn by_id_mut(&mut self, id: &FrameId) -> Option<&mut Shared<Frame>> {
+        self.get_mut(self.position_of(id)?)
+    }
+
+    /// The first frame.
+    #[must_use]
+    pub fn first(&self) -> Option<&Shared<Frame>> {
+        self.frames.front()
+    }
+
+    /// The last frame.
+    #[must_use]
+    pub fn last(&self) -> Option<&Shared<Frame>> {
+        self.frames.back()
+    }
+
+    /// The frames in their order.
+    pub fn iter(&self) -> Iter<'_> {
+        self.frames.iter()
+    }
+
+    /// The frames in their order, to change them.
+    pub fn iter_mut(&mut self) -> IterMut<'_> {
+        self.frames.iter_mut()
+    }
+
+    /// The frames in their order, on several threads.
+    #[must_use]
+    pub fn par_iter(&self) -> impl IndexedParallelIterator<Item = &Shared<Frame>> {
+        self.frames.par_iter()
+    }
+
+    /// The frames at these positions, as far as there are any.
+    pub fn range(&self, range: impl RangeBounds<usize>) -> impl DoubleEndedIterator<Item = &Shared<Frame>> {
+        let start = match range.start_bound() {
+            Bound::Included(start) => *start,
+            Bound::Excluded(before) => before.saturating_add(1),
+            Bound::Unbounded => 0,
+        };
+        let end = match range.end_bound() {
+            Bound::Included(last) => last.saturating_add(1),
+            Bound::Excluded(end) => *end,
+            Bound::Unbounded => self.len(),
+        };
+        (start..end.min(self.len())).filter_map(|position| self.get(position))
+    }
+
+    /// Appends a frame; where its id is missing or taken it gets another one.
+    pub fn push(&mut self, frame: Shared<Frame>) {
+        let frame = self.with_own_id(frame);
+        Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.frames.len());
+        self.frames.push_back(frame);
+    }
+
+    /// Puts a frame before the one at a position, at the end if there is none; where its id is missing or taken it gets another.
+    pub fn insert(&mut self, position: usize, frame: Shared<Frame>) {
+        self.insert_all(position, vec![frame]);
+    }
+
+    /// Puts frames before the one at a position, in their order; ids as in [`Frames::push`].
+    pub fn insert_all(&mut self, position: usize, frames: Vec<Shared<Frame>>) {
+        let tail = self.frames.split_off(position.min(self.frames.len()));
+        for frame in frames {
+            let frame = self.with_own_id(frame);
+            Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.frames.len());
+            self.frames.push_back(frame);
+        }
+        self.frames.append(tail);
+        self.order_changed();
+    }
+
+    /// Takes the frame at a position out; none if there is none.
+    pub fn remove(&mut self, position: usize) -> Option<Shared<Frame>> {
+        let removed = (position < self.frames.len()).then(|| self.frames.remove(position));
+        self.order_changed();
+        removed
+    }
+
+    /// Takes the last frame out.
+    pub fn pop(&mut self) -> Option<Shared<Frame>> {
+        let last = self.frames.pop_back()?;
+        Arc::make_mut(&mut self.positions).remove(&last.id);
+        Some(last)
+    }
+
+    /// Keeps the frames for which `wanted` holds.
+    pub fn retain(&mut self, mut wanted: impl FnMut(&Frame) -> bool) {
+        self.frames.retain(|frame| wanted(frame));
+        self.order_changed();
+    }
+
+    /// Whether two share every frame: nobody has changed one since they were one.
+    #[must_use]
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.frames.ptr_eq(&other.frames)
+    }
+
+    /// The positions at which two differ, up to the end of the shorter one. Chunks that both share are not looked at.
+    #[must_use]
+    pub fn differences(&self, other: &Self) -> Vec<usize> {
+        let mut differ = Vec::new();
+        if self.is_same(other) {
+            return differ;
+        }
+        let (mut left, mut right) = (self.frames.leaves(), other.frames.leaves());
+        let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
+        let mut position = 0;
+        loop {
+            if a.is_empty() {
+                let Some(next) = left.next() else { return differ };
+                a = next;
+            }
+            if b.is_empty() {
+                let Some(next) = right.next() else { return differ };
+                b = next;
+            }
+            let both = a.len().min(b.len());
+            let ((here, rest_of_a), (there, rest_of_b)) = (a.split_at(both), b.split_at(both));
+            if !std::ptr::eq(here, there) {
+                let pairs = here.iter().zip(there).enumerate();
+                differ.extend(pairs.filter(|(_, (here, there))| here != there).map(|(at, _)| position + at));
+            }
+            (a, b) = (rest_of_a, rest_of_b);
+            position += both;
+        }
+    }
+
+    /// The frame with an id that no other has.
+    fn with_own_id(&self, mut frame: Shared<Frame>) -> Shared<Frame> {
+        if frame.id.is_missing() {
+            frame.id = frame.id_of_picture();
+        }
+        if self.positions.contains_key(&frame.id) {
+            frame.id = frame.id.clone().free(|id| self.positions.contains_key(id));
+        }
+        frame
+    }
+
+    fn order_changed(&mut self) {
+        let positions = self.frames.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
+        self.positions = Arc::new(positions.collect());
+    }
+}
+
+/// Over frames in their order.
+pub type Iter<'a> = imbl::vector::Iter<'a, Shared<Frame>, imbl::shared_ptr::DefaultSharedPtr>;
+/// Over frames in their order, to change them.
+pub type IterMut<'a> = imbl::vector::IterMut<'a, Shared<Frame>, imbl::shared_ptr::DefaultSharedPtr>;
+
+impl PartialEq for Frames {
+    fn eq(&self, other: &Self) -> bool {
+        self.len() == other.len() && self.differences(other).is_empty()
+    }
+}
+
+impl fmt::Debug for Frames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self).finish()
+    }
+}
+
+impl Index<usize> for Frames {
+    type Output = Shared<Frame>;
+    fn index(&self, position: usize) -> &Shared<Frame> {
+        &self.frames[position]
+    }
+}
+
+impl IndexMut<usize> for Frames {
+    fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
+        &mut self.frames[position]
+    }
+}
+
+impl Extend<Shared<Frame>> for Frames {
+    fn extend<T: IntoIterator<Item = Shared<Frame>>>(&mut self, frames: T) {
+        frames.into_iter().for_each(|frame| self.push(frame));
+    }
+}
+
+impl FromIterator<Shared<Frame>> for Frames {
+    fn from_iter<T: IntoIterator<Item = Shared<Frame>>>(frames: T) -> Self {
+        let mut all = Self::default();
+        all.extend(frames);
+        all
+    }
+}
+
+impl<'a> IntoIterator for &'a Frames {
+    type Item = &'a Shared<Frame>;
+    type IntoIter = Iter<'a>;
+    fn into_iter(self) -> Iter<'a> {
+        self.iter()
+    }
+}
+
+impl<'a> IntoIterator for &'a mut Frames {
+    type Item = &'a mut Shared<Frame>;
+    type IntoIter = IterMut<'a>;
+    fn into_iter(self) -> IterMut<'a> {
+        self.iter_mut()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+    use proptest::prelude::*;
+
+    fn frame(image: &str) -> Shared<Frame> {
+        Frame::from_image(image, "main".into(), ImageSize::new(64, 36)).into()
+    }
+
+    fn frames(count: usize) -> Frames {
+        (0..count).map(|index| frame(&index.to_string())).collect()
+    }
+
+    /// Each frame is found by its id.
+    fn is_consistent(frames: &Frames) -> bool {
+        frames.iter().enumerate().all(|(position, frame)| frames.position_of(&frame.id) == Some(position))
+    }
+
+    #[test]
+    fn frames_of_one_picture_get_ids_of_their_own() {
+        let twice: Frames = [frame("a"), frame("a"), frame("a")].into_iter().collect();
+        let base = FrameId::of_picture(Some("a"), None);
+        let ids: Vec<String> = twice.iter().map(|frame| frame.id.to_string()).collect();
+        assert_eq!(ids, [format!("{base}"), format!("{base}-2"), format!("{base}-3")]);
+        assert!(is_consistent(&twice));
+    }
+
+    #[test]
+    fn what_is_read_keeps_its_ids_and_the_others_get_free_ones() {
+        let without = |image: &str| {
+            let mut frame = frame(image);
+            frame.id = FrameId::default();
+            frame
+        };
+        let mut stated = frame("b");
+        stated.id = frame("a").id.clone();
+        let read = Frames::read(vec![without("a"), stated.clone(), without("c")]).unwrap();
+        assert_eq!(read[0].id, frame("a").id.clone().free(|id| *id == stated.id));
+        assert_eq!((&read[1].id, &read[2].id), (&stated.id, &frame("c").id));
+        assert!(is_consistent(&read));
+        let duplicate = Frames::read(vec![without("c"), stated.clone(), stated.clone()]).unwrap_err();
+        assert_eq!(duplicate, DuplicateId { id: stated.id.clone(), second: 2, first: 1 });
+    }
+
+    #[test]
+    fn a_frame_that_was_put_in_anothers_place_is_found() {
+        let mut frames = frames(3);
+        frames[1] = frame("other");
+        assert_eq!(frames.position_of(&frame("other").id), Some(1));
+        assert_eq!(frames.position_of(&frame("1").id), None);
+    }
+
+    #[test]
+    fn a_change_in_a_long_document_is_found_without_a_look_at_the_others() {
+        let before = frames(10_000);
+        let mut after = before.clone();
+        assert!(after.is_same(&before) && after == before);
+        for position in [0, 4_711, 9_999] {
+            after[position].comment = Some("rain".to_owned());
+        }
+        assert_eq!(after.differences(&before), [0, 4_711, 9_999]);
+        assert!(after[4_710].is_same(&before[4_710]) && after != before);
+        after.pop();
+        assert_eq!(after.differences(&before), [0, 4_711]);
+    }
+
+    proptest! {
+        #[test]
+        fn every_change_of_the_order_keeps_the_ids_findable(
+            changes in prop::collection::vec((0usize..200, 0u8..4), 1..60),
+        ) {
+            let mut all = frames(100);
+            let mut plain: Vec<Shared<Frame>> = all.iter().cloned().collect();
+            for (step, (at, kind)) in changes.into_iter().enumerate() {
+                let new = frame(&format!("new {step}"));
+                match kind {
+                    0 => {
+                        all.insert(at, new.clone());
+                        plain.insert(at.min(plain.len()), new);
+                    }
+                    1 => {
+                        all.push(new.clone());
+                        plain.push(new);
+                    }
+                    2 if at < plain.len() => prop_assert_eq!(all.remove(at), Some(plain.remove(at))),
+                    2 => prop_assert_eq!(all.remove(at), None),
+                    _ => prop_assert_eq!(all.pop(), plain.pop()),
+                }
+            }
+            prop_assert_eq!(all.iter().cloned().collect::<Vec<_>>(), plain.clone());
+            prop_assert!(is_consistent(&all));
+            prop_assert_eq!(all.differences(&plain.into_iter().collect()), Vec::<usize>::new());
+        }
+    }
+}
