@@ -68,9 +68,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         let Event::Key { key, physical_key, pressed, repeat, modifiers } = event else { continue };
         let stroke =
             KeyStroke { key: *key, physical: *physical_key, pressed: *pressed, repeat: *repeat, modifiers: *modifiers };
-        // A held key does not run ahead of the window.
-        let wanted = meaning(panel.app, stroke, focus).filter(|action| !(stroke.repeat && asked.contains(action)));
-        asked.extend(wanted);
+        asked.extend(meaning(panel.app, stroke, focus));
     }
     let steps_clicks = |action: &Action| matches!(action, Action::Command(Command::NextClick | Command::PreviousClick));
     if asked.iter().any(steps_clicks) {

@@ -12,6 +12,7 @@ mod empty;
 mod field_map;
 mod files;
 mod filmstrip;
+mod input_queue;
 mod inspector;
 mod keys;
 mod layout;

@@ -1,6 +1,7 @@
 //! The window as a whole: hands actions to the app and effects to the outside.
 
 use super::files::Files;
+use super::input_queue::InputQueue;
 use super::{Panel, PictureState, Pictures, canvas, layout, theme};
 use crate::app::session::Level;
 use crate::app::{Action, App, Effect, Settings};
@@ -31,6 +32,7 @@ impl Shell {
         document: Option<PathBuf>,
     ) -> io::Result<Self> {
         theme::apply(&creation.egui_ctx);
+        creation.egui_ctx.add_plugin(InputQueue::default());
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
         let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();

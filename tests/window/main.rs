@@ -13,5 +13,6 @@ mod panels;
 mod quality;
 mod review;
 mod trainer;
+mod typed;
 mod viewport;
 mod window;

@@ -1,0 +1,192 @@
+//! Keys one at a time: each is applied before the next one is interpreted.
+//!
+//! A key, a click and the next key can arrive within one frame of the window. What the second means may depend on what
+//! the first has done, and that is known only in the next frame: a list opens, a text field takes the focus, another
+//! frame is shown. So the window sees at most one key stroke or one press of a button per frame, and the rest waits.
+
+use egui::{Context, Event, Key, Plugin, RawInput};
+use std::collections::VecDeque;
+
+/// Holds back the input that has to wait for the next frame of the window.
+#[derive(Debug, Default)]
+pub struct InputQueue {
+    waiting: VecDeque<Event>,
+}
+
+/// What a frame of the window has been given so far.
+#[derive(Debug, Default)]
+struct Given {
+    /// The key that went down, if it was one, and whether its text has followed.
+    stroke: Option<(Option<Key>, bool)>,
+    /// Something of the pointer.
+    pointer: bool,
+    /// A button of the pointer went down or up.
+    button: bool,
+}
+
+impl Given {
+    /// Takes an event in, or refuses because it has to be read on its own.
+    fn accepts(&mut self, event: &Event) -> bool {
+        match event {
+            // Whoever reads the modifiers of this frame reads those that the stroke or the button came with.
+            Event::ModifiersChanged(_) => self.stroke.is_none() && !self.button,
+            Event::WindowFocused(_) => true,
+            Event::Key { pressed: false, key, .. } => {
+                !self.pointer && self.stroke.is_none_or(|(down, _)| down != Some(*key))
+            }
+            Event::Text(_) if matches!(self.stroke, Some((Some(_), false))) => {
+                self.stroke = self.stroke.map(|(key, _)| (key, true));
+                true
+            }
+            Event::Key { key, .. } => self.accepts_stroke(Some(*key)),
+            Event::Text(_)
+            | Event::Ime(_)
+            | Event::Copy
+            | Event::Cut
+            | Event::Paste(_)
+            | Event::PasteImage(_)
+            | Event::MiddleClickPaste { .. } => self.accepts_stroke(None),
+            Event::PointerButton { pressed, .. } => {
+                let free = self.stroke.is_none() && !(*pressed && self.button);
+                (self.pointer, self.button) = (true, true);
+                free
+            }
+            _ => {
+                self.pointer = true;
+                self.stroke.is_none()
+            }
+        }
+    }
+
+    fn accepts_stroke(&mut self, key: Option<Key>) -> bool {
+        let free = !self.pointer && self.stroke.is_none();
+        self.stroke = Some((key, false));
+        free
+    }
+}
+
+impl InputQueue {
+    /// Takes in what has happened, and gives what the window reads next.
+    fn exchange(&mut self, events: Vec<Event>) -> Vec<Event> {
+        let mut text_of_repeat = false;
+        for event in events {
+            match &event {
+                // A held key does not run ahead of a slow window.
+                Event::Key { key, pressed: true, .. } if self.is_down_at_end(*key) => {
+                    text_of_repeat = true;
+                    continue;
+                }
+                Event::Text(_) if std::mem::take(&mut text_of_repeat) => continue,
+                _ => text_of_repeat = false,
+            }
+            self.waiting.push_back(event);
+        }
+        let mut given = Given::default();
+        let count = self.waiting.iter().take_while(|event| given.accepts(event)).count();
+        self.waiting.drain(..count).collect()
+    }
+
+    /// Whether the last that is waiting about a key is that it went down.
+    fn is_down_at_end(&self, wanted: Key) -> bool {
+        let last = self.waiting.iter().rev().find_map(|event| match event {
+            Event::Key { key, pressed, .. } if *key == wanted => Some(*pressed),
+            _ => None,
+        });
+        last == Some(true)
+    }
+}
+
+impl Plugin for InputQueue {
+    fn debug_name(&self) -> &'static str {
+        "input queue"
+    }
+
+    fn input_hook(&mut self, ctx: &Context, input: &mut RawInput) {
+        input.events = self.exchange(std::mem::take(&mut input.events));
+        if !self.waiting.is_empty() {
+            ctx.request_repaint();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Modifiers, PointerButton, pos2};
+
+    fn key(key: Key, pressed: bool) -> Event {
+        Event::Key { key, physical_key: None, pressed, repeat: false, modifiers: Modifiers::NONE }
+    }
+
+    fn text(text: &str) -> Event {
+        Event::Text(text.to_owned())
+    }
+
+    fn button(pressed: bool) -> Event {
+        let (pos, button, modifiers) = (pos2(1.0, 2.0), PointerButton::Primary, Modifiers::NONE);
+        Event::PointerButton { pos, button, pressed, modifiers }
+    }
+
+    /// What the window is given, frame by frame, of events that arrive together.
+    fn frames(events: &[Event]) -> Vec<Vec<Event>> {
+        let mut queue = InputQueue::default();
+        let first = queue.exchange(events.to_vec());
+        let mut frames = vec![first];
+        while !queue.waiting.is_empty() {
+            frames.push(queue.exchange(Vec::new()));
+        }
+        frames
+    }
+
+    #[test]
+    fn each_stroke_comes_alone_with_its_text() {
+        let [x, one] = [key(Key::X, true), key(Key::Num1, true)];
+        assert_eq!(
+            frames(&[x.clone(), text("x"), one.clone(), text("1"), text("é")]),
+            [vec![x.clone(), text("x")], vec![one.clone(), text("1")], vec![text("é")]]
+        );
+        let [x_up, one_up] = [key(Key::X, false), key(Key::Num1, false)];
+        assert_eq!(
+            frames(&[x.clone(), x_up.clone(), one.clone(), one_up.clone()]),
+            [vec![x], vec![x_up, one], vec![one_up]],
+            "a key goes up in the frame after it went down"
+        );
+    }
+
+    #[test]
+    fn keys_and_pointer_keep_their_order() {
+        let (moved, n) = (Event::PointerMoved(pos2(3.0, 4.0)), key(Key::N, true));
+        assert_eq!(
+            frames(&[moved.clone(), button(true), button(false), n.clone(), moved.clone(), button(true)]),
+            [vec![moved.clone(), button(true), button(false)], vec![n], vec![moved.clone(), button(true)]]
+        );
+        assert_eq!(
+            frames(&[button(true), moved.clone(), button(false), button(true), button(false)]),
+            [vec![button(true), moved, button(false)], vec![button(true), button(false)]],
+            "each press is read against what the one before has done"
+        );
+    }
+
+    #[test]
+    fn modifiers_change_where_they_are_pressed() {
+        let [ctrl, none] = [Modifiers::COMMAND, Modifiers::NONE].map(Event::ModifiersChanged);
+        let z = key(Key::Z, true);
+        assert_eq!(
+            frames(&[ctrl.clone(), z.clone(), none.clone(), key(Key::Z, false), z.clone()]),
+            [vec![ctrl.clone(), z.clone()], vec![none.clone(), key(Key::Z, false), z]]
+        );
+        assert_eq!(
+            frames(&[ctrl.clone(), button(true), button(false), none.clone()]),
+            [vec![ctrl, button(true), button(false)], vec![none]]
+        );
+    }
+
+    #[test]
+    fn a_held_key_does_not_run_ahead_and_taps_are_all_there() {
+        let (down, up) = (key(Key::Period, true), key(Key::Period, false));
+        let held = [down.clone(), text("."), down.clone(), text("."), down.clone(), text("."), up.clone()];
+        assert_eq!(frames(&held), [vec![down.clone(), text(".")], vec![up.clone()]]);
+        let taps = [down.clone(), up.clone(), down.clone(), up.clone()];
+        assert_eq!(frames(&taps), [vec![down.clone()], vec![up.clone(), down], vec![up]]);
+    }
+}
