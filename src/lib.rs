@@ -24,7 +24,8 @@
 //! # The house
 //!
 //! Rooms stand on floors; a room uses only rooms below it, and rooms on one floor do not see each other
-//! (`tests/architecture.rs` checks it).
+//! (`tests/suite/architecture.rs` reads this table and checks it). What numbers mean, their frames, signs and units, is said once:
+//! [`conventions`].
 //!
 //! | floor | rooms |
 //! |---|---|
@@ -39,6 +40,9 @@
 //! | 0 | [`geometry`] |
 //!
 //! Within floor 5, `calibrate` is used by `proposals` and `evaluate`.
+
+#[doc = include_str!("conventions.md")]
+pub mod conventions {}
 
 #[doc(hidden)]
 pub mod app;

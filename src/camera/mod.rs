@@ -1,16 +1,7 @@
 //! One camera: its base (position, base rotation, principal point, distortion) and a frame's pan, tilt and focal length.
 //!
-//! Frames of reference, as everywhere in this crate:
-//!
-//! | frame | origin and axes |
-//! |---|---|
-//! | `world` | field centre; x along the length, to the right seen from the main camera; y away from it; z up; metres |
-//! | `base` | the camera's centre of projection at pan = tilt = 0; x right, y down, z forward |
-//! | `cam` | the same point after pan and tilt; x right, y down, z forward |
-//! | `image` | the top-left *corner* is (0, 0); x right, y down; px |
-//!
-//! `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and `x_in_cam ∝ cam_from_world · (X − C)`; pan is positive
-//! to the right, tilt positive up. Every formula is exact: the separable model of Chen, Zhu, Little (WACV 2018, eq. 2) is
+//! Frames, signs and units: [`crate::conventions`]. `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and
+//! `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact: the separable model of Chen, Zhu, Little (WACV 2018, eq. 2) is
 //! not used, it is off by up to 30 px inside an ordinary frame.
 
 mod base;

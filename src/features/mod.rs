@@ -12,6 +12,8 @@
 //! so by name). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
 //! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
 //! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
+//!
+//! Frames, signs and units: [`crate::conventions`].
 
 mod binary;
 mod cache;

@@ -2,6 +2,8 @@
 //!
 //! A [`Template`] is a sport's field with its parameters open; [`Template::model`] fills them in for a venue. The
 //! templates that come with the program are found by [`builtin`], a user's own by [`template_named`].
+//!
+//! Frames, signs and units: [`crate::conventions`].
 
 mod build;
 mod builtin;

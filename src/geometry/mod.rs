@@ -1,7 +1,7 @@
 //! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives: the ground floor.
 //!
-//! Everything here is `f64`. Angles are radians inside and degrees at the doors ([`Angle`]). Image coordinates follow
-//! the corner convention: (0, 0) is the top-left *corner* of the picture, the first pixel's centre is (0.5, 0.5).
+//! Everything here is `f64`. Angles are radians inside and degrees in files ([`Angle`]). Frames, signs, units and the
+//! corner convention of pixels: [`crate::conventions`].
 
 mod angle;
 mod angle_range;

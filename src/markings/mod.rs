@@ -5,6 +5,8 @@
 //! the distortion folds, and at the picture's border. A point behind the camera never makes a stray line.
 //! [`sample_lines`] gives points along the painted lines with their normals and the paint's width, for whoever looks for
 //! the paint in the picture.
+//!
+//! Frames, signs and units: [`crate::conventions`].
 
 mod clip;
 mod flatten;

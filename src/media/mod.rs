@@ -12,6 +12,8 @@
 //! | [`Notice`] | what the user should know, though nothing failed |
 //!
 //! Nothing here starts a thread; the background work is in `jobs`.
+//!
+//! Pixel coordinates of pictures follow [`crate::conventions`].
 
 mod cache;
 mod digest;
