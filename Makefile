@@ -4,11 +4,13 @@
 BUILD_PACKAGES = build-essential pkg-config clang libclang-dev libopencv-dev
 RUN_PACKAGES   = libvulkan1 mesa-vulkan-drivers libegl1 libx11-6 libx11-xcb1 libxcursor1 libxi6 libxkbcommon0 \
                  libxkbcommon-x11-0 libwayland-client0 libwayland-egl1 libdbus-1-3
+# Videos for tests are made with it.
+TEST_PACKAGES  = ffmpeg
 # File dialogs; without them paths are typed.
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench demo experiments experiments-real build-packages run-packages
+.PHONY: help run test check bench demo experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -25,7 +27,7 @@ run: run-packages ## build and open the demo match (a copy of it in target/demo)
 	    echo "The demo's overlay is drawn into target/demo-overlay.png instead."; \
 	fi
 
-test: run-packages ## run every test
+test: run-packages test-packages ## run every test; those that miss a part of the machine are ignored and say why
 	@.ci/test
 
 check: build-packages ## formatting, lints and documentation, warnings refused
@@ -67,6 +69,9 @@ experiments-real: build-packages ## the same on real data, into tests/experiment
 
 build-packages:
 	@.ci/packages $(BUILD_PACKAGES)
+
+test-packages:
+	@.ci/packages --optional $(TEST_PACKAGES)
 
 run-packages: build-packages
 	@.ci/packages $(RUN_PACKAGES)

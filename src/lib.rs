@@ -39,7 +39,7 @@
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
 //! | 0 | [`geometry`] |
 //!
-//! Within floor 5, `calibrate` is used by `proposals` and `evaluate`.
+//! Within floor 5, `evaluate` uses `calibrate`.
 
 #[doc = include_str!("conventions.md")]
 pub mod conventions {}

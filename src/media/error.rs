@@ -186,3 +186,26 @@ pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
     }
     Ok(file)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_system_refuses_is_named() {
+        let message = |kind| MediaError::from_io(Path::new("a.png"), &io::Error::from(kind)).to_string();
+        assert_eq!(
+            message(io::ErrorKind::PermissionDenied),
+            "a.png: no permission to read it; change the permissions of the file or copy it elsewhere"
+        );
+        assert_eq!(
+            message(io::ErrorKind::NotFound),
+            "a.png: there is no such file; check whether it was moved or renamed"
+        );
+        assert_eq!(
+            message(io::ErrorKind::IsADirectory),
+            "a.png: this is not a file; give the path of an image or a video"
+        );
+        assert!(message(io::ErrorKind::TimedOut).starts_with("a.png: could not be read ("));
+    }
+}

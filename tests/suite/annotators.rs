@@ -1,6 +1,5 @@
 //! Two annotators on the same frames, and one annotator twice: what is said of their hands is what was put in.
 
-use crate::data::shared_data;
 use crate::program::touchline;
 use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
@@ -282,46 +281,6 @@ fn the_commands_weigh_clicks_as_the_document_says() {
         };
         let ((usual, silent), (own, said)) = (sigma("usual.json"), sigma("own.json"));
         assert!(own < 0.95 * usual && !silent && said, "{command}: {own} of {usual}");
-    }
-}
-
-/// Residuals of the clicks on each landmark along one axis, in the template's sigmas; far-off clicks left out.
-fn residuals_by_landmark(document: &Document, axis: usize) -> BTreeMap<String, Vec<f64>> {
-    let field = field();
-    let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for frame in document.frames.iter().filter(|frame| !frame.name().contains("42ba34_9_2")) {
-        let Some(camera) = document.pointed(frame) else { continue };
-        for click in &frame.clicks {
-            let Some(landmark) = click.target.as_ref().and_then(|target| field.landmark(target.as_str())) else {
-                continue;
-            };
-            let Ok(at) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
-            let off = click.image.offset_from(at);
-            if off.norm() < 10.0 {
-                found.entry(landmark.id.to_string()).or_default().push(off[axis] / landmark.click_sigma_px);
-            }
-        }
-    }
-    found.retain(|_, residuals| residuals.len() >= 4);
-    found
-}
-
-#[test]
-fn on_real_frames_the_place_is_worth_half_of_what_templates_state() {
-    let Some(data) = shared_data() else { return };
-    for (name, expected) in [("d82e7a", 0.47), ("08fd33", 0.55), ("42ba34", 0.51)] {
-        let bytes = std::fs::read(data.join(format!("scouting-{name}/fit-k1.json"))).unwrap();
-        let document = document_from_bytes(&bytes).unwrap();
-        let (mut clicks, mut place) = (0.0, 0.0);
-        for residuals in [0, 1].into_iter().flat_map(|axis| residuals_by_landmark(&document, axis).into_values()) {
-            let count = residuals.len() as f64;
-            let mean = residuals.iter().sum::<f64>() / count;
-            let variance = residuals.iter().map(|off| (off - mean).powi(2)).sum::<f64>() / (count - 1.0);
-            clicks += count;
-            // The variance of one-way random effects, by moments.
-            place += count * (mean * mean - variance / count);
-        }
-        assert!((place / clicks - expected).abs() < 0.02, "{name}: {:.3} of sigma squared", place / clicks);
     }
 }
 

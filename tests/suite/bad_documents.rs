@@ -394,26 +394,6 @@ fn check_looks_at_the_pictures() {
     assert_eq!(problems[1].to_string(), size);
 }
 
-#[cfg(feature = "opencv")]
-#[test]
-fn check_compares_frame_numbers_and_times_of_a_video() {
-    let Some(data) = crate::data::shared_data() else { return };
-    let mut document = Document::new(FieldSpec::new("soccer"));
-    let frame = |index, pts_s| {
-        let video = touchline::document::VideoFrame::new("match.mp4", index, pts_s);
-        Frame::from_video(video, "main".into(), ImageSize::new(1280, 720)).into()
-    };
-    let frames = [frame(10, Some(0.4)), frame(10, None), frame(816, None), frame(817, None), frame(10, Some(0.48))];
-    document.frames = frames.into_iter().collect();
-    let problems = check_pictures(document.at(&data.join("video-soccer")), &|| {});
-    let said: Vec<_> = problems.iter().map(Problem::to_string).collect();
-    let expected = [
-        "frames[3] (match.mp4#817): the video has 817 frames, numbered from 0; there is no frame 817",
-        "frames[4] (match.mp4#10): pts_s 0.48 is not the time of frame 10 of the video (0.4000); inspect the label",
-    ];
-    assert_eq!(said, expected);
-}
-
 proptest! {
     #[test]
     fn any_bytes_are_refused_without_panic(bytes in prop::collection::vec(any::<u8>(), 0..200)) {

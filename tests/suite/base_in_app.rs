@@ -278,16 +278,3 @@ fn too_little_is_said_and_changes_nothing() {
     assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
     assert_eq!(document_to_string(desk.document()).unwrap(), before);
 }
-
-#[test]
-fn real_frames_from_their_clicks_alone() {
-    let Some(data) = crate::data::shared_data() else { return };
-    let (_, document, _) = touchline::store::read(&data.join("scouting-d82e7a/clicks.json")).unwrap();
-    let mut desk = Desk::on(document);
-    desk.estimate();
-    let estimate = &desk.app.session.base.proposed().unwrap().estimate;
-    assert!(estimate.median_px < 3.5, "{}", estimate.median_px);
-    desk.command(Command::UseEstimatedBase);
-    let solved = desk.document().frames.iter().filter(|frame| frame.is_solved_by_clicks()).count();
-    assert!(solved * 10 >= desk.document().frames.len() * 9, "{solved} of {}", desk.document().frames.len());
-}

@@ -107,23 +107,6 @@ fn new_names_what_it_leaves_out() {
     assert_eq!(read(&folder.path().join("match")).unwrap().1.frames.len(), 3);
 }
 
-#[cfg(feature = "opencv")]
-#[test]
-fn new_takes_the_frames_of_a_video_that_decode() {
-    let Some(data) = crate::data::shared_data() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let video = data.join("video-soccer/match.mp4").canonicalize().unwrap();
-    let ran = touchline(folder.path(), &format!("new match --frames {} --field soccer", video.display()));
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    assert!(ran.stderr.contains("match.mp4 states 825 frames, 817 decode."), "{}", ran.stderr);
-    let (location, document, _) = read(&folder.path().join("match")).unwrap();
-    assert_eq!(document.frames.len(), 817);
-    let last = document.frames[816].video.as_ref().unwrap();
-    assert_eq!((last.frame_index, last.pts_s), (816, Some(32.64)));
-    assert_eq!(last.file_path(location.folder()).canonicalize().unwrap(), video);
-    assert_eq!(touchline(folder.path(), "check match").code, 0);
-}
-
 #[test]
 fn solve_gives_ptz_and_solution_and_keeps_statuses() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,5 @@
 //! Documents: what is read is written back, the same document gives the same bytes.
 
-use crate::data::shared_data;
 use proptest::prelude::*;
 use touchline::camera::{FocalCurve, Ptz};
 use touchline::document::{
@@ -119,20 +118,6 @@ fn what_is_not_a_number_is_not_written() {
     document.field.params.insert("crown_m".to_owned(), f64::INFINITY);
     let error = document_to_string(&document).unwrap_err().to_string();
     assert_eq!(error, "field: inf cannot be written: JSON holds only finite numbers");
-}
-
-#[test]
-fn real_documents_survive_the_round_trip() {
-    let Some(data) = shared_data() else { return };
-    for folder in ["scouting-d82e7a", "scouting-08fd33", "scouting-42ba34"] {
-        for file in ["clicks.json", "fit-k1.json", "fit-pinhole.json"] {
-            let bytes = std::fs::read(data.join(folder).join(file)).unwrap();
-            let document = document_from_bytes(&bytes).unwrap();
-            let text = document_to_string(&document).unwrap();
-            let again = document_from_bytes(text.as_bytes()).unwrap();
-            assert_eq!((&again.frames, &again.cameras), (&document.frames, &document.cameras));
-        }
-    }
 }
 
 /// Any number that JSON holds, the awkward ones among them.

@@ -1,25 +1,21 @@
 //! Which camera took a frame: one that stops fitting, another that fits better, frames given away.
 
 use crate::bench::uncounted;
-use crate::data::shared_data;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
 use touchline::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
-use touchline::calibrate::{
-    BaseProblem, GiveError, better_camera, calibrate, camera_change, check_cameras, solve_document,
-};
+use touchline::calibrate::{BaseProblem, GiveError, camera_change, check_cameras, solve_document};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, CameraId, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
+use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
 use touchline::solve::base::BaseOptions;
 use touchline::solve::{Verdict, WarningCode};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
-const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
 
 fn field() -> FieldModel {
     builtin("soccer").unwrap().default_model().unwrap()
@@ -133,86 +129,6 @@ fn without_a_bump_there_is_no_alarm() {
         let document = document(8 + 2 * round, usize::MAX, 2.5, &mut rng);
         assert_eq!(camera_change(&document, &"main".into(), &field()), None, "round {round}");
     }
-}
-
-/// A real set with the base that the program finds.
-fn real(set: &str) -> Option<Document> {
-    let path = shared_data()?.join(format!("scouting-{set}/clicks.json"));
-    let mut document = touchline::store::read(&path).unwrap().1;
-    let camera = document.cameras[0].id.clone();
-    let problem = BaseProblem::of(document.at(Path::new(".")), &camera).unwrap();
-    let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
-    estimated.write_to(&mut document, Path::new(".")).unwrap();
-    Some(document)
-}
-
-/// Three matches in one document, each with its camera and field.
-fn three_matches() -> Option<Document> {
-    let mut all = Document::new(FieldSpec::new("soccer"));
-    for set in SETS {
-        let document = real(set)?;
-        let mut camera = (*document.cameras[0]).clone();
-        camera.id = set.into();
-        camera.field = Some(document.field.clone());
-        all.cameras.push(camera.into());
-        for frame in &document.frames {
-            let mut frame = (**frame).clone();
-            frame.camera = set.into();
-            all.frames.push(frame.into());
-        }
-    }
-    solve(&mut all);
-    Some(all)
-}
-
-#[test]
-fn real_matches_are_told_apart_and_give_no_false_alarm() {
-    let Some(document) = three_matches() else { return };
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let of_cameras = fields.of_cameras(&document);
-    for (camera, field) in document.cameras.iter().zip(&of_cameras) {
-        assert_eq!(camera_change(&document, &camera.id, field), None, "{}: nobody bumped it", camera.id);
-    }
-    // The right camera, then each wrong one.
-    let (mut alarms, mut tested, mut found, mut given) = (0, 0, 0, 0);
-    for index in 0..document.frames.len() {
-        for camera in &document.cameras {
-            let mut asked = document.clone();
-            let right = asked.frames[index].camera.clone();
-            asked.frames[index].camera = camera.id.clone();
-            let frame = &asked.frames[index];
-            let Ok(solved) = calibrate(&asked, frame, fields.of_frame(&asked, frame), index) else { continue };
-            let better = better_camera(&asked, frame, &solved, &of_cameras).map(|better| better.camera);
-            if camera.id == right {
-                tested += 1;
-                alarms += usize::from(better.is_some());
-            } else if solved.redundancy >= 5 {
-                given += 1;
-                found += usize::from(better == Some(right));
-            }
-        }
-    }
-    println!("frames told to be another camera's: {alarms} of {tested}; wrongly given found: {found} of {given}");
-    assert!(alarms <= tested / 100, "{alarms} of {tested}");
-    assert!(10 * found >= 8 * given, "{found} of {given}");
-}
-
-#[test]
-fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
-    let Some(mut document) = three_matches() else { return };
-    let first: CameraId = SETS[0].into();
-    let (here, there) = (document.cameras[0].clone(), document.cameras[2].id.clone());
-    document.frames.retain(|frame| frame.camera == here.id || frame.camera == there);
-    let begins = document.frames.iter().position(|frame| frame.camera == there).unwrap();
-    document.cameras = vec![here];
-    for frame in &mut document.frames {
-        frame.camera = first.clone();
-    }
-    solve(&mut document);
-    let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let change = camera_change(&document, &first, &fields.of_cameras(&document)[0]).unwrap();
-    println!("{} ({begins})", change.describe());
-    assert!(change.frame.abs_diff(begins) <= 2, "{} for {begins}", change.frame);
 }
 
 #[test]

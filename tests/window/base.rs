@@ -1,5 +1,6 @@
 //! The camera's base: estimated in its panel, looked at, taken over; and how far the lines are to be trusted.
 
+use crate::parts::{Test, tests};
 use crate::window::{Window, truth};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
@@ -8,9 +9,14 @@ use touchline::app::session::{Mode, Panel};
 use touchline::document::Target;
 use touchline::scene::uncertainty::UncertaintyView;
 
-#[test]
+pub const TESTS: &[Test] = tests![
+    [Adapter] a_base_is_estimated_in_the_panel_compared_and_taken_over;
+    [Adapter] a_key_shows_a_band_then_a_heat_map_then_neither;
+    [Adapter] the_details_rank_the_next_points_and_one_is_placed_from_there;
+];
+
 fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
-    let Some(mut window) = Window::open_clicked(12, [1280.0, 900.0]) else { return };
+    let mut window = Window::open_clicked(12, [1280.0, 900.0]);
     assert!(window.app().current().preview.is_some(), "the landmarks of one frame show what they can");
     window.harness.get_by_label("Estimate the base now").click();
     window.harness.step();
@@ -40,8 +46,8 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
 }
 
 /// Two points close together: nothing far from them is known well.
-fn two_points_close_together() -> Option<Window> {
-    let mut window = Window::open(2, [1280.0, 720.0], 1.0)?;
+fn two_points_close_together() -> Window {
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     for (landmark, code) in [("penalty_area_far_left_front", "pflf"), ("penalty_mark_left", "pml")] {
         window.click(window.image_of(landmark));
         if matches!(window.app().session.mode, Mode::Naming(_)) {
@@ -50,12 +56,11 @@ fn two_points_close_together() -> Option<Window> {
         }
     }
     assert!(window.app().current().solved().is_some(), "{:?}", window.app().current().solution);
-    Some(window)
+    window
 }
 
-#[test]
 fn a_key_shows_a_band_then_a_heat_map_then_neither() {
-    let Some(mut window) = two_points_close_together() else { return };
+    let mut window = two_points_close_together();
     window.key(Key::U);
     assert_eq!(window.app().session.uncertainty, UncertaintyView::Band);
     window.key(Key::U);
@@ -71,9 +76,8 @@ fn a_key_shows_a_band_then_a_heat_map_then_neither() {
     assert_eq!(window.app().session.uncertainty, UncertaintyView::Off);
 }
 
-#[test]
 fn the_details_rank_the_next_points_and_one_is_placed_from_there() {
-    let Some(mut window) = two_points_close_together() else { return };
+    let mut window = two_points_close_together();
     let next = window.app().current().next_clicks.clone();
     assert!(next[0].share_left < 0.5, "{next:?}");
     assert!(next.windows(2).all(|pair| pair[0].worst_corner_px <= pair[1].worst_corner_px));

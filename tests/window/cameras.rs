@@ -1,11 +1,17 @@
 //! Frames selected on the filmstrip and given to a camera, and the venue in the camera panel.
 
+use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Command;
 use touchline::app::session::{Dialog, Panel};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] frames_selected_on_the_filmstrip_are_given_to_a_new_camera;
+    [Adapter] the_size_of_the_field_is_confirmed_in_the_panel;
+];
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
@@ -21,9 +27,8 @@ fn select(window: &mut Window, frame: usize, modifiers: Modifiers) {
     window.harness.run_steps(3);
 }
 
-#[test]
 fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
-    let Some(mut window) = Window::open(5, SIZE, 1.0) else { return };
+    let mut window = Window::open(5, SIZE, 1.0);
     select(&mut window, 3, Modifiers::SHIFT);
     select(&mut window, 5, Modifiers::COMMAND);
     let selected: Vec<usize> = window.app().session.frames_selected.iter().copied().collect();
@@ -49,9 +54,8 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     assert_eq!(window.app().session.frame, 3, "a plain click goes there and selects nothing");
 }
 
-#[test]
 fn the_size_of_the_field_is_confirmed_in_the_panel() {
-    let Some(mut window) = Window::open(1, [1280.0, 1600.0], 1.0) else { return };
+    let mut window = Window::open(1, [1280.0, 1600.0], 1.0);
     camera_panel(&mut window);
     window.harness.get_by_label("Field size 105 × 68 m is assumed.");
     window.harness.get_by_role_and_label(Role::Image, "Length and width reach to the outer edge of the lines.");

@@ -1,5 +1,6 @@
 //! A blind round in the window: nothing of the label is to be seen, and a click is kept where it was made.
 
+use crate::parts::{Test, tests};
 use crate::window::{SIZE, Window, field, truth};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::{Action, Command};
@@ -7,6 +8,11 @@ use touchline::camera::Ptz;
 use touchline::document::{Click, Document, FramePtz, FrameStatus, document_to_string};
 use touchline::field::Landmark;
 use touchline::geometry::ImagePoint;
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] nothing_of_the_label_shows_in_a_blind_round;
+    [Adapter] a_blind_click_is_kept_where_it_was_made;
+];
 
 /// Labels a project's frames; the label and its camera lie off by so much.
 fn label(document: &mut Document, off_px: f64) {
@@ -26,8 +32,8 @@ fn label(document: &mut Document, off_px: f64) {
 }
 
 /// A window in a blind round on frames whose labels lie off by so much.
-fn round(off_px: f64) -> Option<Window> {
-    let window = Window::open(2, [960.0, 600.0], 1.0)?;
+fn round(off_px: f64) -> Window {
+    let window = Window::open(2, [960.0, 600.0], 1.0);
     let (_, mut document, _) = touchline::store::read(window.folder.path()).unwrap();
     label(&mut document, off_px);
     let folder = tempfile::tempdir().unwrap();
@@ -41,7 +47,7 @@ fn round(off_px: f64) -> Option<Window> {
     window.harness.state_mut().apply([Action::Command(Command::ClickAgain)]);
     window.wait_for(|shell| shell.has_picture() && shell.has_thumbnails());
     window.harness.run_steps(3);
-    Some(window)
+    window
 }
 
 /// What the window shows below its menu and above its filmstrip, with the pointer at a point of the picture.
@@ -54,9 +60,8 @@ fn seen(window: &mut Window, at: ImagePoint) -> Vec<u8> {
     image::imageops::crop(&mut image, 0, 24, 960, height).to_image().into_raw()
 }
 
-#[test]
 fn nothing_of_the_label_shows_in_a_blind_round() {
-    let (Some(mut near), Some(mut far)) = (round(0.0), round(20.0)) else { return };
+    let (mut near, mut far) = (round(0.0), round(20.0));
     let label = near.app().frame().unwrap().clicks[0].image;
     assert!(label.distance_px(far.app().frame().unwrap().clicks[0].image) > 25.0);
     for at in [label, ImagePoint::new(320.0, 180.0)] {
@@ -70,9 +75,8 @@ fn nothing_of_the_label_shows_in_a_blind_round() {
     assert!(seen(&mut near, label) != seen(&mut far, label));
 }
 
-#[test]
 fn a_blind_click_is_kept_where_it_was_made() {
-    let Some(mut window) = round(20.0) else { return };
+    let mut window = round(20.0);
     let asked = window.app().round().unwrap().asked().cloned().unwrap();
     let at = window.image_of(asked.landmark.as_str());
     let labels = window.app().frame().unwrap().clicks.clone();

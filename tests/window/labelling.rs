@@ -1,5 +1,6 @@
 //! One frame labelled from beginning to end, as a person does it.
 
+use crate::parts::{Test, tests};
 use crate::window::{Window, truth};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
@@ -7,9 +8,16 @@ use touchline::app::session::{Mode, Saving};
 use touchline::document::{FrameStatus, Target};
 use touchline::geometry::ImagePoint;
 
-#[test]
+pub const TESTS: &[Test] = tests![
+    [Adapter] two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference;
+    [Adapter] escape_takes_a_point_without_a_name_away;
+    [Adapter] the_list_of_names_changes_to_lines_and_back;
+    [Adapter] a_landmark_picked_on_the_field_map_is_placed_by_the_next_click;
+    [Adapter] a_point_takes_its_name_from_the_field_map_too;
+];
+
 fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
-    let Some(mut window) = Window::open(2, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0);
 
     // The first point: nothing is known, so the list asks; its code is typed.
     window.click(window.image_of("penalty_area_far_left_front"));
@@ -47,9 +55,8 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     assert_eq!(document.frames[0].status, FrameStatus::Reference);
 }
 
-#[test]
 fn escape_takes_a_point_without_a_name_away() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.click(window.image_of("penalty_mark_left"));
     assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
     window.key(Key::Escape);
@@ -57,9 +64,8 @@ fn escape_takes_a_point_without_a_name_away() {
     assert!(window.app().frame().unwrap().clicks.is_empty());
 }
 
-#[test]
 fn the_list_of_names_changes_to_lines_and_back() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.click(window.image_of("penalty_mark_left"));
     window.key(Key::Tab);
     assert!(matches!(&window.app().session.mode, Mode::Naming(naming) if naming.lines));
@@ -79,9 +85,8 @@ fn the_list_of_names_changes_to_lines_and_back() {
     assert!(window.app().frame().unwrap().clicks[0].target.is_some());
 }
 
-#[test]
 fn a_landmark_picked_on_the_field_map_is_placed_by_the_next_click() {
-    let Some(mut window) = Window::open(1, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(1, [1280.0, 720.0], 1.0);
     let map = window.harness.get_by_label("Field map").rect();
     window.press(map.center());
     window.release(map.center());
@@ -106,9 +111,8 @@ fn a_landmark_picked_on_the_field_map_is_placed_by_the_next_click() {
     assert_eq!(window.app().session.mode, Mode::Idle);
 }
 
-#[test]
 fn a_point_takes_its_name_from_the_field_map_too() {
-    let Some(mut window) = Window::open(1, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(1, [1280.0, 720.0], 1.0);
     window.click(window.image_of("centre_mark"));
     assert!(matches!(window.app().session.mode, Mode::Naming(_)));
     let map = window.harness.get_by_label("Field map").rect();

@@ -1,6 +1,6 @@
 //! The window, driven through its accessibility nodes and looked at in small pictures.
 //!
-//! It runs without a display on whatever adapter there is; on a machine without any it says so and is skipped.
+//! It runs without a display on whatever adapter there is; on a machine without any its tests are ignored.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test that fails should say so at once")]
 
@@ -10,9 +10,29 @@ mod gold;
 mod labelling;
 mod names;
 mod panels;
+#[path = "../external/parts.rs"]
+mod parts;
 mod quality;
 mod review;
 mod trainer;
 mod typed;
 mod viewport;
 mod window;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    parts::run(&[
+        base::TESTS,
+        cameras::TESTS,
+        gold::TESTS,
+        labelling::TESTS,
+        names::TESTS,
+        panels::TESTS,
+        quality::TESTS,
+        review::TESTS,
+        trainer::TESTS,
+        typed::TESTS,
+        viewport::TESTS,
+    ])
+}

@@ -1,14 +1,18 @@
 //! Names that look wrong: told in the inspector, compared while a button is held, mended by another.
 
+use crate::parts::{Test, tests};
 use crate::window::{Window, truth};
 use egui::{Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;
 use touchline::document::Target;
 
-#[test]
+pub const TESTS: &[Test] = tests![
+    [Adapter] swapped_points_are_compared_and_mended_with_a_button;
+];
+
 fn swapped_points_are_compared_and_mended_with_a_button() {
-    let Some(mut window) = Window::open(2, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     let named =
         ["penalty_mark_left", "penalty_area_far_left_front", "penalty_arc_far_left", "goal_area_far_left_front"];
     for (place, landmark) in named.iter().enumerate() {

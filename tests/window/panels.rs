@@ -1,5 +1,6 @@
 //! The panels around the picture, driven by keyboard and pointer through their accessibility nodes.
 
+use crate::parts::{Test, tests};
 use crate::window::{Window, truth};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
@@ -9,11 +10,30 @@ use touchline::app::{Action, Command, Question};
 use touchline::document::{FrameStatus, RejectReason};
 use touchline::ui::Shell;
 
+pub const TESTS: &[Test] = tests![
+    [Adapter] a_typed_number_is_one_step_of_undo_and_escape_none;
+    [Adapter] a_dragged_number_is_one_step_and_the_camera_follows;
+    [Adapter] points_are_selected_held_out_and_deleted_in_their_list;
+    [Adapter] details_unfold_and_say_what_two_points_cannot;
+    [Adapter] the_camera_panel_changes_the_base_and_the_overlay_follows;
+    [Adapter] frames_are_gone_to_and_rejected_by_keys;
+    [Adapter] the_filmstrip_goes_to_frames_and_filters_them;
+    [Adapter] the_shown_frame_stays_in_the_filmstrip_however_it_came_there;
+    [Adapter] the_palette_finds_a_command_by_typing;
+    [Adapter] a_key_is_changed_on_the_sheet_and_a_conflict_is_told;
+    [Adapter] menus_say_what_cannot_be_done_and_the_rows_what_can;
+    [Adapter] good_news_fade_and_bad_news_stay_until_they_are_closed;
+    [Adapter] a_comment_is_written_and_an_overlay_colour_chosen;
+    [] nothing_open_invites_and_takes_a_typed_path;
+    [Adapter] every_control_has_a_name;
+    [Adapter] without_a_file_dialog_the_path_is_typed;
+];
+
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 /// A frame with two points, solved.
-fn solved() -> Option<Window> {
-    let mut window = Window::open(4, SIZE, 1.0)?;
+fn solved() -> Window {
+    let mut window = Window::open(4, SIZE, 1.0);
     for (landmark, code) in [("penalty_area_far_left_front", "pflf"), ("centre_circle_halfway_near", "chn")] {
         window.click(window.image_of(landmark));
         window.type_text(code);
@@ -22,7 +42,7 @@ fn solved() -> Option<Window> {
     assert!(window.app().current().solved().is_some());
     window.harness.hover_at(pos2(1100.0, 640.0));
     window.harness.run_steps(2);
-    Some(window)
+    window
 }
 
 fn chord(window: &mut Window, modifiers: Modifiers, key: Key) {
@@ -45,9 +65,8 @@ fn type_number(window: &mut Window, name: &str, text: &str, end: Key) {
     window.harness.run_steps(2);
 }
 
-#[test]
 fn a_typed_number_is_one_step_of_undo_and_escape_none() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     let before = window.app().current().camera.unwrap().ptz();
     let step = undo_name(&window);
     type_number(&mut window, "Focal length", "900", Key::Escape);
@@ -66,9 +85,8 @@ fn a_typed_number_is_one_step_of_undo_and_escape_none() {
     assert_eq!(window.app().current().camera.unwrap().ptz(), before);
 }
 
-#[test]
 fn a_dragged_number_is_one_step_and_the_camera_follows() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     let before = window.app().current().camera.unwrap().ptz();
     let at = window.harness.get_by_role_and_label(Role::SpinButton, "Tilt").rect().center();
     window.press(at);
@@ -83,9 +101,8 @@ fn a_dragged_number_is_one_step_and_the_camera_follows() {
     assert_eq!(window.app().current().camera.unwrap().ptz(), before);
 }
 
-#[test]
 fn points_are_selected_held_out_and_deleted_in_their_list() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     window.snapshot_of("inspector", egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)));
     window.harness.get_by_label("Point 1: Penalty area, far left, front corner, no evidence").click();
     window.harness.run_steps(2);
@@ -103,9 +120,8 @@ fn points_are_selected_held_out_and_deleted_in_their_list() {
     assert_eq!(window.app().frame().unwrap().clicks.len(), 1);
 }
 
-#[test]
 fn details_unfold_and_say_what_two_points_cannot() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     window.harness.get_by_label("Details").click();
     window.harness.run_steps(3);
     assert!(window.app().settings.details);
@@ -113,9 +129,8 @@ fn details_unfold_and_say_what_two_points_cannot() {
     window.harness.get_by_label("18.00 m");
 }
 
-#[test]
 fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     window.key(Key::F2);
     assert_eq!(window.app().session.panel, Panel::Camera);
     window.harness.hover_at(pos2(1020.0, 40.0));
@@ -134,9 +149,8 @@ fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
     assert_eq!(window.app().current().base.unwrap().position_m, truth(0).base().position_m);
 }
 
-#[test]
 fn frames_are_gone_to_and_rejected_by_keys() {
-    let Some(mut window) = Window::open(12, SIZE, 1.0) else { return };
+    let mut window = Window::open(12, SIZE, 1.0);
     window.key(Key::Period);
     assert_eq!(window.app().session.frame, 1);
     chord(&mut window, Modifiers::SHIFT, Key::Period);
@@ -154,9 +168,8 @@ fn frames_are_gone_to_and_rejected_by_keys() {
     assert_eq!(window.app().open().unwrap().count(FrameStatus::Rejected), 0);
 }
 
-#[test]
 fn the_filmstrip_goes_to_frames_and_filters_them() {
-    let Some(mut window) = Window::open(30, SIZE, 1.0) else { return };
+    let mut window = Window::open(30, SIZE, 1.0);
     window.harness.get_by_label("Frame 3, 0002.png, New").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 2);
@@ -177,9 +190,8 @@ fn the_filmstrip_goes_to_frames_and_filters_them() {
     assert_eq!(window.harness.query_all_by_label_contains(".png, ").count(), 1);
 }
 
-#[test]
 fn the_shown_frame_stays_in_the_filmstrip_however_it_came_there() {
-    let Some(mut window) = Window::open(80, SIZE, 1.0) else { return };
+    let mut window = Window::open(80, SIZE, 1.0);
     let in_view = |window: &Window, frame: usize| {
         let label = format!("Frame {}, {:04}.png, New", frame + 1, frame);
         let found = window.harness.query_by_label(&label).map(|node| node.rect());
@@ -205,9 +217,8 @@ fn the_shown_frame_stays_in_the_filmstrip_however_it_came_there() {
     }
 }
 
-#[test]
 fn the_palette_finds_a_command_by_typing() {
-    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    let mut window = Window::open(1, SIZE, 1.0);
     chord(&mut window, Modifiers::COMMAND, Key::K);
     assert_eq!(window.app().session.dialog, Some(Dialog::Palette));
     window.type_text("fra");
@@ -227,9 +238,8 @@ fn the_palette_finds_a_command_by_typing() {
     assert_eq!(window.app().session.panel, Panel::Frame);
 }
 
-#[test]
 fn a_key_is_changed_on_the_sheet_and_a_conflict_is_told() {
-    let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
+    let mut window = Window::open(2, SIZE, 1.0);
     chord(&mut window, Modifiers::SHIFT, Key::Slash);
     assert_eq!(window.app().session.dialog, Some(Dialog::Keys));
     window.snapshot_of("keys", egui::Rect::from_min_size(pos2(200.0, 60.0), vec2(880.0, 600.0)));
@@ -248,9 +258,8 @@ fn a_key_is_changed_on_the_sheet_and_a_conflict_is_told() {
     assert_eq!(window.app().session.frame, 1);
 }
 
-#[test]
 fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     window.snapshot_of("status", egui::Rect::from_min_size(pos2(0.0, 696.0), vec2(1280.0, 24.0)));
     window.harness.get_by_label("Edit").click();
     window.harness.run_steps(3);
@@ -261,9 +270,8 @@ fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
     assert!(window.app().open().unwrap().history.next_redo().is_some());
 }
 
-#[test]
 fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
-    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    let mut window = Window::open(1, SIZE, 1.0);
     window.harness.state_mut().apply([
         Action::Notify(Level::Info, "Dataset written.".to_owned()),
         Action::Notify(Level::Warning, "0412.jpg changed since it was labelled.".to_owned()),
@@ -277,9 +285,8 @@ fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     assert!(window.app().session.notices.iter().all(|notice| notice.level == Level::Info));
 }
 
-#[test]
 fn a_comment_is_written_and_an_overlay_colour_chosen() {
-    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    let mut window = Window::open(1, SIZE, 1.0);
     chord(&mut window, Modifiers::COMMAND, Key::M);
     window.type_text("n is no command here");
     chord(&mut window, Modifiers::COMMAND, Key::Enter);
@@ -292,7 +299,6 @@ fn a_comment_is_written_and_an_overlay_colour_chosen() {
     assert_eq!(window.app().session.dialog, None);
 }
 
-#[test]
 fn nothing_open_invites_and_takes_a_typed_path() {
     let mut harness = egui_kittest::Harness::builder()
         .with_size(SIZE)
@@ -313,9 +319,8 @@ fn nothing_open_invites_and_takes_a_typed_path() {
     assert!(harness.state().app().session.notices[0].text.contains("/no/such/place"));
 }
 
-#[test]
 fn every_control_has_a_name() {
-    let Some(mut window) = solved() else { return };
+    let mut window = solved();
     let unnamed = |window: &Window| window.harness.unnamed_widgets();
     assert_eq!(unnamed(&window), Vec::<String>::new());
     window.key(Key::F2);
@@ -324,9 +329,8 @@ fn every_control_has_a_name() {
     assert_eq!(unnamed(&window), Vec::<String>::new());
 }
 
-#[test]
 fn without_a_file_dialog_the_path_is_typed() {
-    let Some(mut window) = Window::open(1, SIZE, 1.0) else { return };
+    let mut window = Window::open(1, SIZE, 1.0);
     let file = window.folder.path().join("out.json");
     window.harness.state_mut().apply([Action::TypePath(Question::ExportTo)]);
     window.harness.run_steps(3);

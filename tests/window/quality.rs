@@ -1,14 +1,21 @@
 //! The quality page: opened by key, read by its nodes, left for a frame by a click.
 
+use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 
+pub const TESTS: &[Test] = tests![
+    [Adapter] the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame;
+    [Adapter] the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging;
+    [Adapter] errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst;
+    [Adapter] without_a_camera_the_page_says_what_will_appear;
+];
+
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
-#[test]
 fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
-    let Some(mut window) = Window::open_suggested(&[Some(0.9); 9], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
     window.key(Key::F5);
     assert!(window.harness.query_by_label("Picture").is_none());
     let plots = window.harness.get_by_label("Pan, tilt and focal length over time: 9 suggestions").rect();
@@ -27,9 +34,8 @@ fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
     assert!(!window.app().session.quality.open);
 }
 
-#[test]
 fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
-    let Some(mut window) = Window::open_suggested(&[Some(0.9); 9], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.9); 9], SIZE);
     window.key(Key::F5);
     let middle = window.harness.get_by_label_contains("Pan, tilt and focal length over time").rect().center();
     window.harness.hover_at(middle);
@@ -51,9 +57,8 @@ fn the_time_is_enlarged_with_ctrl_and_the_wheel_and_moved_by_dragging() {
     assert!(!window.app().session.quality.open);
 }
 
-#[test]
 fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
-    let Some(mut window) = Window::open_referenced(6, SIZE) else { return };
+    let mut window = Window::open_referenced(6, SIZE);
     // One point of the fourth frame is 9 px off, which is 27 px at 1920 px width.
     window.key(Key::F5);
     window.harness.get_by_label_contains("Pan, tilt and focal length over time: 6 references");
@@ -76,9 +81,8 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
     assert_eq!((window.app().session.frame, window.app().session.selected), (3, worst));
 }
 
-#[test]
 fn without_a_camera_the_page_says_what_will_appear() {
-    let Some(mut window) = Window::open(2, SIZE, 1.0) else { return };
+    let mut window = Window::open(2, SIZE, 1.0);
     window.key(Key::F5);
     for said in [
         "Frames with a camera appear here over time",

@@ -1,5 +1,6 @@
 //! Suggestions looked through in the window: the panel's list, one after the other, several together.
 
+use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::Key;
 use egui::accesskit::Role;
@@ -8,16 +9,23 @@ use touchline::app::session::{Dialog, Panel};
 use touchline::document::FrameStatus;
 use touchline::ui::Shell;
 
+pub const TESTS: &[Test] = tests![
+    [Adapter] the_list_leads_from_suggestion_to_suggestion;
+    [Adapter] under_the_pointer_no_row_moves;
+    [Adapter] the_panel_and_the_filmstrip_look_like_this;
+    [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
+    [Adapter] an_accepted_suggestion_has_a_switch_to_teach;
+];
+
 const SIZE: [f32; 2] = [1280.0, 720.0];
 
 fn statuses(window: &Window) -> Vec<FrameStatus> {
     window.app().open().unwrap().document.frames.iter().map(|frame| frame.status).collect()
 }
 
-#[test]
 fn the_list_leads_from_suggestion_to_suggestion() {
     use FrameStatus::{New, Reference, Suggested};
-    let Some(mut window) = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     assert_eq!(window.app().session.panel, Panel::Review);
     window.harness.get_by_label_contains("Suggestion, frame 2, 0001.png, 99 %").click();
@@ -42,9 +50,8 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
 }
 
-#[test]
 fn under_the_pointer_no_row_moves() {
-    let Some(mut window) = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     let top = |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
     let labels = ["frame 2, 0001.png", "frame 3, 0002.png", "frame 1, 0000.png"];
@@ -69,11 +76,10 @@ fn under_the_pointer_no_row_moves() {
     assert_eq!(after[0], before[0]);
 }
 
-#[test]
 fn the_panel_and_the_filmstrip_look_like_this() {
     let mut confidences = vec![Some(0.99), Some(0.97), Some(0.71)];
     confidences.extend([None; 5]);
-    let Some(mut window) = Window::open_suggested(&confidences, SIZE) else { return };
+    let mut window = Window::open_suggested(&confidences, SIZE);
     window.key(Key::F4);
     window.harness.get_by_label("5 frames without an answer, 4 to 8");
     let panel = egui::Rect::from_min_max(egui::pos2(980.0, 24.0), egui::pos2(1280.0, 700.0));
@@ -81,10 +87,9 @@ fn the_panel_and_the_filmstrip_look_like_this() {
     window.snapshot_of("review_panel", panel);
 }
 
-#[test]
 fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     use FrameStatus::{Reference, Suggested};
-    let Some(mut window) = Window::open_suggested(&[Some(0.99), Some(0.5), Some(0.97)], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.99), Some(0.5), Some(0.97)], SIZE);
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
@@ -101,9 +106,8 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     assert_eq!(statuses(&window), [Suggested; 3]);
 }
 
-#[test]
 fn an_accepted_suggestion_has_a_switch_to_teach() {
-    let Some(mut window) = Window::open_suggested(&[Some(0.97)], SIZE) else { return };
+    let mut window = Window::open_suggested(&[Some(0.97)], SIZE);
     window.harness.get_by_label("Proposed: right with probability 97 %. Nobody has looked at it yet.");
     assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Teaches the forest").is_none());
     window.key(Key::Enter);

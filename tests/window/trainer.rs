@@ -1,6 +1,7 @@
 //! The trainer panel: what goes on, what the forest learns from and is worth, where a reference is missing.
 #![cfg(feature = "opencv")]
 
+use crate::parts::{Test, tests};
 use crate::window::{Window, truth};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
@@ -10,6 +11,11 @@ use touchline::app::session::Panel;
 use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus};
 use touchline::geometry::{Angle, AngleRange};
 use touchline::proposals::{Cell, Coverage, FoundAgain, LeftOut, LeftOutBy, Quality};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] the_panel_says_what_is_learnt_and_where_a_reference_is_missing;
+    [Adapter] trouble_is_shown_in_the_menu_row_and_leads_to_the_panel;
+];
 
 /// What a trainer would say that has learnt from six references on the left.
 fn status() -> TrainerStatus {
@@ -59,9 +65,8 @@ fn status() -> TrainerStatus {
     }
 }
 
-#[test]
 fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
-    let Some(mut window) = Window::open(6, [1280.0, 860.0], 1.0) else { return };
+    let mut window = Window::open(6, [1280.0, 860.0], 1.0);
     window.key(Key::F3);
     assert_eq!(window.app().session.panel, Panel::Trainer);
     window.harness.get_by_label("Waits for the first reference.");
@@ -98,9 +103,8 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     assert_eq!(window.app().session.panel, Panel::Frame);
 }
 
-#[test]
 fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
-    let Some(mut window) = Window::open(2, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0);
     let trouble = Some("A mistake in this program while learning: the saw broke.".to_owned());
     let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
     window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);

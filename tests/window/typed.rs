@@ -1,10 +1,19 @@
 //! Keys and clicks that arrive within one frame of the window: each is applied before the next is read.
 
+use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::{Event, Key, Modifiers, PointerButton};
-use touchline::app::session::{Dialog, Mode, PictureView};
+use touchline::app::session::Mode;
+use touchline::document::{FrameStatus, RejectReason, Target};
 use touchline::geometry::ImagePoint;
-use touchline::project::{FrameStatus, RejectReason, Target};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] rejecting_keeps_its_reason;
+    [Adapter] the_next_point_is_nudged;
+    [Adapter] a_click_its_name_and_the_next_frame_are_read_in_order;
+    [Adapter] what_is_typed_after_a_dialog_opens_is_typed_into_it;
+    [Adapter] a_key_that_was_tapped_holds_nothing;
+];
 
 fn key(key: Key, pressed: bool, modifiers: Modifiers) -> Event {
     Event::Key { key, physical_key: None, pressed, repeat: false, modifiers }
@@ -20,12 +29,8 @@ fn stroke(pressed: Key, typed: &str) -> Vec<Event> {
 
 fn click(window: &Window, at: ImagePoint) -> Vec<Event> {
     let pos = window.on_screen(at);
-    let button = |pressed| Event::PointerButton {
-        pos,
-        button: PointerButton::Primary,
-        pressed,
-        modifiers: Modifiers::NONE,
-    };
+    let button =
+        |pressed| Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE };
     vec![Event::PointerMoved(pos), button(true), button(false)]
 }
 
@@ -37,18 +42,16 @@ fn all_at_once(window: &mut Window, events: &[Vec<Event>]) {
     window.harness.run_steps(steps);
 }
 
-#[test]
 fn rejecting_keeps_its_reason() {
-    let Some(mut window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(2, [960.0, 600.0], 1.0);
     all_at_once(&mut window, &[stroke(Key::X, "x"), stroke(Key::Num2, "2")]);
     let frame = window.app().open().unwrap().frame(0).unwrap();
     assert_eq!((frame.status, frame.reason), (FrameStatus::Rejected, Some(RejectReason::Replay)));
     assert_eq!(window.app().session.frame, 1);
 }
 
-#[test]
 fn the_next_point_is_nudged() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.click(ImagePoint::new(200.0, 150.0));
     window.key(Key::Enter);
     window.key(Key::Escape);
@@ -63,9 +66,8 @@ fn the_next_point_is_nudged() {
     assert!((moved - 0.1).abs() < 1e-9, "{moved}");
 }
 
-#[test]
 fn a_click_its_name_and_the_next_frame_are_read_in_order() {
-    let Some(mut window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(2, [960.0, 600.0], 1.0);
     let letters: Vec<Vec<Event>> =
         [(Key::P, "p"), (Key::M, "m"), (Key::L, "l")].map(|(key, text)| stroke(key, text)).into();
     let mut events = vec![click(&window, window.image_of("penalty_mark_left"))];
@@ -78,44 +80,20 @@ fn a_click_its_name_and_the_next_frame_are_read_in_order() {
     assert_eq!(clicks[0].target, Some(Target::Landmark("penalty_mark_left".into())));
 }
 
-#[test]
-fn two_clicks_at_one_place_are_one_point() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
-    let at = ImagePoint::new(212.0, 141.0);
-    let events = [click(&window, at), stroke(Key::Num1, "1"), click(&window, at)];
-    all_at_once(&mut window, &events);
-    assert_eq!(window.app().frame().unwrap().clicks.len(), 1, "the second takes hold of the first");
-    assert_eq!(window.app().session.selected, Some(0));
-}
-
-#[test]
 fn what_is_typed_after_a_dialog_opens_is_typed_into_it() {
-    let Some(mut window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
-    window.key(Key::Z);
-    all_at_once(
-        &mut window,
-        &[
-            vec![key(Key::K, true, Modifiers::COMMAND), key(Key::K, false, Modifiers::COMMAND)],
-            stroke(Key::N, "next frame"),
-            stroke(Key::Enter, ""),
-        ],
-    );
-    assert_eq!((window.app().session.dialog.clone(), window.app().session.frame), (None, 1));
-    all_at_once(
-        &mut window,
-        &[
-            vec![key(Key::K, true, Modifiers::COMMAND), key(Key::K, false, Modifiers::COMMAND)],
-            stroke(Key::Escape, ""),
-            stroke(Key::Comma, ","),
-        ],
-    );
-    assert_eq!((window.app().session.dialog.clone(), window.app().session.frame), (None::<Dialog>, 0));
-    assert_eq!(window.app().session.view, PictureView::Fit);
+    let mut window = Window::open(2, [960.0, 600.0], 1.0);
+    let palette = vec![key(Key::K, true, Modifiers::COMMAND), key(Key::K, false, Modifiers::COMMAND)];
+    // Text without keys, as an input method writes it.
+    let text = vec![Event::Text("next frame".to_owned())];
+    all_at_once(&mut window, &[palette.clone(), text, stroke(Key::Enter, "")]);
+    assert_eq!((&window.app().session.dialog, window.app().session.frame), (&None, 1));
+    // Closed again, the keys are the window's.
+    all_at_once(&mut window, &[palette, stroke(Key::Escape, ""), stroke(Key::Comma, ",")]);
+    assert_eq!((&window.app().session.dialog, window.app().session.frame), (&None, 0));
 }
 
-#[test]
 fn a_key_that_was_tapped_holds_nothing() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     all_at_once(&mut window, &[stroke(Key::H, "h")]);
     assert!(!window.app().session.held.hide_overlay);
 }

@@ -1,5 +1,6 @@
 //! The picture: zooming, dragging, masks, what is drawn when.
 
+use crate::parts::{Test, tests};
 use crate::window::{SIZE, Window};
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, TouchPhase, vec2};
 use egui_kittest::Harness;
@@ -8,6 +9,16 @@ use touchline::app::session::{Mode, PictureView};
 use touchline::document::FrameStatus;
 use touchline::geometry::ImagePoint;
 use touchline::ui::Shell;
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] a_click_lands_on_the_same_pixel_at_any_density;
+    [Adapter] the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame;
+    [Adapter] the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window;
+    [Adapter] masks_are_drawn_and_deleted_on_the_picture;
+    [Adapter] a_frame_is_rejected_with_its_reason;
+    [Adapter] nothing_can_be_clicked_where_the_picture_is_missing;
+    [] without_a_graphics_adapter_the_window_still_runs;
+];
 
 fn wheel(window: &mut Window, lines: f32) {
     window.harness.event(Event::MouseWheel {
@@ -20,10 +31,9 @@ fn wheel(window: &mut Window, lines: f32) {
     window.harness.run_steps(2);
 }
 
-#[test]
 fn a_click_lands_on_the_same_pixel_at_any_density() {
     for pixels_per_point in [1.0, 1.25, 2.0] {
-        let Some(mut window) = Window::open(1, [960.0, 600.0], pixels_per_point) else { return };
+        let mut window = Window::open(1, [960.0, 600.0], pixels_per_point);
         let at = ImagePoint::new(212.25, 141.5);
         window.click(at);
         let placed = window.app().frame().unwrap().clicks[0].image;
@@ -31,9 +41,8 @@ fn a_click_lands_on_the_same_pixel_at_any_density() {
     }
 }
 
-#[test]
 fn the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame() {
-    let Some(mut window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(2, [960.0, 600.0], 1.0);
     let held = ImagePoint::new(400.0, 120.0);
     let at = window.on_screen(held);
     window.drag(at);
@@ -50,9 +59,8 @@ fn the_wheel_zooms_to_the_pointer_and_the_view_stays_on_the_next_frame() {
     assert_eq!(window.app().session.view, PictureView::Fit);
 }
 
-#[test]
 fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.click(window.image_of("penalty_mark_left"));
     window.type_text("pml");
     window.key(Key::Enter);
@@ -80,9 +88,8 @@ fn the_overlay_follows_a_dragged_point_in_the_same_frame_of_the_window() {
     assert!(window.harness.query_by_label("Loupe").is_none());
 }
 
-#[test]
 fn masks_are_drawn_and_deleted_on_the_picture() {
-    let Some(mut window) = Window::open(1, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(1, [960.0, 600.0], 1.0);
     window.key(Key::M);
     let corners = [ImagePoint::new(100.0, 80.0), ImagePoint::new(260.0, 150.0)].map(|corner| window.on_screen(corner));
     window.press(corners[0]);
@@ -96,9 +103,8 @@ fn masks_are_drawn_and_deleted_on_the_picture() {
     assert!(window.app().frame().unwrap().masks.is_empty());
 }
 
-#[test]
 fn a_frame_is_rejected_with_its_reason() {
-    let Some(mut window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
+    let mut window = Window::open(2, [960.0, 600.0], 1.0);
     window.key(Key::X);
     window.harness.get_by_label_contains("Replay");
     window.type_text("2");
@@ -107,9 +113,8 @@ fn a_frame_is_rejected_with_its_reason() {
     assert_eq!(window.app().session.frame, 1);
 }
 
-#[test]
 fn nothing_can_be_clicked_where_the_picture_is_missing() {
-    let Some(window) = Window::open(2, [960.0, 600.0], 1.0) else { return };
+    let window = Window::open(2, [960.0, 600.0], 1.0);
     std::fs::remove_file(window.folder.path().join("0001.png")).unwrap();
     let Window { harness, folder } = window;
     drop(harness);
@@ -122,7 +127,6 @@ fn nothing_can_be_clicked_where_the_picture_is_missing() {
     assert!(window.app().frame().unwrap().clicks.is_empty());
 }
 
-#[test]
 fn without_a_graphics_adapter_the_window_still_runs() {
     let mut harness =
         Harness::builder().with_size([960.0, 600.0]).build_eframe(|creation| Shell::new(creation, None, None).unwrap());

@@ -87,17 +87,17 @@ pub struct Window {
 }
 
 impl Window {
-    /// Opens a project of plain frames; none where there is no adapter to draw with.
-    pub fn open(frames: usize, size: [f32; 2], pixels_per_point: f32) -> Option<Self> {
-        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+    /// Opens a project of plain frames.
+    pub fn open(frames: usize, size: [f32; 2], pixels_per_point: f32) -> Self {
+        let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
-        Some(Self::on(folder, size, pixels_per_point))
+        Self::on(folder, size, pixels_per_point)
     }
 
     /// Opens a project of plain frames whose camera is not known, with exact points on every landmark of each.
-    pub fn open_clicked(frames: usize, size: [f32; 2]) -> Option<Self> {
-        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+    pub fn open_clicked(frames: usize, size: [f32; 2]) -> Self {
+        let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
@@ -108,12 +108,12 @@ impl Window {
             frame.status = FrameStatus::Draft;
         }
         std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
-        Some(Self::on(folder, size, 1.0))
+        Self::on(folder, size, 1.0)
     }
 
     /// Opens a project of plain references with exact points on every landmark of each, save one point of the fourth.
-    pub fn open_referenced(frames: usize, size: [f32; 2]) -> Option<Self> {
-        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+    pub fn open_referenced(frames: usize, size: [f32; 2]) -> Self {
+        let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), frames, &mut offscreen);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
@@ -127,12 +127,12 @@ impl Window {
             click.image.x += 9.0;
         }
         std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
-        Some(Self::on(folder, size, 1.0))
+        Self::on(folder, size, 1.0)
     }
 
     /// Opens a project of plain frames with a camera proposed for each, as certain as this; none: no answer.
-    pub fn open_suggested(confidences: &[Option<f64>], size: [f32; 2]) -> Option<Self> {
-        let mut offscreen = Offscreen::new().map_err(|error| eprintln!("skipped: {error}")).ok()?;
+    pub fn open_suggested(confidences: &[Option<f64>], size: [f32; 2]) -> Self {
+        let mut offscreen = Offscreen::new().unwrap();
         let folder = tempfile::tempdir().unwrap();
         write_project(folder.path(), confidences.len(), &mut offscreen);
         let (_, mut document, _) = touchline::store::read(folder.path()).unwrap();
@@ -149,7 +149,7 @@ impl Window {
             frame.solution = Some(solution);
         }
         std::fs::write(folder.path().join("project.json"), document_to_string(&document).unwrap()).unwrap();
-        Some(Self::on(folder, size, 1.0))
+        Self::on(folder, size, 1.0)
     }
 
     /// Opens a project that is there.

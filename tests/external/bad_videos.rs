@@ -2,21 +2,23 @@
 #![cfg(feature = "opencv")]
 
 use crate::files::{behind_path, cut, written};
+use crate::parts::{Test, tests};
 use std::path::Path;
 use std::process::Command;
 use touchline::media::{MediaError, Video};
 
-/// What ffmpeg makes; none, and said, where there is no ffmpeg.
-fn made(folder: &Path, name: &str, arguments: &str) -> Option<Vec<u8>> {
+pub const TESTS: &[Test] = tests![
+    [Ffmpeg] each_broken_video_has_its_message;
+    [Ffmpeg] a_video_cut_off_is_read_as_far_as_it_goes;
+    [Ffmpeg] frames_behind_damaged_ones_keep_their_numbers;
+];
+
+/// What ffmpeg makes.
+fn made(folder: &Path, name: &str, arguments: &str) -> Vec<u8> {
     let path = folder.join(format!("made-{name}"));
     let status = Command::new("ffmpeg").args(["-v", "error", "-y"]).args(arguments.split(' ')).arg(&path).status();
-    match status {
-        Ok(status) if status.success() => Some(std::fs::read(path).unwrap()),
-        _ => {
-            eprintln!("skipped: no ffmpeg to make {name} with");
-            None
-        }
-    }
+    assert!(status.unwrap().success(), "ffmpeg makes {name}");
+    std::fs::read(path).unwrap()
 }
 
 /// The place of a box of an MP4 file, by its four letters.
@@ -45,7 +47,6 @@ fn said(folder: &Path, name: &str, path: &Path) -> String {
 /// A test card of 100 frames as H.264.
 const CARD: &str = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=4 -c:v libx264 -g 25";
 
-#[test]
 fn each_broken_video_has_its_message() {
     const MISSING: &str = "there is no such file; check whether it was moved or renamed";
     const NOT_A_FILE: &str = "this is not a file; give the path of an image or a video";
@@ -60,13 +61,13 @@ fn each_broken_video_has_its_message() {
     let folder = folder.path();
     std::fs::create_dir(folder.join("folder.mp4")).unwrap();
     let make = |name: &str, arguments: &str| made(folder, name, arguments);
-    let Some(mp4) = make("a.mp4", CARD) else { return };
-    let Some(fast) = make("fast.mp4", &format!("{CARD} -movflags +faststart")) else { return };
-    let Some(mkv) = make("a.mkv", CARD) else { return };
-    let Some(avi) = make("a.avi", "-f lavfi -i testsrc2=size=160x90:rate=25:duration=4 -c:v mjpeg") else { return };
-    let Some(sound) = make("sound.mp4", "-f lavfi -i sine=duration=1") else { return };
-    let Some(wav) = make("sound.wav", "-f lavfi -i sine=duration=1") else { return };
-    let Some(wide) = make("wide.avi", "-f lavfi -i color=size=20000x16:duration=0.2 -c:v mjpeg") else { return };
+    let mp4 = make("a.mp4", CARD);
+    let fast = make("fast.mp4", &format!("{CARD} -movflags +faststart"));
+    let mkv = make("a.mkv", CARD);
+    let avi = make("a.avi", "-f lavfi -i testsrc2=size=160x90:rate=25:duration=4 -c:v mjpeg");
+    let sound = make("sound.mp4", "-f lavfi -i sine=duration=1");
+    let wav = make("sound.wav", "-f lavfi -i sine=duration=1");
+    let wide = make("wide.avi", "-f lavfi -i color=size=20000x16:duration=0.2 -c:v mjpeg");
     let (moov, mdat) = (box_at(&mp4, *b"moov"), box_at(&fast, *b"mdat"));
     // The box that names the codec, the first in the table of sample descriptions; the size stands 32 bytes behind.
     let codec = box_at(&fast, *b"stsd") + 16;
@@ -115,12 +116,11 @@ fn picture() -> Vec<u8> {
     bytes.into_inner()
 }
 
-#[test]
 fn a_video_cut_off_is_read_as_far_as_it_goes() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
-    let Some(mp4) = made(folder, "fast.mp4", &format!("{CARD} -movflags +faststart")) else { return };
-    let Some(mkv) = made(folder, "a.mkv", CARD) else { return };
+    let mp4 = made(folder, "fast.mp4", &format!("{CARD} -movflags +faststart"));
+    let mkv = made(folder, "a.mkv", CARD);
     let mdat = box_at(&mp4, *b"mdat");
     for (name, bytes) in [
         ("half.mp4", cut(&mp4, mdat + (mp4.len() - mdat) / 2)),
@@ -136,12 +136,11 @@ fn a_video_cut_off_is_read_as_far_as_it_goes() {
     }
 }
 
-#[test]
 fn frames_behind_damaged_ones_keep_their_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let card = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=12 -c:v libx264 -g 25 -movflags +faststart";
-    let Some(whole) = made(folder, "whole.mp4", card) else { return };
+    let whole = made(folder, "whole.mp4", card);
     let mdat = box_at(&whole, *b"mdat");
     let data = whole.len() - mdat;
     let blanked = filled(whole.clone(), mdat + data / 2..mdat + data * 6 / 10, 0);

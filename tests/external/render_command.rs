@@ -1,9 +1,16 @@
 //! `touchline render` from outside: pictures, exit codes and what is said.
 
+use crate::parts::{Test, tests};
 use image::{Rgba, RgbaImage};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] a_solved_frame_gets_its_overlay_and_its_view_from_above;
+    [Adapter] a_frame_without_a_camera_is_rendered_and_named;
+    [Adapter] what_cannot_be_done_is_said_in_one_line;
+];
 
 fn render(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_touchline"))
@@ -43,7 +50,6 @@ fn dataset(folder: &Path) {
     fs::write(folder.join("match.json"), document.to_string()).unwrap();
 }
 
-#[test]
 fn a_solved_frame_gets_its_overlay_and_its_view_from_above() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());
@@ -63,7 +69,6 @@ fn a_solved_frame_gets_its_overlay_and_its_view_from_above() {
     assert_eq!(above.dimensions(), (1380, 936));
 }
 
-#[test]
 fn a_frame_without_a_camera_is_rendered_and_named() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());
@@ -73,7 +78,6 @@ fn a_frame_without_a_camera_is_rendered_and_named() {
     assert!(folder.path().join("2-overlay.png").exists());
 }
 
-#[test]
 fn what_cannot_be_done_is_said_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     dataset(folder.path());

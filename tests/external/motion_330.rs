@@ -1,6 +1,6 @@
 //! A real broadcast camera's motion in a scene of known truth: the base from ten frames, then every frame from two clicks.
 
-use crate::data::shared_data;
+use crate::parts::{Test, frames_folder, tests};
 use crate::seeded::{self, normal};
 use rand_pcg::Pcg64Mcg;
 use std::collections::BTreeMap;
@@ -9,6 +9,10 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
 use touchline::solve::{Observation, SolveContext, solve_frame};
+
+pub const TESTS: &[Test] = tests![
+    [Frames] ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion;
+];
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -51,9 +55,8 @@ fn farthest(clicks: &[Observation]) -> Vec<Observation> {
     vec![one, two]
 }
 
-#[test]
 fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     let text = std::fs::read_to_string(data.join("ptz-soccer-330/soccer_ground_truth.json")).unwrap();
     let (field, base, motion) = published(&text);
     assert_eq!(motion.len(), 330);

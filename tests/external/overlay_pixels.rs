@@ -1,11 +1,27 @@
 //! What the off-screen renderer draws, compared with what the processor works out on its own.
 
+use crate::parts::{Test, tests};
 use image::{Rgba, RgbaImage};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 use touchline::geometry::ImageSize;
 use touchline::media;
 use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
 use touchline::scene::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] a_picture_at_its_own_size_keeps_every_pixel;
+    [Adapter] beyond_400_percent_the_bare_pixels_show;
+    [Adapter] a_reduced_picture_is_the_mean_of_what_it_shows;
+    [Adapter] a_picture_beyond_the_limit_of_the_adapter_is_shown_all_the_same;
+    [Adapter] pictures_with_one_key_are_uploaded_once_and_leave_in_turn;
+    [Adapter] a_stroke_covers_each_pixel_as_far_as_its_shape_does;
+    [Adapter] a_translucent_group_is_even_where_strokes_join_and_cross;
+    [Adapter] a_clipped_group_ends_at_its_box;
+    [Adapter] dashes_have_their_length_and_their_gaps;
+    [Adapter] a_cross_leaves_the_clicked_pixel_open_and_a_ring_is_round;
+    [Adapter] an_area_covers_its_size_with_soft_edges;
+    [Adapter] a_canvas_without_pixels_is_refused_by_name;
+];
 
 const WHITE: Colour = Colour::rgb(255, 255, 255);
 const BLACK: Colour = Colour::rgb(0, 0, 0);
@@ -68,14 +84,12 @@ fn picture(key: u64, pixels: RgbaImage) -> Layer {
     Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness: 1.0 })
 }
 
-#[test]
 fn a_picture_at_its_own_size_keeps_every_pixel() {
     let pixels = noise(317, 205);
     let drawn = offscreen().render(&View::one_to_one([317, 205]), BLACK, &[picture(1, pixels.clone())]).unwrap();
     assert!(drawn == pixels);
 }
 
-#[test]
 fn beyond_400_percent_the_bare_pixels_show() {
     let pixels = noise(40, 30);
     let view = View { scale: 8.0, offset_px: [-24.0, -16.0], ..View::one_to_one([200, 160]) };
@@ -89,7 +103,6 @@ fn beyond_400_percent_the_bare_pixels_show() {
     assert!(colours.len() > 2000, "at 400 % the picture is smooth: {} colours", colours.len());
 }
 
-#[test]
 fn a_reduced_picture_is_the_mean_of_what_it_shows() {
     let checks =
         RgbaImage::from_fn(1024, 768, |x, y| if (x + y) % 2 == 0 { Rgba([255; 4]) } else { Rgba([0, 0, 0, 255]) });
@@ -101,7 +114,6 @@ fn a_reduced_picture_is_the_mean_of_what_it_shows() {
     }
 }
 
-#[test]
 fn a_picture_beyond_the_limit_of_the_adapter_is_shown_all_the_same() {
     let wide =
         RgbaImage::from_fn(40_000, 4, |x, _| if x < 20_000 { Rgba([200, 0, 0, 255]) } else { Rgba([0, 0, 200, 255]) });
@@ -110,7 +122,6 @@ fn a_picture_beyond_the_limit_of_the_adapter_is_shown_all_the_same() {
     assert_eq!((drawn.get_pixel(5, 4).0, drawn.get_pixel(54, 4).0), ([200, 0, 0, 255], [0, 0, 200, 255]));
 }
 
-#[test]
 fn pictures_with_one_key_are_uploaded_once_and_leave_in_turn() {
     let mut offscreen = offscreen();
     let view = View::one_to_one([4, 4]);
@@ -125,7 +136,6 @@ fn pictures_with_one_key_are_uploaded_once_and_leave_in_turn() {
     assert_eq!(shown(100, 20), 20, "forgotten meanwhile, hence uploaded again");
 }
 
-#[test]
 fn a_stroke_covers_each_pixel_as_far_as_its_shape_does() {
     let shapes = [
         vec![[10.3, 12.7], [180.2, 40.1], [60.5, 100.9], [61.0, 150.0]],
@@ -146,7 +156,6 @@ fn a_stroke_covers_each_pixel_as_far_as_its_shape_does() {
     }
 }
 
-#[test]
 fn a_translucent_group_is_even_where_strokes_join_and_cross() {
     let wave: Vec<[f32; 2]> =
         (0..400).map(|i| [10.0 + i as f32 * 0.45, 60.0 + 30.0 * (i as f32 * 0.03).sin()]).collect();
@@ -167,7 +176,6 @@ fn a_translucent_group_is_even_where_strokes_join_and_cross() {
     assert!(brightest <= Some(128), "nothing is covered twice: {brightest:?}");
 }
 
-#[test]
 fn a_clipped_group_ends_at_its_box() {
     let mut drawing = group(vec![stroke(vec![[-5.0, 10.5], [60.0, 10.5]], 3.0)], 1.0);
     drawing.strokes[0].clip_px = Some([8.0, 4.0, 20.0, 11.0]);
@@ -180,7 +188,6 @@ fn a_clipped_group_ends_at_its_box() {
     assert_eq!((drawn.get_pixel(6, 11).0[0], drawn.get_pixel(29, 11).0[0]), (255, 255));
 }
 
-#[test]
 fn dashes_have_their_length_and_their_gaps() {
     let dashed = Stroke {
         dash: Some(Dash { on_pt: 12.0, off_pt: 8.0 }),
@@ -198,7 +205,6 @@ fn dashes_have_their_length_and_their_gaps() {
     }
 }
 
-#[test]
 fn a_cross_leaves_the_clicked_pixel_open_and_a_ring_is_round() {
     let marker =
         |shape| Marker { at: [20.5, 20.5], shape, colour: WHITE, radius_pt: 10.0, line_pt: 2.0, outline: None };
@@ -214,7 +220,6 @@ fn a_cross_leaves_the_clicked_pixel_open_and_a_ring_is_round() {
     assert_eq!((lit(&diamond, 20, 20), lit(&diamond, 29, 20), lit(&diamond, 27, 27)), (0, 255, 0));
 }
 
-#[test]
 fn an_area_covers_its_size_with_soft_edges() {
     let corners = vec![[10.25, 10.5], [90.75, 12.0], [80.0, 70.5], [45.5, 30.0], [12.0, 60.25]];
     let exact: f32 =
@@ -225,7 +230,6 @@ fn an_area_covers_its_size_with_soft_edges() {
     assert!((covered - exact).abs() < 0.003 * exact, "{covered} px instead of {exact}");
 }
 
-#[test]
 fn a_canvas_without_pixels_is_refused_by_name() {
     let error = offscreen().render(&View::one_to_one([0, 5]), BLACK, &[]).unwrap_err().to_string();
     assert!(error.starts_with("a canvas of 0 × 5 px cannot be rendered"), "{error}");

@@ -1,8 +1,8 @@
 //! The base of real cameras from people's clicks alone.
 //!
-//! `cargo test --test suite real_base -- --nocapture` prints the tables that stand in `tests/benches/README.md`.
+//! `cargo test --test external real_base` prints the tables that stand in `tests/benches/README.md`.
 
-use crate::data::shared_data;
+use crate::parts::{Test, frames_folder, tests};
 use crate::real_frames::{MIRRORED, Summary};
 use std::path::Path;
 use touchline::camera::PtzCamera;
@@ -12,6 +12,11 @@ use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
 use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
 use touchline::solve::{ClickResidual, Observation, SolveContext, solve_frame};
+
+pub const TESTS: &[Test] = tests![
+    [Frames] the_base_comes_from_clicks_alone;
+    [Frames] few_frames_give_a_usable_base;
+];
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
@@ -39,9 +44,8 @@ fn read(path: &Path) -> Match {
 /// Median and 90 % over the three sets at clicks held out, each click once in five rounds, the model chosen anew in each.
 const TO_REACH: (f64, f64) = (2.4, 5.5);
 
-#[test]
 fn the_base_comes_from_clicks_alone() {
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     let mut held_out = Vec::new();
     for set in SETS {
         let seen = read(&data.join(format!("scouting-{set}/clicks.json")));
@@ -134,9 +138,8 @@ fn only(frame: &FrameClicks, keep: &[usize]) -> FrameClicks {
     FrameClicks { observations: keep.iter().map(|&click| frame.observations[click]).collect(), start: None }
 }
 
-#[test]
 fn few_frames_give_a_usable_base() {
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     let sets: Vec<(Match, Document)> = SETS
         .iter()
         .map(|set| {

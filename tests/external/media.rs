@@ -1,7 +1,7 @@
 //! Videos: a frame's number means one picture, however it is reached.
 #![cfg(feature = "opencv")]
 
-use crate::data::shared_data;
+use crate::parts::{Test, frames_folder, tests};
 use opencv::core::{Mat, Scalar, Size, Vec3b};
 use opencv::prelude::*;
 use opencv::videoio::{self, VideoCapture, VideoWriter};
@@ -12,6 +12,16 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use touchline::geometry::ImageSize;
 use touchline::media::{FrameClock, FrameRef, FrameSource, MediaError, Notice, Video};
+
+pub const TESTS: &[Test] = tests![
+    [Ffmpeg] a_number_means_one_picture_in_every_container;
+    [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
+    [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
+    [Ffmpeg] a_video_on_its_side_is_turned_upright;
+    [Ffmpeg] pixels_that_are_not_square_are_said;
+    [] a_video_is_a_source_of_numbered_frames;
+    [Frames] a_match_states_825_frames_and_has_817;
+];
 
 type PixelDigest = [u8; 32];
 
@@ -59,25 +69,20 @@ fn assert_numbers_hold(path: &Path, random_frames: usize) -> Video {
     video
 }
 
-/// Runs ffmpeg in a folder; false, and said, where there is none.
-fn ffmpeg(folder: &Path, arguments: &str) -> bool {
+/// Runs ffmpeg in a folder; whether it could do what was asked.
+fn ffmpeg_can(folder: &Path, arguments: &str) -> bool {
     let arguments = arguments.split(' ').map(|word| word.replace('~', " "));
-    match Command::new("ffmpeg").args(["-v", "error", "-y"]).args(arguments).current_dir(folder).status() {
-        Ok(status) => {
-            assert!(status.success());
-            true
-        }
-        Err(error) => {
-            eprintln!("skipped: no ffmpeg to make a video with ({error})");
-            false
-        }
-    }
+    let ran = Command::new("ffmpeg").args(["-v", "error", "-y"]).args(arguments).current_dir(folder).status();
+    ran.unwrap().success()
+}
+
+fn ffmpeg(folder: &Path, arguments: &str) {
+    assert!(ffmpeg_can(folder, arguments), "ffmpeg {arguments}");
 }
 
 /// Six seconds of a moving test card, and what becomes of it.
 const CARD: &str = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=6";
 
-#[test]
 fn a_number_means_one_picture_in_every_container() {
     let folder = tempfile::tempdir().unwrap();
     for (name, how) in [
@@ -89,9 +94,7 @@ fn a_number_means_one_picture_in_every_container() {
         ("motion-jpeg.avi", "-c:v mjpeg"),
         ("one.mp4", "-c:v libx264 -frames:v 1"),
     ] {
-        if !ffmpeg(folder.path(), &format!("{CARD} {how} {name}")) {
-            return;
-        }
+        ffmpeg(folder.path(), &format!("{CARD} {how} {name}"));
         let video = assert_numbers_hold(&folder.path().join(name), 30);
         // A programme stream states no count, only a duration that is not exact.
         let notices = video.info().notices.iter();
@@ -101,7 +104,6 @@ fn a_number_means_one_picture_in_every_container() {
     }
 }
 
-#[test]
 fn uneven_frames_are_numbered_as_they_decode() {
     let folder = tempfile::tempdir().unwrap();
     let gap = "-vf select='not(between(n,90,94))' -vsync vfr -c:v libx264 -g 50";
@@ -109,9 +111,7 @@ fn uneven_frames_are_numbered_as_they_decode() {
     for (name, how, count) in
         [("gap.mp4", gap, 145), ("gap.mkv", gap, 145), ("wavering.mp4", wavering, 150), ("wavering.mkv", wavering, 150)]
     {
-        if !ffmpeg(folder.path(), &format!("{CARD} {how} {name}")) {
-            return;
-        }
+        ffmpeg(folder.path(), &format!("{CARD} {how} {name}"));
         let video = assert_numbers_hold(&folder.path().join(name), 30);
         assert_eq!(video.info().decoded_frames, count, "{name}");
         assert!(matches!(video.info().clock, FrameClock::Listed(_)), "{name}");
@@ -123,12 +123,9 @@ fn uneven_frames_are_numbered_as_they_decode() {
     }
 }
 
-#[test]
 fn a_video_cut_off_ends_where_it_is_cut() {
     let folder = tempfile::tempdir().unwrap();
-    if !ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 -g 50 -movflags +faststart whole.mp4")) {
-        return;
-    }
+    ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 -g 50 -movflags +faststart whole.mp4"));
     let bytes = std::fs::read(folder.path().join("whole.mp4")).unwrap();
     let path = folder.path().join("half.mp4");
     std::fs::write(&path, &bytes[..bytes.len() / 2]).unwrap();
@@ -139,27 +136,20 @@ fn a_video_cut_off_ends_where_it_is_cut() {
     assert_eq!(video.info().notices.iter().map(ToString::to_string).collect::<Vec<_>>(), [expected]);
 }
 
-#[test]
 fn a_video_on_its_side_is_turned_upright() {
     let folder = tempfile::tempdir().unwrap();
-    let turn = "-i even.mp4 -c copy -metadata:s:v:0 rotate=90 turned.mp4";
-    if !ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 even.mp4")) || !ffmpeg(folder.path(), turn) {
-        return;
-    }
+    ffmpeg(folder.path(), &format!("{CARD} -c:v libx264 even.mp4"));
+    // Since version 6, and before it.
+    let turned = ffmpeg_can(folder.path(), "-display_rotation:v:0 -90 -i even.mp4 -c copy turned.mp4")
+        || ffmpeg_can(folder.path(), "-i even.mp4 -c copy -metadata:s:v:0 rotate=90 turned.mp4");
+    assert!(turned);
     let video = assert_numbers_hold(&folder.path().join("turned.mp4"), 5);
-    if video.info().rotation_deg == 0 {
-        eprintln!("skipped: this ffmpeg writes no rotation that way");
-        return;
-    }
     assert_eq!((video.info().rotation_deg, video.info().size), (90, ImageSize::new(90, 160)));
 }
 
-#[test]
 fn pixels_that_are_not_square_are_said() {
     let folder = tempfile::tempdir().unwrap();
-    if !ffmpeg(folder.path(), &format!("{CARD} -vf setsar=4/3 -c:v libx264 wide.mp4")) {
-        return;
-    }
+    ffmpeg(folder.path(), &format!("{CARD} -vf setsar=4/3 -c:v libx264 wide.mp4"));
     let video = Video::open(&folder.path().join("wide.mp4")).unwrap();
     assert_eq!(
         video.info().notices[0].to_string(),
@@ -181,7 +171,6 @@ fn grey_video(folder: &Path, frames: i32) -> PathBuf {
     path
 }
 
-#[test]
 fn a_video_is_a_source_of_numbered_frames() {
     let folder = tempfile::tempdir().unwrap();
     let path = grey_video(folder.path(), 100);
@@ -194,9 +183,8 @@ fn a_video_is_a_source_of_numbered_frames() {
     assert!(shade.abs_diff(140) <= 2, "{shade}");
 }
 
-#[test]
 fn a_match_states_825_frames_and_has_817() {
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     let path = data.join("video-soccer/match.mp4");
     let video = assert_numbers_hold(&path, 12);
     let info = video.info();

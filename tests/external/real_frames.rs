@@ -1,12 +1,17 @@
 //! Two clicks on real frames: the best-separated pair of each frame's clicks solves it, the other clicks judge it.
 //!
-//! `cargo test --test suite real_frames -- --nocapture` prints the tables that stand in `tests/benches/README.md`.
+//! `cargo test --test external real_frames` prints the tables that stand in `tests/benches/README.md`.
 
-use crate::data::shared_data;
+use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
 use touchline::camera::{CameraBase, PtzCamera};
 use touchline::document::Document;
 use touchline::solve::{Observation, SolveContext, Verdict, judge, solve_frame};
+
+pub const TESTS: &[Test] = tests![
+    [Frames] two_clicks_far_apart_calibrate_real_frames;
+    [Frames] the_mirrored_frame_is_judged_wrong;
+];
 
 const SETS: [&str; 3] = ["08fd33", "42ba34", "d82e7a"];
 
@@ -105,11 +110,10 @@ fn measure(frames: &[RealFrame]) -> (Summary, Summary, Summary) {
     (Summary::of(by_frame), Summary::of(unused), Summary::of(all))
 }
 
-#[test]
 fn two_clicks_far_apart_calibrate_real_frames() {
     // Median, mean and 90 % at the unused clicks with a base of one k₁, as an independent implementation found them.
     const PUBLISHED: [[f64; 3]; 3] = [[6.1, 6.4, 10.5], [4.6, 5.2, 9.5], [3.5, 3.7, 5.9]];
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     println!(
         "set    | base    | unused clicks      | median of each frame | all clicks, fitted to all (median / mean / 90 %, px)"
     );
@@ -129,9 +133,8 @@ fn two_clicks_far_apart_calibrate_real_frames() {
 }
 
 /// A frame whose names are all mirrored is no measure of a solver; its contradictions are seen.
-#[test]
 fn the_mirrored_frame_is_judged_wrong() {
-    let Some(data) = shared_data() else { return };
+    let data = frames_folder();
     let frames = frames(&data.join("scouting-42ba34/fit-k1.json"));
     let mirrored = frames.iter().find(|frame| frame.name.contains(MIRRORED[0])).unwrap();
     let solution = solve_frame(&mirrored.base, &mirrored.clicks, &mirrored.context).unwrap();

@@ -1,6 +1,7 @@
 //! The rendered overlay lies where the formulas put the field's lines: this file projects them on its own, point by point,
 //! and looks for them in the rendered picture.
 
+use crate::parts::{Test, tests};
 use image::RgbaImage;
 use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -10,6 +11,10 @@ use touchline::render::{Layer, View};
 use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::Colour;
 use touchline::scene::overlay::{OverlayScene, field_overlay};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] the_rendered_lines_lie_where_the_formulas_put_them;
+];
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 const WIDTH_PX: f32 = 3.0;
@@ -106,7 +111,6 @@ fn offset_across(picture: &RgbaImage, line: &[[f64; 2]], at: usize) -> Option<f6
     Some(if total > 0.0 { moment / total } else { f64::INFINITY })
 }
 
-#[test]
 fn the_rendered_lines_lie_where_the_formulas_put_them() {
     let field = builtin("soccer").unwrap().model(&BTreeMap::new(), CROWN_M).unwrap();
     let style = OverlayStyle {

@@ -1,0 +1,60 @@
+//! Tests that need a part which not every machine has: a graphics adapter, real frames, ffmpeg.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    missing_docs,
+    reason = "a test says what failed by failing"
+)]
+
+mod bad_videos;
+#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
+#[path = "../suite/files.rs"]
+mod files;
+#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
+#[path = "../suite/headless.rs"]
+mod headless;
+mod media;
+mod motion_330;
+mod overlay_pixels;
+mod overlay_projection;
+mod parts;
+#[allow(dead_code, reason = "shared with the suite, which needs all of it")]
+#[path = "../suite/program.rs"]
+mod program;
+mod published_data;
+mod real_base;
+mod real_base_in_app;
+mod real_cameras;
+mod real_clicks;
+mod real_frames;
+mod real_trust;
+mod real_video;
+mod render_command;
+#[path = "../suite/seeded.rs"]
+mod seeded;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    parts::run(&[
+        #[cfg(feature = "opencv")]
+        bad_videos::TESTS,
+        #[cfg(feature = "opencv")]
+        media::TESTS,
+        motion_330::TESTS,
+        overlay_pixels::TESTS,
+        overlay_projection::TESTS,
+        #[cfg(feature = "opencv")]
+        published_data::TESTS,
+        real_base::TESTS,
+        real_base_in_app::TESTS,
+        real_cameras::TESTS,
+        real_clicks::TESTS,
+        real_frames::TESTS,
+        real_trust::TESTS,
+        #[cfg(feature = "opencv")]
+        real_video::TESTS,
+        render_command::TESTS,
+    ])
+}
