@@ -3,24 +3,22 @@
 use crate::headless::Headless;
 use crate::parts::{Test, frames_folder, tests};
 use touchline::app::base::BaseWork;
-use touchline::app::{Action, Command};
+use touchline::app::{Action, Command, Opened};
 
 pub const TESTS: &[Test] = tests![
     [Frames] real_frames_from_their_clicks_alone;
 ];
 
 fn real_frames_from_their_clicks_alone() {
-    let folder = tempfile::tempdir().unwrap();
-    let project = folder.path().join("project.json");
-    std::fs::copy(frames_folder().join("scouting-d82e7a/clicks.json"), &project).unwrap();
+    let (_, document, _) = touchline::store::read(&frames_folder().join("scouting-d82e7a/clicks.json")).unwrap();
     let mut desk = Headless::new();
-    desk.act(Action::Open(project));
-    desk.wait_until("opening", |app| app.open().is_some());
+    desk.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
     desk.act(Action::Command(Command::EstimateBase));
     desk.wait_until("the estimate", |app| !matches!(app.session.base, BaseWork::Estimating(_)));
     let estimate = &desk.app.session.base.proposed().unwrap().estimate;
     assert!(estimate.median_px < 3.5, "{}", estimate.median_px);
-    desk.act(Action::Command(Command::UseEstimatedBase));
+    // There is no disk behind this project: nothing is written.
+    desk.app.update(Action::Command(Command::UseEstimatedBase));
     let frames = &desk.app.open().unwrap().document.frames;
     let solved = frames.iter().filter(|frame| frame.is_solved_by_clicks()).count();
     assert!(solved * 10 >= frames.len() * 9, "{solved} of {}", frames.len());
