@@ -1,9 +1,8 @@
 //! The next step in words: what the status row says.
 
 use super::base::{BaseWork, WIDE_FRAMES};
-use super::review::Review;
+use super::progress::nothing_needs_you;
 use super::session::{Mode, needs_me, reason_label};
-use super::where_to_label::where_to_label;
 use super::{App, Command};
 use crate::calibrate::{CalibrationError, LANDMARKS_ALONE};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
@@ -112,34 +111,8 @@ fn of_reference(app: &App) -> String {
     }
 }
 
-/// What is said when a frame has just been accepted.
-#[must_use]
-pub fn just_accepted(app: &App, teaches: bool) -> String {
-    let Some(open) = app.open() else { return String::new() };
-    let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let teachers = open.document.frames.iter().filter(|frame| frame.teaches()).count();
-    let plural = if teachers == 1 { "" } else { "s" };
-    match (left, WIDE_FRAMES.saturating_sub(teachers)) {
-        (0, _) => nothing_needs_you(app.review()),
-        _ if !teaches => format!("Accepted as a label, {left} left."),
-        (_, 0) => format!("Reference saved: {teachers} reference{plural}, {left} left."),
-        (_, missing) => {
-            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
-        }
-    }
-}
-
 fn nobody_waits(app: &App) -> bool {
     app.open().is_some_and(|open| !open.document.frames.iter().any(|frame| needs_me(frame)))
-}
-
-/// The end, or what is left to label.
-#[must_use]
-pub fn nothing_needs_you(review: &Review) -> String {
-    match where_to_label(&review.advice) {
-        Some(advice) => format!("Nothing needs you. {advice}"),
-        None => "Nothing needs you.".to_owned(),
-    }
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {

@@ -4,7 +4,7 @@ use super::base::BaseWork;
 use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
-use super::review::ReviewChoice;
+use super::review_choice::ReviewChoice;
 use super::{Command, Comparison, TrainerState};
 use crate::document::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use crate::geometry::ImagePoint;

@@ -1,5 +1,6 @@
 //! One program writes a document; a second one is told.
 
+use super::ReadOnly;
 use super::{Location, file_id::is_at};
 use crate::media::open_regular;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -32,32 +33,6 @@ impl Drop for Lock {
             && let Err(error) = fs::remove_file(&self.path)
         {
             log::warn!("{}: {error}", self.path.display());
-        }
-    }
-}
-
-/// Why a document opens read-only.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ReadOnly {
-    /// Another program has it open.
-    OpenElsewhere {
-        /// Who, as far as it can be known: "process 4711".
-        holder: String,
-    },
-    /// The file or its folder must not be written.
-    NotWritable {
-        /// What the system says.
-        reason: String,
-    },
-}
-
-impl std::fmt::Display for ReadOnly {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::OpenElsewhere { holder } => {
-                write!(f, "open in another touchline ({holder}); close it there to edit here")
-            }
-            Self::NotWritable { reason } => write!(f, "not writable ({reason}); save a copy elsewhere to edit"),
         }
     }
 }

@@ -8,10 +8,11 @@ mod file_id;
 mod journal;
 mod location;
 mod lock;
+mod read_only;
 
 pub(crate) use atomic::{write_atomically, write_output};
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use error::StoreError;
 pub use location::Location;
 pub(crate) use location::{PROJECT_FILE, PROJECT_SUFFIX};
-pub use lock::ReadOnly;
+pub use read_only::ReadOnly;

@@ -1,7 +1,9 @@
 //! The magnified place under a point that is being placed or dragged, with the whole overlay.
 
-use super::viewport::{Overlay, Placement};
-use super::{Panel, canvas};
+use super::canvas;
+use super::labels::{PlateStyle, plate};
+use super::overlay::Overlay;
+use super::placement::Placement;
 use crate::geometry::ImagePoint;
 use crate::render::{Layer, View};
 use egui::{
@@ -33,14 +35,8 @@ const SIDES: [Vec2; 8] = [
     egui::vec2(-1.0, 0.0),
 ];
 
-/// Shows the loupe of a click that the pointer holds.
-pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, click: usize, picture: &Layer) {
-    let Some(at) = panel.app.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
-    show_at(ui, placement, at, picture, |zoom| Overlay::around(panel.app, click, zoom));
-}
-
 /// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px of the picture).
-pub fn show_at(
+pub fn show(
     ui: &egui::Ui,
     placement: &Placement,
     at: ImagePoint,
@@ -68,12 +64,12 @@ pub fn show_at(
     let text = format!("{:.2}, {:.2}", at.x, at.y);
     let corner = rect.center_bottom() - egui::vec2(0.0, 12.0);
     let behind = Color32::from_black_alpha(150);
-    super::viewport::plate(
+    plate(
         &painter,
         corner,
         Align2::CENTER_CENTER,
         &text,
-        super::viewport::PlateStyle::new(FontId::monospace(11.0), Color32::from_gray(230), behind),
+        PlateStyle::new(FontId::monospace(11.0), Color32::from_gray(230), behind),
     );
     painter.rect_stroke(rect, 2.0, Stroke::new(3.0, Color32::from_black_alpha(160)), StrokeKind::Outside);
     painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);

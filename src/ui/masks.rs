@@ -1,7 +1,8 @@
 //! The boxes whose pixels give no features: what they are for, and a cross that deletes each.
 
 use super::Panel;
-use super::viewport::{Placement, PlateStyle, plate};
+use super::labels::{PlateStyle, plate};
+use super::placement::Placement;
 use crate::app::{Action, App};
 use crate::geometry::{ImagePoint, PixelBox};
 use egui::{Align2, Color32, FontId, Id, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};

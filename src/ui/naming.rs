@@ -1,6 +1,6 @@
 //! The list of names beside a point that waits for one.
 
-use super::viewport::Placement;
+use super::placement::Placement;
 use super::{Panel, theme};
 use crate::app::Action;
 use crate::app::Command;

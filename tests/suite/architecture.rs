@@ -46,14 +46,10 @@ const FILES: &[&str] = &[
 
 /// Modules beside each other that still use each other, as [`circles`] names them.
 const KNOWN_CIRCLES: &[&str] = &[
-    "circle: app::review, app::session",
-    "circle: app::guidance, app::update",
     "circle: document::camera, document::document, document::field_size, document::frame, document::frame_id, document::frames, document::proposed, document::repeats, document::solution",
     "circle: document::edit, document::old_edit",
     "circle: solve::checks, solve::frame, solve::habits, solve::identity, solve::solution, solve::starts",
     "circle: solve::base::adjust, solve::base::base_click, solve::base::bundle, solve::base::model_choice, solve::base::parameters, solve::base::shared_prior",
-    "circle: store::error, store::location, store::lock",
-    "circle: ui::loupe, ui::masks, ui::naming, ui::viewport",
 ];
 
 /// The package's folder.

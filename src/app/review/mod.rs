@@ -3,10 +3,9 @@
 //! Suggestions come while a person looks through them. While the list is held, because the pointer is over it, no row moves:
 //! one that is accepted or withdrawn stays in its place and new ones come last. Let go of, the list is in order again.
 
-mod choice;
 mod held;
 
-pub use choice::{ReviewChoice, ReviewOrder};
+pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};

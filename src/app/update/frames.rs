@@ -1,7 +1,7 @@
 //! Going from frame to frame, accepting and rejecting them.
 
 use super::App;
-use crate::app::guidance::just_accepted;
+use crate::app::progress::just_accepted;
 use crate::app::session::{Level, Mode, Panel};
 use crate::document::{Frame, FrameStatus, RejectReason, Step};
 use crate::geometry::PixelBox;
@@ -85,8 +85,11 @@ impl App {
             }
             self.commit();
             self.refresh_review();
-            let text = just_accepted(self, self.frame().is_some_and(Frame::teaches));
-            self.session.notify(Level::Info, text);
+            let teaches = self.frame().is_some_and(Frame::teaches);
+            if let Some(open) = &self.open {
+                let text = just_accepted(&open.document, &self.review, teaches);
+                self.session.notify(Level::Info, text);
+            }
             match listed.filter(|_| !stay) {
                 Some(frame) => self.go_to(frame),
                 None if !stay => self.go_to_next_that_needs_me(true),

@@ -1,7 +1,7 @@
 //! Looking through what is proposed: the order, several accepted together, what teaches.
 
 use super::App;
-use crate::app::guidance::nothing_needs_you;
+use crate::app::progress::nothing_needs_you;
 use crate::app::session::{Dialog, Level, Panel, needs_me};
 use crate::document::{Frame, FrameStatus, Step};
 

@@ -3,7 +3,9 @@
 
 mod pick;
 
-use super::viewport::{Gesture, Placement, PlateStyle, plate};
+use super::labels::{self, PlateStyle, plate};
+use super::placement::Placement;
+use super::viewport::Gesture;
 use super::{Panel, canvas};
 use crate::app::Action;
 use crate::app::App;
@@ -103,7 +105,7 @@ fn moved(ui: &egui::Ui, response: &egui::Response, placement: Placement, mut vie
 fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement: &Placement, spots: &[Pos2]) {
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, super::viewport::colour(SURROUND));
+    painter.rect_filled(rect, 0.0, labels::colour(SURROUND));
     // What the label shows stays hidden during a blind round.
     let hidden = app.round().is_some();
     let clicks = app.frame().filter(|_| !hidden).map(|frame| frame.clicks.as_slice()).unwrap_or_default();
@@ -128,7 +130,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
         if let Some(spot) = spot.filter(|spot| rect.contains(*spot)) {
             let behind = Color32::from_black_alpha(150);
             let font = FontId::proportional(10.0);
-            let letters = super::viewport::colour(SELECTED);
+            let letters = labels::colour(SELECTED);
             plate(
                 &painter,
                 spot + vec2(8.0, -8.0),

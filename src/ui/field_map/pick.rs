@@ -4,7 +4,7 @@ use crate::document::Target;
 use crate::field::{Curve, FieldModel, Landmark};
 use crate::geometry::ImagePoint;
 use crate::scene::field_map::FieldMap;
-use crate::ui::viewport::Placement;
+use crate::ui::placement::Placement;
 use egui::{Pos2, Vec2, vec2};
 
 /// A landmark this near to the pointer is meant, points.

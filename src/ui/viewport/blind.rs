@@ -1,14 +1,15 @@
 //! The picture during a blind round: nothing lies over it but the click that the pointer holds and what is asked for.
 
 use super::hints::{PLATE, beside};
-use super::labels::{PlateStyle, plate};
-use super::placement::Placement;
 use super::pointer::Hold;
 use crate::document::Target;
 use crate::geometry::ImagePoint;
 use crate::render::Layer;
 use crate::scene::overlay::CLICK;
-use crate::ui::{Panel, canvas, loupe, viewport};
+use crate::ui::labels::{self, PlateStyle, plate};
+use crate::ui::overlay::Overlay;
+use crate::ui::placement::Placement;
+use crate::ui::{Panel, canvas, loupe};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
 
 /// The click that is held: the reach of its arms and the gap at its middle, points.
@@ -29,11 +30,11 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
         at,
         Align2::CENTER_CENTER,
         &text,
-        PlateStyle::new(FontId::proportional(15.0), viewport::colour(CLICK), PLATE),
+        PlateStyle::new(FontId::proportional(15.0), labels::colour(CLICK), PLATE),
     );
     if let Some(held) = round.held {
         cross(&painter, placement, held);
-        loupe::show_at(ui, placement, held, picture, |_| super::Overlay::default());
+        loupe::show(ui, placement, held, picture, |_| Overlay::default());
     } else {
         loupe::rest(ui);
         let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));
@@ -54,7 +55,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
 
 fn cross(painter: &Painter, placement: &Placement, at: ImagePoint) {
     let centre = placement.screen_from_image(at);
-    for (width, colour) in [(3.0, Color32::from_black_alpha(160)), (1.5, viewport::colour(CLICK))] {
+    for (width, colour) in [(3.0, Color32::from_black_alpha(160)), (1.5, labels::colour(CLICK))] {
         for way in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
             painter.line_segment([centre + way * ARM[0], centre + way * ARM[1]], Stroke::new(width, colour));
         }

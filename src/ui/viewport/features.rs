@@ -1,8 +1,9 @@
 //! The features of the shown frame, and what the forest made of them.
 
-use super::{Placement, PlateStyle, plate};
 use crate::app::App;
 use crate::proposals::{FeatureUse, UsedFeatures};
+use crate::ui::labels::{PlateStyle, plate};
+use crate::ui::placement::Placement;
 use crate::ui::theme;
 use egui::{Align2, Color32, FontId, Painter, Stroke, vec2};
 

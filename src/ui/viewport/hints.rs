@@ -1,12 +1,12 @@
 //! What is said on the picture: what a point is called, what the next click places, why there is no picture.
 
-use super::labels::{PlateStyle, colour, plate};
-use super::placement::Placement;
 use super::scene::waits_for_name;
 use crate::app::Command;
 use crate::app::session::{Mode, reason_label};
 use crate::document::FrameStatus;
 use crate::scene::overlay::{CLICK, UNNAMED};
+use crate::ui::labels::{PlateStyle, colour, plate};
+use crate::ui::placement::Placement;
 use crate::ui::{Panel, rejecting, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 

@@ -6,14 +6,14 @@
 mod blind;
 mod features;
 mod hints;
-mod labels;
-mod placement;
 mod pointer;
 mod scene;
 mod trust;
 mod wheel;
 
-use super::{Panel, PictureState, canvas, loupe, masks, naming, theme};
+use super::overlay::Overlay;
+use super::placement::Placement;
+use super::{Panel, PictureState, canvas, labels, loupe, masks, naming, theme};
 use crate::app::Action;
 use crate::app::session::Mode;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -22,9 +22,6 @@ use crate::render::{Layer, PictureKey, PictureLayer};
 use egui::{CursorIcon, Id, Key, Rect, Sense, WidgetInfo};
 use pointer::{Hold, Pointer, Surroundings};
 
-pub use labels::{PlateStyle, colour, plate};
-pub use placement::Placement;
-pub use scene::Overlay;
 pub use wheel::Gesture;
 
 /// A picture that is waited for shorter than this is not missed, s.
@@ -186,7 +183,9 @@ fn show_frame(
     cursor(panel, ui, placement, hold);
     masks::show(panel, ui, placement);
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
-        loupe::show(panel, ui, placement, click, &picture);
+        if let Some(held) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) {
+            loupe::show(ui, placement, held.image, &picture, |zoom| Overlay::around(panel.app, click, zoom));
+        }
     } else {
         loupe::rest(ui);
     }

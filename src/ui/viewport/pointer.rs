@@ -2,11 +2,11 @@
 //!
 //! Events are read one by one, so that a press and its release within one frame of the window are both seen.
 
-use super::placement::Placement;
 use super::wheel::Gesture;
 use crate::app::Action;
 use crate::app::session::{Mode, PictureView};
 use crate::geometry::{ImagePoint, PixelBox};
+use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 
 /// A click this near to the pointer is taken hold of, points.

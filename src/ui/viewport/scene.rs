@@ -3,24 +3,16 @@
 use super::pointer::Hold;
 use crate::app::{App, session::Mode};
 use crate::document::FrameStatus;
-use crate::render::Layer;
 use crate::scene::OverlayStyle;
-use crate::scene::drawing::{Drawing, Label};
 use crate::scene::overlay::{OverlayScene, Standing, click_overlay, field_overlay, mask_overlay};
 use crate::ui::masks;
+use crate::ui::overlay::Overlay;
 use std::sync::Arc;
 
 /// A camera that is tried out stands back behind the frame's own, or is seen as not final.
 const PREVIEW_OPACITY: f32 = 0.75;
 /// The frame's own camera steps back while another one is tried out.
 const BEHIND_PREVIEW: f32 = 0.35;
-
-/// The drawings over the picture, the lowest first.
-#[derive(Clone, Debug, Default)]
-pub struct Overlay {
-    /// What the renderer draws.
-    pub drawings: Vec<Arc<Drawing>>,
-}
 
 impl Overlay {
     /// What lies over the shown frame at a zoom (physical px per px of the picture).
@@ -80,16 +72,6 @@ impl Overlay {
             drawings.push(clicks);
         }
         Self { drawings: drawings.into_iter().map(Arc::new).collect() }
-    }
-
-    /// The drawings as layers.
-    pub fn layers(&self) -> impl Iterator<Item = Layer> {
-        self.drawings.iter().map(|drawing| Layer::Drawing(Arc::clone(drawing)))
-    }
-
-    /// Every text.
-    pub fn labels(&self) -> impl Iterator<Item = &Label> {
-        self.drawings.iter().flat_map(|drawing| &drawing.labels)
     }
 }
 

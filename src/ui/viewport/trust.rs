@@ -1,7 +1,5 @@
 //! How far the lines are to be trusted, over the picture: band or heat map with its legend, and where to click next.
 
-use super::labels::colour;
-use super::placement::Placement;
 use crate::app::App;
 use crate::app::session::Mode;
 use crate::camera::PtzCamera;
@@ -11,6 +9,8 @@ use crate::render::Layer;
 use crate::scene::next_click::NextClick;
 use crate::scene::uncertainty::{HEAT_STOPS, HeatMap, UncertaintyView, band, heat_ticks_px};
 use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX};
+use crate::ui::labels::colour;
+use crate::ui::placement::Placement;
 use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
@@ -159,12 +159,12 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
         painter.circle_stroke(at, 13.0 + 2.5 * phase, Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring));
         let text = FontId::proportional(11.0);
         let told = if rank == 0 { next.gain() } else { format!("±{:.1} px", next.worst_corner_px) };
-        super::labels::plate(
+        crate::ui::labels::plate(
             painter,
             at + vec2(0.0, 24.0),
             Align2::CENTER_CENTER,
             &told,
-            super::labels::PlateStyle::new(text, theme::CAUTION, Color32::from_black_alpha(150)),
+            crate::ui::labels::PlateStyle::new(text, theme::CAUTION, Color32::from_black_alpha(150)),
         );
     }
     if pulsing {

@@ -1,0 +1,32 @@
+//! What is said when a frame has been accepted, and at the end of the work.
+
+use super::base::WIDE_FRAMES;
+use super::review::Review;
+use super::session::needs_me;
+use super::where_to_label::where_to_label;
+use crate::document::Document;
+
+/// What is said when a frame has just been accepted.
+#[must_use]
+pub fn just_accepted(document: &Document, review: &Review, teaches: bool) -> String {
+    let left = document.frames.iter().filter(|frame| needs_me(frame)).count();
+    let teachers = document.frames.iter().filter(|frame| frame.teaches()).count();
+    let plural = if teachers == 1 { "" } else { "s" };
+    match (left, WIDE_FRAMES.saturating_sub(teachers)) {
+        (0, _) => nothing_needs_you(review),
+        _ if !teaches => format!("Accepted as a label, {left} left."),
+        (_, 0) => format!("Reference saved: {teachers} reference{plural}, {left} left."),
+        (_, missing) => {
+            format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
+        }
+    }
+}
+
+/// The end, or what is left to label.
+#[must_use]
+pub fn nothing_needs_you(review: &Review) -> String {
+    match where_to_label(&review.advice) {
+        Some(advice) => format!("Nothing needs you. {advice}"),
+        None => "Nothing needs you.".to_owned(),
+    }
+}
