@@ -1,5 +1,6 @@
 //! What changes state, and what the outside then has to do.
 
+use super::base::EstimateFailure;
 use super::choices::{Scope, Selecting, TimeAxis};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
@@ -12,6 +13,7 @@ use crate::geometry::{ImagePoint, PixelBox};
 use crate::proposals::{Proposal, UsedFeatures};
 use crate::scene::OverlayStyle;
 use crate::solve::base::BaseProgress;
+use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
 /// What changes state; the window, the jobs and the tests all speak this.
@@ -185,7 +187,7 @@ pub enum Action {
     /// How far the estimation of a base has come.
     BaseProgress(BaseProgress),
     /// The base of a camera was estimated, or why it was not.
-    BaseEstimated(Result<Box<EstimatedBase>, String>),
+    BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
     /// A frame takes part in the estimation of its camera's base, or is left out.
     UseForBase {
         /// Which frame.
@@ -231,6 +233,8 @@ pub enum Action {
     Progress(String),
     /// It is open.
     Opened(Box<Opened>),
+    /// This window has the document open already.
+    AlreadyOpen(PathBuf),
     /// Something that was asked for could not be done: one line.
     Failed(String),
     /// A camera base was read from another document.
@@ -246,6 +250,41 @@ pub enum Action {
     },
     /// Edits are only in memory.
     SaveFailed(String),
+    /// The saver lost track of the document and has to be given all of it.
+    WholeWanted,
+    /// Another program changed the document's file.
+    ChangedOutside(PathBuf),
+    /// What becomes of another program's version is asked again.
+    AskOutside,
+    /// What becomes of another program's version.
+    ResolveOutside(OutsideChoice),
+    /// What another program made of the document.
+    Outside(Box<Outside>),
+    /// Edits that were set aside are joined with the document.
+    MergeOrphan(PathBuf),
+    /// They were read.
+    OrphanRead {
+        /// Their file.
+        orphan: PathBuf,
+        /// What it holds.
+        edits: Box<OrphanEdits>,
+    },
+    /// Edits that were set aside are written as a document of their own.
+    SaveOrphan(PathBuf),
+    /// They were.
+    OrphanSaved {
+        /// The document.
+        document: PathBuf,
+    },
+    /// Edits that were set aside are in the document now; their file has another name.
+    OrphanPutAway {
+        /// Their file.
+        orphan: PathBuf,
+        /// What it is called now.
+        renamed: PathBuf,
+    },
+    /// The window closes, or another document is opened, although edits are only in memory.
+    LeaveUnsaved,
     /// The dataset was written.
     Exported(PathBuf),
     /// A copy was written.
@@ -352,6 +391,18 @@ impl Action {
             | Self::CameraLoaded(_)
             | Self::Saved { .. }
             | Self::SaveFailed(_)
+            | Self::AlreadyOpen(_)
+            | Self::WholeWanted
+            | Self::ChangedOutside(_)
+            | Self::AskOutside
+            | Self::ResolveOutside(_)
+            | Self::Outside(_)
+            | Self::MergeOrphan(_)
+            | Self::OrphanRead { .. }
+            | Self::SaveOrphan(_)
+            | Self::OrphanSaved { .. }
+            | Self::OrphanPutAway { .. }
+            | Self::LeaveUnsaved
             | Self::Exported(_)
             | Self::Copied(_)
             | Self::CloseRequested => ActionKind::Report,
@@ -360,6 +411,17 @@ impl Action {
             }
         }
     }
+}
+
+/// What becomes of a version of the document that another program wrote.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutsideChoice {
+    /// Its changes are joined with those made here.
+    Merge,
+    /// It is set aside, and the document as it is here written.
+    Replace,
+    /// It is opened; what was edited here is set aside.
+    TakeTheirs,
 }
 
 /// A camera of the document, or one to be made.
@@ -384,6 +446,8 @@ pub struct Opened {
     pub read_only: Option<String>,
     /// What a person should know: recovered edits, a video shorter than it says.
     pub notices: Vec<(Level, String)>,
+    /// Edits of another version of the document that were set aside.
+    pub orphans: Vec<Orphan>,
 }
 
 impl Opened {
@@ -392,7 +456,7 @@ impl Opened {
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        Self { document, folder, file, read_only: None, notices: Vec::new() }
+        Self { document, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
     }
 }
 
@@ -408,8 +472,36 @@ pub enum Effect {
         /// The document's revision with it.
         revision: u64,
     },
+    /// Give the saver the whole document in place of what it knows.
+    JournalWhole {
+        /// The document.
+        document: Box<Document>,
+        /// Its revision.
+        revision: u64,
+    },
     /// Write the document: the saver has every edit already.
     Save,
+    /// Write the document although another program changed the file; that version is set aside.
+    SaveOver,
+    /// Report what another program made of the document: [`Action::Outside`].
+    ReadOutside,
+    /// Let go of the document, and open it as it is on disk.
+    Reopen(PathBuf),
+    /// Read edits that were set aside and report [`Action::OrphanRead`].
+    ReadOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Write them as a document and report [`Action::OrphanSaved`].
+    SaveOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Give their file another name and report [`Action::OrphanPutAway`].
+    PutOrphanAway {
+        /// Their file.
+        orphan: PathBuf,
+    },
     /// Write a copy of the project into a folder.
     SaveCopy {
         /// The document.

@@ -1,15 +1,30 @@
 //! Finding out where the camera stands: what the frames give so far, what is being estimated, what was found.
 
 use super::OpenProject;
-use crate::calibrate::{EstimatedBase, LANDMARKS_ALONE, calibrate};
+use crate::calibrate::{BaseEstimationError, EstimatedBase, LANDMARKS_ALONE, calibrate};
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Frame};
 use crate::field::FieldModel;
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
+use thiserror::Error;
 
 /// So many wide frames, left, centre and right, tell where a camera stands.
 pub const WIDE_FRAMES: usize = 3;
+
+/// Why the estimation of a base ended without one.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum EstimateFailure {
+    /// The frames give none, or it was given up.
+    #[error(transparent)]
+    Impossible(BaseEstimationError),
+    /// The program made a mistake.
+    #[error("internal error (please report it): {message}")]
+    Panicked {
+        /// The words of the panic.
+        message: String,
+    },
+}
 
 /// What is being done about a base.
 #[derive(Debug, Default)]

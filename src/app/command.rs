@@ -15,6 +15,7 @@ pub enum Command {
     Save,
     SaveAs,
     Export,
+    Orphans,
     Quit,
     Undo,
     Redo,
@@ -160,6 +161,7 @@ rows! {
     Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
     SaveAs, "save_as", File, "Save a copy…", "Write the project into another folder; file paths keep pointing at the same files.", ["Ctrl+Shift+S"];
     Export, "export", File, "Export dataset…", "Write the labelled frames as one JSON file.", ["Ctrl+E"];
+    Orphans, "orphans", File, "Edits set aside…", "Edits made to another version of this document: take them in, or keep them as a document of their own.", [];
     Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
     Undo, "undo", Edit, "Undo", "Take back the last change; one on another frame is gone to first.", ["Ctrl+Z"];
     Redo, "redo", Edit, "Redo", "Do again what was taken back.", ["Ctrl+Shift+Z", "Ctrl+Y"];
@@ -326,6 +328,7 @@ impl Command {
             | Self::OpenDemo
             | Self::SaveAs
             | Self::Export
+            | Self::Orphans
             | Self::Redo
             | Self::NextFrame
             | Self::PreviousFrame

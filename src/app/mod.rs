@@ -28,7 +28,7 @@ mod update;
 mod versioned;
 pub mod where_to_label;
 
-pub use action::{Action, ActionKind, CameraChoice, Effect, Opened};
+pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, OutsideChoice};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;

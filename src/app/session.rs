@@ -9,7 +9,9 @@ use super::{Command, Comparison, TrainerState};
 use crate::document::{CameraId, Frame, FrameStatus, RejectReason, Target};
 use crate::geometry::ImagePoint;
 use crate::scene::uncertainty::UncertaintyView;
+use crate::store::Orphan;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 /// How many candidates are offered at the cursor.
 pub const OFFERED: usize = 5;
@@ -65,9 +67,24 @@ pub struct Session {
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
     pub closing: bool,
+    /// Another program changed this file of the document's, and nobody has said what becomes of that.
+    pub changed_outside: Option<PathBuf>,
+    /// The revision that is being copied elsewhere, and the one that was.
+    pub copies: Copies,
+    /// Edits of another version of the document that were set aside.
+    pub orphans: Vec<Orphan>,
     /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
     pub fit_scale: f64,
     next_notice: u64,
+}
+
+/// Copies of the document that were written elsewhere.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Copies {
+    /// The revision that is being written.
+    pub begun: Option<u64>,
+    /// The latest that was written.
+    pub written: Option<u64>,
 }
 
 /// What has been begun and not ended.
@@ -247,6 +264,23 @@ pub enum Dialog {
     GiveToCamera(Scope),
     /// A path, where the system has no file dialog.
     Path(Question),
+    /// Another program changed the document.
+    ChangedOutside,
+    /// Edits that were set aside.
+    Orphans,
+    /// Edits would be lost.
+    NotSaved(Leaving),
+}
+
+/// What was asked for while edits are only in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Leaving {
+    /// To close the window.
+    Close,
+    /// To open something else.
+    Open(PathBuf),
+    /// To open the demo match.
+    OpenDemo,
 }
 
 /// How the picture lies in its canvas.

@@ -1,6 +1,6 @@
 //! Joins what two people made of one document: each frame and camera that only one of them changed is taken from that one.
 
-use super::{Change, Document, Edit, Extra, Frame, Shared};
+use super::{Change, Document, Edit, Extra, OldChange};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,33 +13,34 @@ pub struct Merged {
     pub conflicts: Vec<String>,
 }
 
-/// Joins what we and they made of `base`. Frames are the same if they show the same picture, cameras if they have one
-/// name. The order is theirs; what only we added follows the one it follows with us.
+/// Joins what we and they made of `base`, frame by frame and camera by camera. The order is theirs; what only we added follows
+/// what it follows with us.
 #[must_use]
 pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let mut conflicts = Vec::new();
-    let frames = {
-        let frames = |document: &Document| keyed(document.frames.iter().cloned(), |frame: &Frame| frame.name());
-        join(&frames(base), &frames(ours), &frames(theirs), &mut conflicts)
+    let frames = |document: &Document| -> Keyed<_, _> {
+        document.frames.iter().map(|frame| (frame.id.clone(), frame.clone())).collect()
     };
-    let cameras = {
-        let cameras =
-            |document: &Document| keyed(document.cameras.iter().cloned(), |camera| format!("camera {}", camera.id));
-        join(&cameras(base), &cameras(ours), &cameras(theirs), &mut conflicts)
+    let frames = join(&frames(base), &frames(ours), &frames(theirs), |frame| conflicts.push(frame.name()));
+    let cameras = |document: &Document| -> Keyed<_, _> {
+        document.cameras.iter().map(|camera| (camera.id.clone(), camera.clone())).collect()
     };
+    let cameras = join(&cameras(base), &cameras(ours), &cameras(theirs), |camera| {
+        conflicts.push(format!("camera {}", camera.id));
+    });
     let field = match choose(Some(&base.field), Some(&ours.field), Some(&theirs.field)) {
-        Choice::Both => theirs.field.clone(),
+        Choice::Theirs => &theirs.field,
+        Choice::Ours => &ours.field,
         Choice::Conflict => {
             conflicts.push("the field".to_owned());
-            ours.field.clone()
+            &ours.field
         }
-        Choice::Ours => ours.field.clone(),
     };
     let document = Document {
         generator: theirs.generator.clone(),
         conventions: join_maps(&base.conventions, &ours.conventions, &theirs.conventions, &mut conflicts),
-        field,
-        cameras: cameras.into_iter().collect(),
+        field: field.clone(),
+        cameras,
         frames: frames.into_iter().collect(),
         extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts),
     };
@@ -51,40 +52,35 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
 #[must_use]
 pub fn graft(edits: &[Edit], onto: &Document) -> Document {
     let held = edits.iter().flat_map(|edit| &edit.changes).flat_map(|change| match change {
-        Change::Frame { frame, .. } => std::slice::from_ref(frame),
-        Change::Frames { insert, .. } => insert,
-        Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
+        Change::Frame { frame, .. } | Change::Old(OldChange::Frame { frame, .. }) => std::slice::from_ref(frame),
+        Change::Insert { frames, .. } | Change::Old(OldChange::Frames { insert: frames, .. }) => frames,
+        Change::Remove(_) | Change::Order(_) | Change::Cameras(_) | Change::Field(_) | Change::Rest { .. } => &[],
     });
-    let mut latest: BTreeMap<String, Shared<Frame>> = held.map(|frame| (frame.name(), frame.clone())).collect();
     let mut document = onto.clone();
-    for frame in &mut document.frames {
-        if let Some(held) = latest.remove(&frame.name()) {
-            *frame = held;
+    for frame in held {
+        let same_picture = || document.frames.iter().position(|known| known.name() == frame.name());
+        let place = document.frames.position_of(&frame.id).or_else(same_picture);
+        match place.and_then(|place| document.frames.get_mut(place)) {
+            Some(known) => {
+                let (id, revision) = (known.id.clone(), known.revision);
+                *known = frame.clone();
+                known.id = id;
+                known.revision = revision;
+            }
+            None => document.frames.push(frame.clone()),
         }
     }
-    document.frames.extend(latest.into_values());
+    document.count_edits_since(onto);
     document
 }
 
-/// Values in their order, each with what tells it apart: its name, and how many of that name came before it.
-type Keyed<V> = Vec<((String, usize), V)>;
-
-fn keyed<V: std::ops::Deref<Target: Sized>>(values: impl Iterator<Item = V>, name: impl Fn(&V::Target) -> String) -> Keyed<V> {
-    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
-    values
-        .map(|value| {
-            let name = name(&value);
-            let count = counts.entry(name.clone()).or_default();
-            *count += 1;
-            ((name, *count - 1), value)
-        })
-        .collect()
-}
+/// Values in their order, each with what tells it apart.
+type Keyed<K, V> = Vec<(K, V)>;
 
 /// Whose value is taken.
 enum Choice {
     /// Theirs, which is ours too where we changed nothing.
-    Both,
+    Theirs,
     /// Ours.
     Ours,
     /// Ours, and theirs is lost.
@@ -92,37 +88,40 @@ enum Choice {
 }
 
 fn choose<V: PartialEq>(base: Option<&V>, ours: Option<&V>, theirs: Option<&V>) -> Choice {
-    match () {
-        () if ours == theirs || base == ours => Choice::Both,
-        () if base == theirs => Choice::Ours,
-        // Both changed it and one of them removed it: what is left of the work stays.
-        () if ours.is_none() => Choice::Both,
-        () => Choice::Conflict,
+    if ours == theirs || base == ours {
+        Choice::Theirs
+    } else if base == theirs {
+        Choice::Ours
+    } else if ours.is_none() {
+        // What they made of something that we removed stays.
+        Choice::Theirs
+    } else {
+        Choice::Conflict
     }
 }
 
-fn join<V: Clone + PartialEq>(
-    base: &Keyed<V>,
-    ours: &Keyed<V>,
-    theirs: &Keyed<V>,
-    conflicts: &mut Vec<String>,
+fn join<K: Ord + Clone, V: Clone + PartialEq>(
+    base: &Keyed<K, V>,
+    ours: &Keyed<K, V>,
+    theirs: &Keyed<K, V>,
+    mut conflict: impl FnMut(&V),
 ) -> Vec<V> {
-    let table = |values: &Keyed<V>| values.iter().cloned().collect::<BTreeMap<_, _>>();
+    let table = |values: &Keyed<K, V>| values.iter().cloned().collect::<BTreeMap<_, _>>();
     let (in_base, in_ours, in_theirs) = (table(base), table(ours), table(theirs));
-    let mut take = |key: &(String, usize)| {
+    let mut take = |key: &K| {
         let (base, ours, theirs) = (in_base.get(key), in_ours.get(key), in_theirs.get(key));
         match choose(base, ours, theirs) {
-            Choice::Both => theirs.cloned(),
+            Choice::Theirs => theirs.cloned(),
             Choice::Ours => ours.cloned(),
             Choice::Conflict => {
-                conflicts.push(key.0.clone());
+                ours.into_iter().for_each(&mut conflict);
                 ours.cloned()
             }
         }
     };
-    let mut joined: Keyed<V> =
+    let mut joined: Keyed<K, V> =
         theirs.iter().filter_map(|(key, _)| take(key).map(|value| (key.clone(), value))).collect();
-    let mut there: BTreeSet<_> = joined.iter().map(|(key, _)| key.clone()).collect();
+    let mut there: BTreeSet<K> = joined.iter().map(|(key, _)| key.clone()).collect();
     for (place, (key, _)) in ours.iter().enumerate() {
         if in_theirs.contains_key(key) {
             continue;
@@ -137,14 +136,16 @@ fn join<V: Clone + PartialEq>(
 }
 
 fn join_maps(base: &Extra, ours: &Extra, theirs: &Extra, conflicts: &mut Vec<String>) -> Map<String, Value> {
-    let entries = |map: &Extra| map.iter().map(|(key, value)| ((key.clone(), 0), (key.clone(), value.clone()))).collect();
-    join::<(String, Value)>(&entries(base), &entries(ours), &entries(theirs), conflicts).into_iter().collect()
+    let entries = |map: &Extra| -> Keyed<String, (String, Value)> {
+        map.iter().map(|(key, value)| (key.clone(), (key.clone(), value.clone()))).collect()
+    };
+    join(&entries(base), &entries(ours), &entries(theirs), |(key, _)| conflicts.push(key.clone())).into_iter().collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, FieldSpec};
+    use crate::document::{Camera, FieldSpec, Frame};
     use crate::geometry::ImageSize;
 
     const SIZE: ImageSize = ImageSize::new(64, 48);
@@ -186,14 +187,14 @@ mod tests {
 
     #[test]
     fn what_both_changed_is_named_and_ours_stays() {
-        let base = document(&["a", "b", "b"]);
+        let base = document(&["a", "b", "c"]);
         let (mut ours, mut theirs) = (base.clone(), base.clone());
         comment(&mut ours, "a", " ours");
         comment(&mut theirs, "a", " theirs");
         ours.frames.remove(2);
         theirs.frames[2].comment = Some(" second".to_owned());
         let Merged { document, conflicts } = merge(&base, &ours, &theirs);
-        assert_eq!(told(&document), ["a ours", "b", "b second"], "work is not lost to a removal");
+        assert_eq!(told(&document), ["a ours", "b", "c second"], "work is not lost to a removal");
         assert_eq!(conflicts, ["a"]);
         let same = merge(&base, &ours, &ours);
         assert_eq!((same.document, same.conflicts.len()), (ours, 0));

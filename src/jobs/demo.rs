@@ -1,5 +1,6 @@
 //! A copy of the demo match for a user to try things on.
 
+use super::JobError;
 use super::opening::user_projects;
 use crate::store::PROJECT_FILE;
 use std::path::{Path, PathBuf};
@@ -7,16 +8,14 @@ use std::path::{Path, PathBuf};
 /// The user's copy of the demo match; made when there is none yet.
 ///
 /// # Errors
-/// One line: the demo is not to be found, or cannot be copied.
-pub fn fresh_copy() -> Result<PathBuf, String> {
-    let own = user_projects().ok_or("this system has no folder for a user's data")?.join("demo");
+/// The demo is not to be found, or cannot be copied.
+pub fn fresh_copy() -> Result<PathBuf, JobError> {
+    let own = user_projects().ok_or(JobError::NoUserFolder)?.join("demo");
     if own.join(PROJECT_FILE).exists() {
         return Ok(own);
     }
-    let delivered = delivered().ok_or(
-        "the demo match did not come with this program: draw one with `touchline synth --demo -o demo` and open it",
-    )?;
-    copy_folder(&delivered, &own).map_err(|error| format!("{}: {error}", own.display()))?;
+    let delivered = delivered().ok_or(JobError::NoDemo)?;
+    copy_folder(&delivered, &own).map_err(JobError::io(&own))?;
     Ok(own)
 }
 

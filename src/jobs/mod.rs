@@ -10,18 +10,21 @@ mod background;
 mod decoder;
 mod demo;
 mod desk;
+mod error;
 mod frame_worker;
 mod opening;
 mod runner;
 mod saver;
 #[cfg(test)]
 mod stand_in;
+mod tasks;
 mod thumbnails;
 mod trainer;
 
 pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
-pub use opening::{Ready, camera_with_base, open_anything};
+pub use error::JobError;
+pub use opening::{Ready, open_anything};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
 pub use thumbnails::{ThumbnailReport, Thumbnails};

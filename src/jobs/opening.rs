@@ -1,10 +1,11 @@
 //! Opens whatever a user names: a project, a dataset, a folder of frames, a video.
 
+use super::JobError;
 use crate::app::Opened;
 use crate::app::session::Level;
-use crate::document::{Camera, FieldSpec, document_from_frames};
+use crate::document::{Document, FieldSpec, document_from_frames};
 use crate::media::{CountProgress, FrameSource, MediaError};
-use crate::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store};
+use crate::store::{Access, Location, PROJECT_FILE, PROJECT_SUFFIX, Store, orphans};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -31,27 +32,27 @@ pub struct Ready {
 }
 
 /// Opens a project, a dataset, a folder of frames or a video. Frames without a project get one beside them, or where
-/// that cannot be written in the user's data folder.
+/// that cannot be written in the user's data folder. `held` is what this window has open: it is not opened again.
 ///
 /// # Errors
-/// One line: what, where, how to mend it; or that `watch` ended it.
-pub fn open_anything(path: &Path, watch: Watch<'_>) -> Result<Ready, String> {
+/// It is not there, cannot be read or made, is open here already, or `watch` ended it.
+pub fn open_anything(path: &Path, held: Option<&Location>, watch: Watch<'_>) -> Result<Ready, JobError> {
     if !path.exists() {
-        return Err(format!("{}: there is no such file or folder", path.display()));
+        return Err(JobError::Missing { path: path.to_path_buf() });
     }
     let is_document = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
         || path.join(PROJECT_FILE).exists();
     if is_document {
-        return open_document(path, Vec::new());
+        return open_document(path, held, Vec::new());
     }
-    let path = std::fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let path = std::fs::canonicalize(path).map_err(JobError::io(path))?;
     for folder in project_folders(&path) {
         if folder.join(PROJECT_FILE).exists() {
-            return open_document(&folder, Vec::new());
+            return open_document(&folder, held, Vec::new());
         }
     }
     let mut counting = |progress: CountProgress| watch(format!("Counting frames: {}…", progress.counted));
-    let source = FrameSource::open_watched(&path, &mut counting).map_err(|error| error.to_string())?;
+    let source = FrameSource::open_watched(&path, &mut counting)?;
     let every = NonZeroUsize::new(source.len().div_ceil(MOST_FRAMES)).unwrap_or(NonZeroUsize::MIN);
     let read = AtomicUsize::new(0);
     let mut refused = None;
@@ -64,33 +65,33 @@ pub fn open_anything(path: &Path, watch: Watch<'_>) -> Result<Ready, String> {
             }
         });
         if watch("Writing the project…".to_owned()).is_break() {
-            return Err(MediaError::Stopped { path: path.clone() }.to_string());
+            return Err(MediaError::Stopped { path }.into());
         }
         let said = source.notices().iter().map(ToString::to_string);
         let left_out = made.left_out.iter().map(|(name, error)| format!("Left out: {name}: {error}"));
         let mut notices: Vec<_> = said.chain(left_out).map(|text| (Level::Warning, text)).collect();
         if made.document.frames.is_empty() {
-            let left_out = notices.pop().map(|(_, text)| format!(" ({text})")).unwrap_or_default();
-            return Err(format!("{}: there is no frame that can be read{left_out}", path.display()));
+            return Err(JobError::NoFrames { path, reason: notices.pop().map(|(_, text)| text) });
         }
         if every > NonZeroUsize::MIN {
             let text = format!("{} frames are many: every {every}th is taken.", source.len());
             notices.push((Level::Warning, text));
         }
-        let written = std::fs::create_dir_all(&folder).map_err(|error| error.to_string()).and_then(|()| {
-            let location = Location::for_new_document(&folder).map_err(|error| error.to_string())?;
-            Store::create(&location, &made.document).map_err(|error| error.to_string())
-        });
-        match written {
-            Ok(store) => {
-                drop(store);
+        match write_project(&folder, &made.document) {
+            Ok(()) => {
                 notices.push((Level::Info, format!("The project is kept in {}.", folder.display())));
-                return open_document(&folder, notices);
+                return open_document(&folder, held, notices);
             }
             Err(error) => refused = Some(error),
         }
     }
-    Err(refused.unwrap_or_else(|| format!("{}: there is no place to keep a project in", path.display())))
+    Err(refused.unwrap_or(JobError::NoPlace { path }))
+}
+
+fn write_project(folder: &Path, document: &Document) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
+    Store::create(&Location::for_new_document(folder)?, document)?;
+    Ok(())
 }
 
 /// Where the project of a folder of frames or of a video may lie, the better place first.
@@ -114,9 +115,12 @@ pub(super) fn user_projects() -> Option<PathBuf> {
     Some(directories::ProjectDirs::from("", "", "touchline")?.data_dir().join("projects"))
 }
 
-fn open_document(path: &Path, mut notices: Vec<(Level, String)>) -> Result<Ready, String> {
-    let crate::store::Opened { location, document, access, recovery } =
-        crate::store::open(path).map_err(|error| error.to_string())?;
+fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, String)>) -> Result<Ready, JobError> {
+    let found = Location::find(path)?;
+    if held.is_some_and(|held| held.is_same_document(&found)) {
+        return Err(JobError::AlreadyOpen { file: found.file().to_path_buf() });
+    }
+    let crate::store::Opened { location, document, access, recovery } = crate::store::open(path)?;
     notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),
@@ -128,30 +132,17 @@ fn open_document(path: &Path, mut notices: Vec<(Level, String)>) -> Result<Ready
         file: location.file().to_path_buf(),
         read_only,
         notices,
+        orphans: orphans(&location),
     };
     Ok(Ready { opened, store })
-}
-
-/// The first camera of a document that has a base.
-///
-/// # Errors
-/// One line: the document cannot be read, or no camera of it has a base.
-pub fn camera_with_base(path: &Path) -> Result<Camera, String> {
-    let (_, document, _) = crate::store::read(path).map_err(|error| error.to_string())?;
-    document
-        .cameras
-        .iter()
-        .find(|camera| camera.base().is_some())
-        .map(|camera| (**camera).clone())
-        .ok_or_else(|| format!("{}: no camera has a position and a base rotation", path.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn open(path: &Path) -> Result<Ready, String> {
-        open_anything(path, &|_| ControlFlow::Continue(()))
+    fn open(path: &Path) -> Result<Ready, JobError> {
+        open_anything(path, None, &|_| ControlFlow::Continue(()))
     }
 
     #[test]
@@ -175,11 +166,11 @@ mod tests {
     #[test]
     fn what_cannot_be_opened_is_named() {
         let root = tempfile::tempdir().unwrap();
-        let error = open(&root.path().join("none")).unwrap_err();
+        let error = open(&root.path().join("none")).unwrap_err().to_string();
         assert!(error.contains("there is no such file or folder"), "{error}");
         let empty = root.path().join("empty");
         std::fs::create_dir(&empty).unwrap();
-        assert!(open(&empty).unwrap_err().contains("there is no frame that can be read"));
+        assert!(open(&empty).unwrap_err().to_string().contains("there is no frame that can be read"));
         assert!(!root.path().join("empty.touchline").exists(), "nothing is left behind");
         let text = root.path().join("notes.json");
         std::fs::write(&text, "[1, 2]").unwrap();
@@ -192,7 +183,7 @@ mod tests {
         let frames = root.path().join("frames");
         std::fs::create_dir(&frames).unwrap();
         image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
-        assert!(open_anything(&frames, &|_| ControlFlow::Break(())).is_err());
+        assert!(open_anything(&frames, None, &|_| ControlFlow::Break(())).is_err());
         assert!(!root.path().join("frames.touchline").exists());
     }
 }

@@ -1,18 +1,17 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{Ready, camera_with_base, open_anything};
+use super::opening::{Ready, open_anything};
+use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
-    Background, BackgroundReport, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport, Wake, demo,
+    Background, BackgroundReport, JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport,
+    Wake, demo,
 };
+use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
-use crate::app::{Action, Compared, Effect, Question};
-use crate::calibrate::{BaseProblem, EstimatedBase};
-use crate::document::{CameraId, Document, document_to_string};
-use crate::evaluate::agreement;
-use crate::solve::base::{BaseOptions, WatchBase};
-use crate::store::{Location, Store, write_output};
+use crate::app::{Action, Effect, Question};
+use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// What is left for the window to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,7 +46,7 @@ type Tell<'a> = &'a (dyn Fn(Action) -> ControlFlow<()> + Sync);
 
 /// Something under way.
 struct Task {
-    background: Background<Action, Result<Outcome, String>>,
+    background: Background<Action, Result<Outcome, JobError>>,
     /// What it is about: the user may give some up.
     kind: Kind,
     /// Nobody waits for its result any more.
@@ -58,6 +57,8 @@ struct Task {
 pub struct Runner {
     wake: Wake,
     saver: Option<Saver>,
+    /// The document that the saver writes.
+    held: Option<Location>,
     trainer: Option<Trainer>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
@@ -67,27 +68,27 @@ impl Runner {
     /// Nothing to do yet. `wake` is called when there is something to poll.
     #[must_use]
     pub const fn new(wake: Wake) -> Self {
-        Self { wake, saver: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
+        Self { wake, saver: None, held: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
     }
 
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
-            Effect::Open(path) => self.begin("open", Kind::Opening, move |watch| {
-                open_anything(&path, &|text| watch(Action::Progress(text)))
-                    .map(|ready| Outcome::Opened(Box::new(ready)))
-            }),
-            Effect::OpenDemo => self.begin("open the demo", Kind::Opening, move |watch| {
-                open_anything(&demo::fresh_copy()?, &|text| watch(Action::Progress(text)))
-                    .map(|ready| Outcome::Opened(Box::new(ready)))
-            }),
+            Effect::Open(path) => self.open("open", move || Ok(path)),
+            Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
+            Effect::Reopen(path) => {
+                // What is not written stays in the journal, and is found again there.
+                let last = self.close();
+                self.reports.extend(last);
+                self.open("open again", move || Ok(path));
+            }
             Effect::CancelOpening => self.give_up(Kind::Opening),
             Effect::EstimateBase { with_size, document, folder, camera } => {
                 self.begin("base", Kind::Estimate, move |watch| {
-                    let found = estimate(&document, &folder, &camera, with_size, &|progress| {
+                    let found = estimate(document.at(&folder), &camera, with_size, &|progress| {
                         watch(Action::BaseProgress(progress))
                     });
-                    Ok(Outcome::Action(Action::BaseEstimated(found)))
+                    Ok(Outcome::Action(Action::BaseEstimated(found.map_err(EstimateFailure::Impossible))))
                 });
             }
             Effect::CancelEstimate => self.give_up(Kind::Estimate),
@@ -100,24 +101,34 @@ impl Runner {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
             },
-            Effect::Save => {
-                if let Some(saver) = &mut self.saver {
-                    saver.save();
-                }
-            }
+            Effect::JournalWhole { document, revision } => self.tell_saver(|saver| saver.whole(*document, revision)),
+            Effect::Save => self.tell_saver(Saver::save),
+            Effect::SaveOver => self.tell_saver(Saver::save_over),
+            Effect::ReadOutside => self.tell_saver(Saver::read_outside),
+            Effect::ReadOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
+                let edits = Box::new(read_orphan(location, &orphan)?);
+                Ok(Action::OrphanRead { orphan, edits })
+            }),
+            Effect::SaveOrphan { orphan } => self.begin_beside("edits set aside", move |location| {
+                Ok(Action::OrphanSaved { document: save_orphan(location, &orphan)? })
+            }),
+            Effect::PutOrphanAway { orphan } => self.begin_beside("edits set aside", move |location| {
+                let renamed = put_orphan_away(location, &orphan)?;
+                Ok(Action::OrphanPutAway { orphan, renamed })
+            }),
             Effect::SaveCopy { document, from, folder } => self.begin("copy", Kind::Other, move |_| {
-                save_copy(&document, &from, &folder)?;
+                save_copy(document.at(&from), &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
             }),
             Effect::Export { document, from, file } => self.begin("export", Kind::Other, move |_| {
-                export(&document, &from, &file)?;
+                export(document.at(&from), &file)?;
                 Ok(Outcome::Action(Action::Exported(file)))
             }),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
             Effect::Compare { document, folder, revision, with } => self.begin("compare", Kind::Other, move |_| {
-                compared(&document, &folder, revision, with)
+                compared(document.at(&folder), revision, with)
                     .map(|compared| Outcome::Action(Action::Compared(Box::new(compared))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
@@ -139,10 +150,12 @@ impl Runner {
                     BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
                         actions.push(action);
                     }
-                    BackgroundReport::Done(Err(message)) => actions.push(Action::Failed(message)),
+                    BackgroundReport::Done(Err(JobError::AlreadyOpen { file })) => {
+                        actions.push(Action::AlreadyOpen(file));
+                    }
+                    BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
                     BackgroundReport::Panicked(message) if task.kind == Kind::Estimate => {
-                        actions
-                            .push(Action::BaseEstimated(Err(format!("internal error (please report it): {message}"))));
+                        actions.push(Action::BaseEstimated(Err(EstimateFailure::Panicked { message })));
                     }
                     BackgroundReport::Panicked(message) => {
                         actions.push(Action::Failed(format!("internal error (please report it): {message}")));
@@ -156,7 +169,7 @@ impl Runner {
             actions.extend(self.close());
             match self.start_saver(*ready) {
                 Ok(action) => actions.push(action),
-                Err(message) => actions.push(Action::Failed(message)),
+                Err(error) => actions.push(Action::Failed(error.to_string())),
             }
         }
         let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
@@ -173,9 +186,17 @@ impl Runner {
     /// Writes what is left of the open document and waits for the disk.
     pub fn close(&mut self) -> Vec<Action> {
         self.trainer = None;
-        let failures = |action: &Action| matches!(action, Action::SaveFailed(_));
+        self.held = None;
+        let failure = |action: Action| match action {
+            Action::SaveFailed(_) => Some(action),
+            // There was no time to give it the document.
+            Action::WholeWanted => {
+                Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
+            }
+            _ => None,
+        };
         let reports = self.saver.take().map(Saver::close).unwrap_or_default();
-        reports.into_iter().flat_map(actions_of).filter(failures).collect()
+        reports.into_iter().flat_map(actions_of).filter_map(failure).collect()
     }
 
     /// Whether something is still under way.
@@ -192,11 +213,13 @@ impl Runner {
         }
     }
 
-    fn start_saver(&mut self, ready: Ready) -> Result<Action, String> {
+    fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
             let document = ready.opened.document.clone();
+            let held = store.location().clone();
             let saver = Saver::start(store, document, SaverOptions::default(), self.wake.clone());
-            self.saver = Some(saver.map_err(|error| format!("the system starts no thread for saving: {error}"))?);
+            self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);
+            self.held = Some(held);
             self.start_trainer(ready.opened.file.clone());
         }
         Ok(Action::Opened(Box::new(ready.opened)))
@@ -216,11 +239,33 @@ impl Runner {
         }
     }
 
+    /// Opens what a task finds out.
+    fn open(&mut self, name: &str, path: impl FnOnce() -> Result<PathBuf, JobError> + Send + 'static) {
+        let held = self.held.clone();
+        self.begin(name, Kind::Opening, move |watch| {
+            open_anything(&path()?, held.as_ref(), &|text| watch(Action::Progress(text)))
+                .map(|ready| Outcome::Opened(Box::new(ready)))
+        });
+    }
+
+    /// Begins a task that reads or writes files beside the open document.
+    fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
+        if let Some(location) = self.held.clone() {
+            self.begin(name, Kind::Other, move |_| task(&location).map(Outcome::Action));
+        }
+    }
+
+    fn tell_saver(&mut self, order: impl FnOnce(&mut Saver)) {
+        if let Some(saver) = &mut self.saver {
+            order(saver);
+        }
+    }
+
     fn begin(
         &mut self,
         name: &str,
         kind: Kind,
-        task: impl FnOnce(Tell<'_>) -> Result<Outcome, String> + Send + 'static,
+        task: impl FnOnce(Tell<'_>) -> Result<Outcome, JobError> + Send + 'static,
     ) {
         let background = Background::spawn(name, self.wake.clone(), move |reporter| {
             task(&|action| {
@@ -230,8 +275,9 @@ impl Runner {
         });
         match background {
             Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
-            Err(error) => {
-                self.reports.push(Action::Failed(format!("the system starts no thread for “{name}”: {error}")));
+            Err(source) => {
+                let error = JobError::NoThread { what: format!("“{name}”"), source };
+                self.reports.push(Action::Failed(error.to_string()));
             }
         }
     }
@@ -248,6 +294,9 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
             said.into_iter().chain([Action::Saved { revision, at: clock(at), whole: true }]).collect()
         }
         SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
+        SaverReport::ChangedOutside { path } => vec![Action::ChangedOutside(path)],
+        SaverReport::Outside(outside) => vec![Action::Outside(outside)],
+        SaverReport::NeedsWhole => vec![Action::WholeWanted],
         SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving broke down: {message}"))],
     }
 }
@@ -255,44 +304,4 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
 /// The time of day as the window shows it: "12:03:41".
 fn clock(at: jiff::civil::Time) -> String {
     format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
-}
-
-fn estimate(
-    document: &Document,
-    folder: &Path,
-    camera: &CameraId,
-    with_size: bool,
-    watch: WatchBase<'_>,
-) -> Result<Box<EstimatedBase>, String> {
-    let problem = BaseProblem::of(document.at(folder), camera).map_err(|error| error.to_string())?;
-    let options = BaseOptions::default();
-    let found = if with_size {
-        problem.estimate_with_size(document.at(folder), &options, watch)
-    } else {
-        problem.estimate_watched(document, &options, watch)
-    };
-    found.map(Box::new).map_err(|error| error.to_string())
-}
-
-/// Reads another annotator's document and compares the open one with it.
-fn compared(document: &Document, folder: &Path, revision: u64, with: PathBuf) -> Result<Compared, String> {
-    let (location, other, _) = crate::store::read(&with).map_err(|error| error.to_string())?;
-    let agreement = agreement(document.at(folder), other.at(location.folder())).map_err(|error| error.to_string())?;
-    Ok(Compared { file: with, revision, agreement })
-}
-
-/// Writes a document into another folder; an existing project there is not touched.
-fn save_copy(document: &Document, from: &Path, folder: &Path) -> Result<(), String> {
-    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let location = Location::for_new_document(folder).map_err(|error| error.to_string())?;
-    let moved = document.relocated(from, location.folder());
-    Store::create(&location, &moved).map(drop).map_err(|error| error.to_string())
-}
-
-/// Writes a dataset; the file dialog has asked before replacing one.
-fn export(document: &Document, from: &Path, file: &Path) -> Result<(), String> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = std::fs::canonicalize(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let text = document_to_string(&document.relocated(from, &folder)).map_err(|error| error.to_string())?;
-    write_output(file, text.as_bytes()).map_err(|error| format!("{}: {error}", file.display()))
 }

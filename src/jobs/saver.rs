@@ -1,19 +1,23 @@
 //! The thread that journals edits and writes documents.
 //!
 //! Every edit is flushed to disk before it is acknowledged; the document itself is written from time to time, on request
-//! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again.
+//! and at closing. When the disk refuses, edits stay in memory, the refusal is reported, and the saver tries again. An edit
+//! that does not fit what the saver knows makes it ask for the whole document.
 
-use super::Wake;
+use super::{Wake, panic_message};
 use crate::document::{Document, Edit};
-use crate::store::{Store, StoreError};
+use crate::store::{DocumentStore, Others, Outside, StoreError};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TrySendError, channel, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// How many edits may wait for a slow disk one by one; further ones are joined into one.
 const CAPACITY: usize = 64;
+
+/// How many reports may wait before the saver waits for its owner.
+const REPORTS: usize = 256;
 
 /// Counts the edits of a session: the document after the edit of this number.
 pub type Revision = u64;
@@ -59,6 +63,16 @@ pub enum SaverReport {
         /// What to tell the user.
         error: StoreError,
     },
+    /// Others changed the document; it is not written until somebody decides what becomes of their version. Edits are
+    /// still journaled.
+    ChangedOutside {
+        /// The document's file.
+        path: PathBuf,
+    },
+    /// What others made of the document, as it was asked for.
+    Outside(Box<Outside>),
+    /// An edit does not fit the document that the saver knows: it has to be given the whole document.
+    NeedsWhole,
     /// The saver broke down; nothing is saved any more.
     Broken {
         /// What it said last.
@@ -68,27 +82,25 @@ pub enum SaverReport {
 
 enum Order {
     Edit(Edit, Revision),
-    Save(Save),
-    Close,
-}
-
-/// What happens to a version that another program wrote meanwhile.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Save {
-    /// It stays, and the document is not written.
-    Careful,
-    /// It is set aside.
-    Over,
+    /// The document as it is, in place of whatever the saver knows.
+    Whole(Box<Document>, Revision),
+    Save(Others),
+    /// Report what others made of the document.
+    ReadOutside,
 }
 
 /// The handle of a saver; dropping it writes what is left.
 pub struct Saver {
-    orders: SyncSender<Order>,
+    /// None once the saver is being closed.
+    orders: Option<SyncSender<Order>>,
     reports: Receiver<SaverReport>,
+    /// A document that found the channel full; it goes before the edits that wait.
+    waiting_whole: Option<(Box<Document>, Revision)>,
     /// Edits that found the channel full, joined.
     waiting: Option<(Edit, Revision)>,
-    /// A request that found the channel full.
-    waiting_save: Option<Save>,
+    /// Requests that found the channel full.
+    waiting_save: Option<Others>,
+    waiting_read: bool,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -97,22 +109,33 @@ impl Saver {
     ///
     /// # Errors
     /// The system starts no thread.
-    pub fn start(store: Store, document: Document, options: SaverOptions, wake: Wake) -> std::io::Result<Self> {
+    pub fn start(
+        store: impl DocumentStore + 'static,
+        document: Document,
+        options: SaverOptions,
+        wake: Wake,
+    ) -> std::io::Result<Self> {
         let (orders, inbox) = sync_channel(CAPACITY);
-        let (outbox, reports) = channel();
+        let (outbox, reports) = sync_channel(REPORTS);
         let run = move || {
             let (last_words, last_wake) = (outbox.clone(), wake.clone());
-            let work = Work::new(store, document, options, outbox, wake);
+            let work = Work::new(Box::new(store), document, options, outbox, wake);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work.run(&inbox))) {
-                let text = panic.downcast_ref::<&str>().copied();
-                let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
                 // Nobody may be listening any more; then nobody needs to know.
-                let _ = last_words.send(SaverReport::Broken { message: text.unwrap_or("no reason").to_owned() });
+                let _ = last_words.send(SaverReport::Broken { message: panic_message(panic.as_ref()) });
                 last_wake();
             }
         };
         let thread = std::thread::Builder::new().name("saver".to_owned()).spawn(run)?;
-        Ok(Self { orders, reports, waiting: None, waiting_save: None, thread: Some(thread) })
+        Ok(Self {
+            orders: Some(orders),
+            reports,
+            waiting_whole: None,
+            waiting: None,
+            waiting_save: None,
+            waiting_read: false,
+            thread: Some(thread),
+        })
     }
 
     /// Hands over an edit that led to a revision; never waits.
@@ -127,15 +150,29 @@ impl Saver {
         self.send_waiting();
     }
 
+    /// Hands over the document as it is at a revision, in place of whatever the saver knows; never waits.
+    pub fn whole(&mut self, document: Document, revision: Revision) {
+        self.waiting_whole = Some((Box::new(document), revision));
+        // The document holds them.
+        self.waiting = None;
+        self.send_waiting();
+    }
+
     /// Asks for the document to be written now; never waits.
     pub fn save(&mut self) {
-        self.waiting_save = Some(Save::Careful);
+        self.waiting_save = Some(Others::Stay);
         self.send_waiting();
     }
 
     /// Asks for the document to be written although another program changed the file; that version is set aside.
     pub fn save_over(&mut self) {
-        self.waiting_save = Some(Save::Over);
+        self.waiting_save = Some(Others::SetAside);
+        self.send_waiting();
+    }
+
+    /// Asks for what others made of the document; never waits.
+    pub fn read_outside(&mut self) {
+        self.waiting_read = true;
         self.send_waiting();
     }
 
@@ -148,37 +185,46 @@ impl Saver {
     /// Writes what is left, ends the thread and returns its last reports. Waits for the disk.
     #[must_use]
     pub fn close(mut self) -> Vec<SaverReport> {
-        self.finish();
-        self.reports.try_iter().collect()
+        self.finish()
     }
 
-    /// Sends what waits, in its order, as far as there is room.
+    /// Sends what waits, in its order, as far as there is room. A saver that broke down has said so, and the document is
+    /// still in the hands of its owner.
     fn send_waiting(&mut self) {
-        if let Some((edit, revision)) = self.waiting.take() {
-            use TrySendError::{Disconnected, Full};
-            let sent = self.orders.try_send(Order::Edit(edit, revision));
-            if let Err(Full(Order::Edit(edit, revision)) | Disconnected(Order::Edit(edit, revision))) = sent {
-                self.waiting = Some((edit, revision));
-                return;
-            }
-        }
-        if let Some(save) = self.waiting_save
-            && self.orders.try_send(Order::Save(save)).is_ok()
+        let Some(orders) = &self.orders else { return };
+        if let Some((document, revision)) = self.waiting_whole.take()
+            && let Err(TrySendError::Full(Order::Whole(document, revision))) =
+                orders.try_send(Order::Whole(document, revision))
         {
-            self.waiting_save = None;
+            self.waiting_whole = Some((document, revision));
+            return;
         }
+        if let Some((edit, revision)) = self.waiting.take()
+            && let Err(TrySendError::Full(Order::Edit(edit, revision))) = orders.try_send(Order::Edit(edit, revision))
+        {
+            self.waiting = Some((edit, revision));
+            return;
+        }
+        let is_full = |sent| matches!(sent, Err(TrySendError::Full(_)));
+        self.waiting_save = self.waiting_save.filter(|others| is_full(orders.try_send(Order::Save(*others))));
+        self.waiting_read = self.waiting_read && is_full(orders.try_send(Order::ReadOutside));
     }
 
-    fn finish(&mut self) {
-        if let Some((edit, revision)) = self.waiting.take() {
-            // A saver that broke down has said so; the document is still in the hands of the caller.
-            let _ = self.orders.send(Order::Edit(edit, revision));
+    fn finish(&mut self) -> Vec<SaverReport> {
+        let mut last = Vec::new();
+        while self.waiting_whole.is_some() || self.waiting.is_some() {
+            self.send_waiting();
+            // The saver may wait for room for its reports.
+            last.extend(self.reports.recv_timeout(Duration::from_millis(5)));
         }
-        let _ = self.orders.send(Order::Close);
+        // Without orders to come the thread writes what is left and ends.
+        self.orders = None;
+        last.extend(self.reports.iter());
         if let Some(thread) = self.thread.take() {
             // A panic was reported by the thread itself.
             let _ = thread.join();
         }
+        last
     }
 }
 
@@ -190,7 +236,7 @@ impl Drop for Saver {
 
 /// What the thread knows.
 struct Work {
-    store: Store,
+    store: Box<dyn DocumentStore>,
     /// The document as journal and file hold it.
     journaled: Document,
     journaled_revision: Revision,
@@ -198,17 +244,25 @@ struct Work {
     latest_revision: Revision,
     /// What the last edit is called.
     name: String,
+    /// An edit did not fit: nothing is known of the document until it is given as a whole.
+    needs_whole: bool,
     /// Since when the document's file lacks edits.
     behind_since: Option<Instant>,
     /// The journal was refused last time, and the user has been told.
     journal_refused: bool,
     options: SaverOptions,
-    reports: Sender<SaverReport>,
+    reports: SyncSender<SaverReport>,
     wake: Wake,
 }
 
 impl Work {
-    fn new(store: Store, document: Document, options: SaverOptions, reports: Sender<SaverReport>, wake: Wake) -> Self {
+    fn new(
+        store: Box<dyn DocumentStore>,
+        document: Document,
+        options: SaverOptions,
+        reports: SyncSender<SaverReport>,
+        wake: Wake,
+    ) -> Self {
         Self {
             behind_since: store.is_behind().then(Instant::now),
             store,
@@ -217,6 +271,7 @@ impl Work {
             latest: document,
             latest_revision: 0,
             name: String::new(),
+            needs_whole: false,
             journal_refused: false,
             options,
             reports,
@@ -228,17 +283,19 @@ impl Work {
         loop {
             match orders.recv_timeout(self.patience()) {
                 Ok(Order::Edit(edit, revision)) => self.take(edit, revision),
-                Ok(Order::Save(save)) => {
+                Ok(Order::Whole(document, revision)) => self.take_whole(*document, revision),
+                Ok(Order::Save(others)) => {
                     self.journal();
-                    self.save(save);
+                    self.save(others);
                 }
-                Ok(Order::Close) | Err(RecvTimeoutError::Disconnected) => break,
+                Ok(Order::ReadOutside) => self.read_outside(),
+                Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => self.catch_up(),
             }
         }
         self.journal();
         if self.behind_since.is_some() {
-            self.save(Save::Careful);
+            self.save(Others::Stay);
         }
     }
 
@@ -251,9 +308,15 @@ impl Work {
     }
 
     fn take(&mut self, edit: Edit, revision: Revision) {
+        if self.needs_whole {
+            // The document that was asked for holds it.
+            return;
+        }
         self.name.clone_from(&edit.name);
         if let Err(misfit) = edit.apply(&mut self.latest) {
-            self.report(SaverReport::Broken { message: format!("an edit does not fit the document: {misfit}") });
+            log::warn!("{}: {misfit}; the whole document is asked for", self.name);
+            self.needs_whole = true;
+            self.report(SaverReport::NeedsWhole);
             return;
         }
         self.latest_revision = revision;
@@ -261,17 +324,26 @@ impl Work {
         self.journal();
     }
 
+    fn take_whole(&mut self, document: Document, revision: Revision) {
+        self.needs_whole = false;
+        self.latest = document;
+        self.latest_revision = revision;
+        self.behind_since.get_or_insert_with(Instant::now);
+        self.journal();
+        self.save(Others::Stay);
+    }
+
     fn catch_up(&mut self) {
         self.journal();
         if self.behind_since.is_some_and(|since| since.elapsed() >= self.options.save_every) {
-            self.save(Save::Careful);
+            self.save(Others::Stay);
         }
     }
 
     /// Appends to the journal what it lacks: one edit, or several as one after a refusal.
     fn journal(&mut self) {
         let edit = Edit::between(&self.journaled, &self.latest, &self.name);
-        let appended = if edit.is_empty() { Ok(()) } else { self.store.journal(edit) };
+        let appended = if edit.is_empty() { Ok(()) } else { self.store.append(edit) };
         match appended {
             Ok(()) => {
                 self.journal_refused = false;
@@ -281,6 +353,8 @@ impl Work {
                     self.report(SaverReport::Journaled { revision: self.journaled_revision, at: now() });
                 }
             }
+            // Writing the document makes a journal anew that was deleted.
+            Err(StoreError::Gone { .. }) if self.store.keep(&self.latest, Others::Stay).is_ok() => self.saved(None),
             Err(error) => {
                 if !self.journal_refused {
                     self.report(SaverReport::Failed { revision: self.journaled_revision, error });
@@ -290,24 +364,38 @@ impl Work {
         }
     }
 
-    fn save(&mut self, save: Save) {
-        let saved = match save {
-            Save::Careful => self.store.save(&self.latest).map(|()| None),
-            Save::Over => self.store.save_over(&self.latest),
-        };
-        match saved {
-            Ok(set_aside) => {
-                self.journal_refused = false;
-                self.behind_since = None;
-                self.journaled = self.latest.clone();
-                self.journaled_revision = self.latest_revision;
-                self.report(SaverReport::Saved { revision: self.latest_revision, at: now(), set_aside });
-            }
+    fn save(&mut self, others: Others) {
+        if self.needs_whole {
+            self.report(SaverReport::NeedsWhole);
+            return;
+        }
+        match self.store.keep(&self.latest, others) {
+            Ok(set_aside) => self.saved(set_aside),
             Err(error) => {
                 // Tried again after the usual time, not at once.
                 self.behind_since = self.behind_since.map(|_| Instant::now());
-                self.report(SaverReport::Failed { revision: self.journaled_revision, error });
+                self.report(match error {
+                    StoreError::ChangedOutside { path } => SaverReport::ChangedOutside { path },
+                    error => SaverReport::Failed { revision: self.journaled_revision, error },
+                });
             }
+        }
+    }
+
+    fn saved(&mut self, set_aside: Option<PathBuf>) {
+        self.journal_refused = false;
+        self.behind_since = None;
+        self.journaled = self.latest.clone();
+        self.journaled_revision = self.latest_revision;
+        self.report(SaverReport::Saved { revision: self.latest_revision, at: now(), set_aside });
+    }
+
+    fn read_outside(&mut self) {
+        match self.store.since() {
+            Ok(Some(outside)) => self.report(SaverReport::Outside(Box::new(outside))),
+            // It was changed back.
+            Ok(None) => self.save(Others::Stay),
+            Err(error) => self.report(SaverReport::Failed { revision: self.journaled_revision, error }),
         }
     }
 

@@ -62,16 +62,16 @@ pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
 }
 
 /// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
-pub(super) fn set_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
-    let free = free_name(path, word);
-    fs::rename(path, &free)?;
+pub(super) fn set_aside(path: &Path, file: &Path, word: &str) -> io::Result<PathBuf> {
+    let free = free_name(path, word, "");
+    fs::rename(file, &free)?;
     sync_folder(folder_of(path))?;
     Ok(free)
 }
 
 /// Copies a file to the first free name of `path.WORD-1`, `path.WORD-2`, ….
 pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
-    let free = free_name(path, word);
+    let free = free_name(path, word, "");
     copy_new(path, &free)?;
     Ok(free)
 }
@@ -84,10 +84,17 @@ fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
     copy.sync_all()
 }
 
-fn free_name(path: &Path, word: &str) -> PathBuf {
+/// Writes a new file under the first free name of `path.WORD-1.json`, …, which is a document's for whoever opens it.
+pub(super) fn write_new_beside(path: &Path, word: &str, bytes: &[u8]) -> io::Result<PathBuf> {
+    let free = free_name(path, word, ".json");
+    write_atomically(&free, bytes)?;
+    Ok(free)
+}
+
+fn free_name(path: &Path, word: &str, ending: &str) -> PathBuf {
     let mut number = 1;
     loop {
-        let candidate = with_suffix(path, &format!(".{word}-{number}"));
+        let candidate = with_suffix(path, &format!(".{word}-{number}{ending}"));
         if fs::symlink_metadata(&candidate).is_err() {
             return candidate;
         }
@@ -171,7 +178,7 @@ mod tests {
         let path = folder.path().join("a");
         for content in ["1", "2"] {
             fs::write(&path, content).unwrap();
-            set_aside(&path, "orphan").unwrap();
+            set_aside(&path, &path, "orphan").unwrap();
         }
         assert_eq!(fs::read_to_string(folder.path().join("a.orphan-1")).unwrap(), "1");
         assert_eq!(fs::read_to_string(folder.path().join("a.orphan-2")).unwrap(), "2");

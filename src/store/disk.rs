@@ -3,7 +3,7 @@
 use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_output};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending};
 use super::lock::{Lock, lock};
-use super::{Location, ReadOnly, StoreError};
+use super::{DocumentStore, Location, Others, Outside, ReadOnly, StoreError};
 use crate::document::{Document, Edit, document_from_bytes, document_to_string};
 use crate::geometry::hex;
 use crate::media::read_regular;
@@ -89,8 +89,8 @@ impl Recovery {
 pub struct Store {
     location: Location,
     journal: Journal,
-    /// Of the document's file as it was last read or written; none where there was no file.
-    hash: Option<DocumentHash>,
+    /// The document's file as it was last read or written; none where there was no file.
+    written: Option<(Document, DocumentHash)>,
     /// The journal holds edits that the document's file lacks.
     behind: bool,
     lock: Lock,
@@ -109,16 +109,17 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
             return Ok(Opened { location, document, access: Access::ReadOnly(reason), recovery });
         }
     };
-    let Contents { document, hash, mut recovery, whole_bytes, damage } = read_contents(&location)?;
+    let Contents { document, written, hash, mut recovery, whole_bytes, damage } = read_contents(&location)?;
     let path = location.journal();
     let io = |source| StoreError::from_io("write", &path, source);
     if recovery.foreign_edits > 0 {
-        recovery.set_aside = Some(set_aside(&path, "orphan").map_err(io)?);
+        recovery.set_aside = Some(set_aside(&path, &path, "orphan").map_err(io)?);
     } else if damage != Damage::None {
         recovery.set_aside = Some(copy_aside(&path, "damaged").map_err(io)?);
     }
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
-    let mut store = Store { location: location.clone(), journal, hash: Some(hash.clone()), behind: false, lock };
+    let written = Some((written, hash.clone()));
+    let mut store = Store { location: location.clone(), journal, written, behind: false, lock };
     if damage == Damage::Misfit {
         store.write(&document)?;
     } else if recovery.edits.is_empty() {
@@ -170,13 +171,15 @@ fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
         Err(source) => return Err(StoreError::from_io("read", path, source)),
     };
     if holds_edits {
-        set_aside(path, "orphan").map_err(|source| StoreError::from_io("write", path, source))?;
+        set_aside(path, path, "orphan").map_err(|source| StoreError::from_io("write", path, source))?;
     }
     Ok(())
 }
 
 struct Contents {
     document: Document,
+    /// The document without the journal's edits.
+    written: Document,
     hash: DocumentHash,
     recovery: Recovery,
     /// Of the journal.
@@ -214,7 +217,8 @@ fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
         other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
     };
-    let (mut document, hash) = read_document(location)?;
+    let (written, hash) = read_document(location)?;
+    let mut document = written.clone();
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
     let lost = &bytes[whole_bytes as usize..];
@@ -236,7 +240,7 @@ fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
             }
         }
     }
-    Ok(Contents { document, hash, recovery, whole_bytes, damage })
+    Ok(Contents { document, written, hash, recovery, whole_bytes, damage })
 }
 
 fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
@@ -249,7 +253,7 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
     Ok((document, hash_of(&bytes)))
 }
 
-fn hash_of(bytes: &[u8]) -> DocumentHash {
+pub(super) fn hash_of(bytes: &[u8]) -> DocumentHash {
     hex(&Sha256::digest(bytes))
 }
 
@@ -277,7 +281,7 @@ impl Store {
         let io = |source| StoreError::from_io("write", &path, source);
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
-        let mut store = Self { location: location.clone(), journal, hash: None, behind: false, lock };
+        let mut store = Self { location: location.clone(), journal, written: None, behind: false, lock };
         store.write(document)?;
         Ok(store)
     }
@@ -286,22 +290,6 @@ impl Store {
     #[must_use]
     pub const fn location(&self) -> &Location {
         &self.location
-    }
-
-    /// Whether the journal holds edits that the document's file lacks.
-    #[must_use]
-    pub const fn is_behind(&self) -> bool {
-        self.behind
-    }
-
-    /// Appends an edit to the journal; it is on disk when this returns.
-    ///
-    /// # Errors
-    /// The disk is full or not writable. The journal is as it was; the edit may be appended again.
-    pub fn journal(&mut self, edit: Edit) -> Result<(), StoreError> {
-        self.journal.append(edit).map_err(|source| self.journal_error(source))?;
-        self.behind = true;
-        Ok(())
     }
 
     /// Writes the document, keeps the version before as the backup, and restarts the journal.
@@ -335,10 +323,15 @@ impl Store {
     fn changed_outside(&self) -> Result<bool, StoreError> {
         let path = self.location.file();
         match read_regular(path) {
-            Ok(bytes) => Ok(self.hash.as_ref() != Some(&hash_of(&bytes))),
+            Ok(bytes) => Ok(!self.has_written(&hash_of(&bytes))),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
             Err(source) => Err(StoreError::from_io("read", path, source)),
         }
+    }
+
+    /// Whether the document of this hash is what was last read or written here.
+    fn has_written(&self, hash: &DocumentHash) -> bool {
+        self.written.as_ref().is_some_and(|(_, written)| written == hash)
     }
 
     fn write(&mut self, document: &Document) -> Result<(), StoreError> {
@@ -347,14 +340,14 @@ impl Store {
         let text =
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
-        if self.hash.as_ref() != Some(&hash) || !path.exists() {
+        if !self.has_written(&hash) || !path.exists() {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
             let io = |source| StoreError::from_io("write", path, source);
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
             write_atomically(path, text.as_bytes()).map_err(io)?;
-            self.hash = Some(hash.clone());
         }
+        self.written = Some((document.clone(), hash.clone()));
         self.behind = false;
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(|source| self.journal_error(source))
@@ -386,6 +379,38 @@ impl Store {
         }
         let folder = self.location.folder();
         StoreError::Gone { path: if folder.is_dir() { path } else { folder.to_path_buf() } }
+    }
+}
+
+impl DocumentStore for Store {
+    fn load(&self) -> Result<Document, StoreError> {
+        Ok(read_contents(&self.location)?.document)
+    }
+
+    fn append(&mut self, edit: Edit) -> Result<(), StoreError> {
+        self.journal.append(edit).map_err(|source| self.journal_error(source))?;
+        self.behind = true;
+        Ok(())
+    }
+
+    fn since(&self) -> Result<Option<Outside>, StoreError> {
+        if !self.changed_outside()? {
+            return Ok(None);
+        }
+        let (theirs, _) = read_document(&self.location)?;
+        let base = self.written.as_ref().map_or_else(|| theirs.clone(), |(written, _)| written.clone());
+        Ok(Some(Outside { base, theirs }))
+    }
+
+    fn keep(&mut self, document: &Document, others: Others) -> Result<Option<PathBuf>, StoreError> {
+        match others {
+            Others::Stay => self.save(document).map(|()| None),
+            Others::SetAside => self.save_over(document),
+        }
+    }
+
+    fn is_behind(&self) -> bool {
+        self.behind
     }
 }
 

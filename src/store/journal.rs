@@ -32,6 +32,16 @@ enum Record {
     Saving { document_sha256: DocumentHash },
 }
 
+impl Record {
+    /// The edits after it start from the document of this hash.
+    fn starts_from(&self, document: &DocumentHash) -> bool {
+        match self {
+            Self::Journal { document_sha256, .. } | Self::Saving { document_sha256 } => document_sha256 == document,
+            Self::Edit(_) => false,
+        }
+    }
+}
+
 fn line(record: &Record) -> io::Result<String> {
     let json = serde_json::to_string(record)?;
     Ok(prefix(json.as_bytes()) + &json + "\n")
@@ -93,7 +103,29 @@ impl JournalContent {
 
     /// Whether it holds an edit at all.
     pub fn has_edits(&self) -> bool {
-        self.records.iter().any(|record| matches!(record, Record::Edit(_)))
+        self.edit_names().next().is_some()
+    }
+
+    /// The names of its edits, oldest first.
+    pub fn edit_names(&self) -> impl Iterator<Item = String> {
+        self.records.iter().filter_map(|record| match record {
+            Record::Edit(edit) => Some(edit.name.clone()),
+            Record::Journal { .. } | Record::Saving { .. } => None,
+        })
+    }
+
+    /// Its edits, whatever document they start from.
+    pub fn into_edits(self) -> Vec<Edit> {
+        let edits = self.records.into_iter().filter_map(|record| match record {
+            Record::Edit(edit) => Some(edit),
+            Record::Journal { .. } | Record::Saving { .. } => None,
+        });
+        edits.collect()
+    }
+
+    /// Whether edits of it start from the document of this hash.
+    pub fn knows(&self, document: &DocumentHash) -> bool {
+        self.records.iter().any(|record| record.starts_from(document))
     }
 
     /// The edits that are not yet in the document of this hash.
@@ -103,11 +135,7 @@ impl JournalContent {
         {
             return Pending::Newer { version: *version };
         }
-        let starts_here = |record: &Record| match record {
-            Record::Journal { document_sha256, .. } | Record::Saving { document_sha256 } => document_sha256 == document,
-            Record::Edit(_) => false,
-        };
-        let start = self.records.iter().rposition(starts_here);
+        let start = self.records.iter().rposition(|record| record.starts_from(document));
         let edits = self.records.into_iter().enumerate().filter_map(|(index, record)| match record {
             Record::Edit(edit) if start.is_none_or(|start| index > start) => Some(edit),
             _ => None,

@@ -3,16 +3,21 @@
 
 mod atomic;
 mod disk;
+mod document_store;
 mod error;
 mod file_id;
 mod journal;
 mod location;
 mod lock;
+mod orphan;
 mod read_only;
 
 pub(crate) use atomic::{write_atomically, write_output};
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
+pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;
 pub use location::Location;
 pub(crate) use location::{PROJECT_FILE, PROJECT_SUFFIX};
+pub use orphan::{Orphan, OrphanEdits, orphans, read_orphan};
+pub(crate) use orphan::{put_orphan_away, save_orphan};
 pub use read_only::ReadOnly;

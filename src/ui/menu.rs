@@ -160,6 +160,13 @@ pub fn file_name(path: &str) -> String {
 
 /// Whether every edit is on disk.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
+    if panel.app.session.changed_outside.is_some() {
+        let choose = Button::new(RichText::new("Changed outside").color(theme::BACKDROP)).fill(theme::CAUTION).small();
+        let tip = "Another program changed the document; it is not written until you say whose version stays.";
+        if ui.add(choose).on_hover_text(tip).clicked() {
+            panel.actions.push(Action::AskOutside);
+        }
+    }
     match &panel.app.session.saving {
         Saving::Untouched => {}
         Saving::Pending => {

@@ -34,6 +34,8 @@ impl Shell {
         theme::apply(&creation.egui_ctx);
         creation.egui_ctx.add_plugin(InputQueue::default());
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
+        // Quitting goes through the application, which asks before edits are lost.
+        creation.egui_ctx.options_mut(|options| options.quit_shortcuts.clear());
         let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());

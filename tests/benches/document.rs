@@ -10,7 +10,7 @@ use touchline::document::{
     document_from_bytes, document_to_string,
 };
 use touchline::geometry::{ImagePoint, ImageSize, Mat3};
-use touchline::store::{Access, Location, open, write_document};
+use touchline::store::{Access, DocumentStore as _, Location, open, write_document};
 
 const FRAMES: usize = 10_000;
 const LANDMARKS: [&str; 6] = [
@@ -101,5 +101,5 @@ fn journal_edit(bencher: Bencher) {
     let mut after = opened.document.clone();
     after.frames[5000].clicks[0].image.x += 1.0;
     let edit = Edit::between(&opened.document, &after, "Move");
-    bencher.bench_local(|| store.journal(edit.clone()).unwrap());
+    bencher.bench_local(|| store.append(edit.clone()).unwrap());
 }

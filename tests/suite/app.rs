@@ -1,7 +1,7 @@
 //! The application by actions, without a window: place, name, drag, undo, accept, reject.
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
-use touchline::app::session::{Filter, Level, Mode, PictureView, Saving};
+use touchline::app::session::{Dialog, Filter, Leaving, Level, Mode, PictureView, Saving};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
@@ -325,6 +325,7 @@ fn a_document_to_look_at_only_stays_as_it_is() {
         file: "/nowhere/project.json".into(),
         read_only: Some("another program has it open".into()),
         notices: vec![(Level::Warning, "3 edits recovered.".into())],
+        orphans: Vec::new(),
     })));
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));
@@ -349,7 +350,7 @@ fn closing_waits_until_everything_is_on_disk() {
 }
 
 #[test]
-fn a_full_disk_is_said_and_a_second_request_closes_all_the_same() {
+fn a_full_disk_is_said_and_edits_are_lost_only_by_saying_so() {
     let mut bench = Bench::new(document(1, true));
     bench.place("centre_mark");
     bench.act(Action::SaveFailed("disk full".into()));
@@ -358,8 +359,12 @@ fn a_full_disk_is_said_and_a_second_request_closes_all_the_same() {
     assert!(!bench.effects.contains(&Effect::Close));
     bench.act(Action::SaveFailed("disk full".into()));
     assert!(matches!(&bench.app.session.saving, Saving::Failed { message, .. } if message == "disk full"));
-    bench.act(Action::CloseRequested);
-    bench.act(Action::CloseRequested);
+    for _ in 0..2 {
+        bench.act(Action::CloseRequested);
+        assert!(!bench.effects.contains(&Effect::Close));
+        assert_eq!(bench.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
+    }
+    bench.act(Action::LeaveUnsaved);
     assert!(bench.effects.contains(&Effect::Close));
 }
 

@@ -8,7 +8,7 @@ use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec3};
-use touchline::store::{Access, Location, open, read, write_document};
+use touchline::store::{Access, DocumentStore as _, Location, open, read, write_document};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -165,7 +165,7 @@ fn commands_see_what_only_the_journal_holds() {
     let mut after = document.clone();
     after.frames[0].clicks.push(Click::unnamed(SIZE.centre()));
     after.frames[0].clicks.push(Click::landmark("centre_mark".into(), SIZE.centre()));
-    store.journal(Edit::between(&document, &after, "Two clicks")).unwrap();
+    store.append(Edit::between(&document, &after, "Two clicks")).unwrap();
     let ran = touchline(folder.path(), "export match --format json -o set.json");
     assert_eq!((ran.code, ran.stderr.as_str()), (0, "touchline: Recovered 1 edit: Two clicks.\n"));
     let (_, dataset, _) = read(&folder.path().join("set.json")).unwrap();

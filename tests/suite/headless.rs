@@ -5,12 +5,14 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use touchline::app::{Action, App, Question, Settings};
-use touchline::jobs::Runner;
+use touchline::jobs::{Request, Runner};
 
 /// An application and what carries its effects out, as a window would have them.
 pub struct Headless {
     pub app: App,
     pub runner: Runner,
+    /// What was left for a window to do.
+    pub requests: Vec<Request>,
     woken: Receiver<()>,
 }
 
@@ -21,20 +23,17 @@ impl Headless {
         let runner = Runner::new(Arc::new(move || {
             let _ = wake.send(());
         }));
-        Self { app: App::new(Settings::default()), runner, woken }
+        Self { app: App::new(Settings::default()), runner, requests: Vec::new(), woken }
     }
 
     pub fn act(&mut self, action: Action) {
-        let effects = self.app.update(action);
-        for effect in effects {
-            self.runner.carry_out(effect);
+        for effect in self.app.update(action) {
+            self.requests.extend(self.runner.carry_out(effect));
         }
     }
 
     pub fn answer(&mut self, question: Question, path: &Path) {
-        for effect in self.app.update(Action::Answer(question, path.to_path_buf())) {
-            self.runner.carry_out(effect);
-        }
+        self.act(Action::Answer(question, path.to_path_buf()));
     }
 
     /// Takes reports in until something holds.

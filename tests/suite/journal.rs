@@ -10,7 +10,9 @@ use tempfile::TempDir;
 use touchline::document::{Click, Document, Edit, FieldSpec, Frame};
 use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::jobs::{Saver, SaverOptions, SaverReport};
-use touchline::store::{Access, Location, Opened, ReadOnly, Store, StoreError, open, read, write_document};
+use touchline::store::{
+    Access, DocumentStore as _, Location, Opened, ReadOnly, Store, StoreError, open, read, write_document,
+};
 
 fn document(frames: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -51,7 +53,7 @@ fn click(store: &mut Store, before: &Document, number: usize) -> Document {
     let mut after = before.clone();
     let index = number % after.frames.len();
     after.frames[index].clicks.push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
-    store.journal(Edit::between(before, &after, &format!("Click {number}"))).unwrap();
+    store.append(Edit::between(before, &after, &format!("Click {number}"))).unwrap();
     after
 }
 
@@ -71,7 +73,7 @@ fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {
     let mut shorter = states.last().unwrap().clone();
     shorter.frames.remove(1);
     shorter.field.params.insert("length_m".to_owned(), 101.5);
-    project.store.journal(Edit::between(states.last().unwrap(), &shorter, "Remove a frame")).unwrap();
+    project.store.append(Edit::between(states.last().unwrap(), &shorter, "Remove a frame")).unwrap();
     states.push(shorter);
     drop(project);
 
@@ -320,12 +322,12 @@ fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
     let away = folder.path().join("away");
     fs::rename(&path, &away).unwrap();
     for _ in 0..2 {
-        let error = project.store.journal(Edit::between(&before, &after, "Comment")).unwrap_err();
+        let error = project.store.append(Edit::between(&before, &after, "Comment")).unwrap_err();
         assert!(matches!(error, StoreError::Gone { .. }), "{error}");
         assert!(matches!(project.store.save(&after), Err(StoreError::Gone { .. })));
     }
     fs::rename(&away, &path).unwrap();
-    project.store.journal(Edit::between(&before, &after, "Comment")).unwrap();
+    project.store.append(Edit::between(&before, &after, "Comment")).unwrap();
     drop(project);
     let (project, document) = opened(&path);
     assert_eq!((document, project.recovered), (after, 1), "the edit is there once");
@@ -340,7 +342,7 @@ fn a_journal_that_was_deleted_is_made_again_by_saving() {
     fs::remove_file(location.lock()).unwrap();
     let mut after = before.clone();
     after.frames[1].comment = Some("kept".to_owned());
-    let error = project.store.journal(Edit::between(&before, &after, "Comment")).unwrap_err();
+    let error = project.store.append(Edit::between(&before, &after, "Comment")).unwrap_err();
     assert!(matches!(&error, StoreError::Gone { path } if *path == location.journal()), "{error}");
     project.store.save(&after).unwrap();
     assert!(matches!(open(&path).unwrap().access, Access::ReadOnly(_)), "the lock holds again");
@@ -429,6 +431,27 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
     wait_for(&mut saver, |report| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(()));
     drop(saver);
     assert_eq!(opened(&path).1.frames[0].comment.as_deref(), Some("kept"));
+}
+
+#[test]
+fn an_edit_that_does_not_fit_makes_the_saver_ask_for_the_whole_document() {
+    let (_folder, path) = new_project(2);
+    let (project, start) = opened(&path);
+    let mut saver = saver(project.store, &start, SaverOptions::default());
+    let more = document(5);
+    let mut after = more.clone();
+    after.frames[4].comment = Some("fifth".to_owned());
+    // The saver knows two frames only.
+    saver.edit(Edit::between(&more, &after, "Comment"), 1);
+    wait_for(&mut saver, |report| matches!(report, SaverReport::NeedsWhole).then_some(()));
+    assert_eq!(read(&path).unwrap().1.frames.len(), 2, "nothing is written that is not the user's");
+    let mut last = after.clone();
+    last.frames[0].comment = Some("first".to_owned());
+    saver.whole(after.clone(), 1);
+    saver.edit(Edit::between(&after, &last, "Comment"), 2);
+    wait_for(&mut saver, journaled(2));
+    drop(saver);
+    assert_eq!(opened(&path).1.frames, last.frames);
 }
 
 const CHILD_FOLDER: &str = "TOUCHLINE_TEST_CHILD_FOLDER";

@@ -35,6 +35,7 @@ mod journal;
 mod killed;
 mod library;
 mod names_in_app;
+mod nothing_unasked;
 mod pose;
 mod program;
 mod published_figures;

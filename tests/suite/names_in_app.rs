@@ -63,6 +63,7 @@ fn opened(document: Document) -> App {
         file: "/nowhere/project.json".into(),
         read_only: None,
         notices: Vec::new(),
+        orphans: Vec::new(),
     })));
     app
 }

@@ -6,6 +6,7 @@
 
 mod base;
 mod cameras;
+mod closing;
 mod gold;
 mod labelling;
 mod names;

@@ -4,7 +4,7 @@ use super::App;
 use super::cameras::counted;
 use crate::app::Command;
 use crate::app::action::Effect;
-use crate::app::base::{BaseReadiness, BaseWork, Estimating};
+use crate::app::base::{BaseReadiness, BaseWork, EstimateFailure, Estimating};
 use crate::app::session::{Level, Panel};
 use crate::calibrate::{EstimatedBase, describe_size};
 use crate::document::{Click, Frame, Step, Target};
@@ -56,7 +56,7 @@ impl App {
         }
     }
 
-    pub(super) fn base_estimated(&mut self, found: Result<Box<EstimatedBase>, String>) {
+    pub(super) fn base_estimated(&mut self, found: Result<Box<EstimatedBase>, EstimateFailure>) {
         if !matches!(self.session.base, BaseWork::Estimating(_)) {
             return;
         }
@@ -66,9 +66,9 @@ impl App {
                 self.session.base = BaseWork::Proposed(found.into());
                 self.session.notify_with(Level::Info, text, Some(("Use it", Command::UseEstimatedBase)));
             }
-            Err(message) => {
+            Err(failure) => {
                 self.session.base = BaseWork::Idle;
-                self.session.notify(Level::Warning, format!("No base: {message}."));
+                self.session.notify(Level::Warning, format!("No base: {failure}."));
             }
         }
     }

@@ -41,6 +41,8 @@ impl App {
             C::OverlayStyle => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),
+            C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
+            C::Orphans => None,
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
@@ -114,10 +116,8 @@ impl App {
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
             C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
-            C::OpenDemo => {
-                self.session.opening = Some("Opening the demo match…".to_owned());
-                self.effects.push(Effect::OpenDemo);
-            }
+            C::OpenDemo => self.open_demo(),
+            C::Orphans => self.session.dialog = Some(Dialog::Orphans),
             C::Save => self.save(),
             C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
             C::Export => self.effects.push(Effect::Ask(Question::ExportTo)),

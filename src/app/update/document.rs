@@ -4,11 +4,28 @@ use super::App;
 use super::Current;
 use crate::app::OpenProject;
 use crate::app::action::{Effect, Opened};
-use crate::app::session::{Level, Mode, Question, Saving, Session};
+use crate::app::session::{Leaving, Level, Question, Saving, Session};
 use std::path::PathBuf;
 
 impl App {
     pub(super) fn open_path(&mut self, path: PathBuf) {
+        if !self.asks_before(Leaving::Open(path.clone())) {
+            self.begin_opening(path);
+        }
+    }
+
+    pub(super) fn open_demo(&mut self) {
+        if !self.asks_before(Leaving::OpenDemo) {
+            self.begin_opening_demo();
+        }
+    }
+
+    pub(super) fn begin_opening_demo(&mut self) {
+        self.session.opening = Some("Opening the demo match…".to_owned());
+        self.effects.push(Effect::OpenDemo);
+    }
+
+    pub(super) fn begin_opening(&mut self, path: PathBuf) {
         self.session.opening = Some(format!("Opening {}…", path.display()));
         self.effects.push(Effect::Open(path));
     }
@@ -26,6 +43,8 @@ impl App {
         if let Some(reason) = &opened.read_only {
             self.session.notify(Level::Warning, format!("Opened to look at only: {reason}"));
         }
+        self.session.orphans.clone_from(&opened.orphans);
+        self.tell_orphans();
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
         let Opened { document, folder, file, read_only, .. } = opened;
@@ -57,6 +76,7 @@ impl App {
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
             (Question::CopyTo, Some(open)) => {
+                self.session.copies.begun = Some(open.revision);
                 self.effects.push(Effect::SaveCopy {
                     document: open.document.clone(),
                     from: open.folder.clone(),
@@ -80,9 +100,10 @@ impl App {
         let newest = self.open.as_ref().map_or(0, |open| open.revision);
         if revision >= newest {
             self.session.saving = Saving::Saved { at };
-            if self.session.closing && whole {
-                self.effects.push(Effect::Close);
+            if whole {
+                self.session.changed_outside = None;
             }
+            self.go_on_leaving(whole);
         }
     }
 
@@ -92,27 +113,9 @@ impl App {
             Saving::Failed { since, .. } => since,
             Saving::Untouched | Saving::Pending => None,
         };
-        self.session.closing = false;
         self.session.saving = Saving::Failed { message, since };
-    }
-
-    /// Writes everything, then closes; at once if there is nothing to write.
-    pub(super) fn close_requested(&mut self) {
-        if let Mode::Dragging { .. } | Mode::Editing = self.session.mode {
-            self.abort();
+        if std::mem::take(&mut self.session.closing) {
+            self.asks_before(Leaving::Close);
         }
-        let nothing_to_write =
-            self.session.saving == Saving::Untouched || self.open.as_ref().is_none_or(|open| open.read_only.is_some());
-        if nothing_to_write {
-            self.effects.push(Effect::Close);
-            return;
-        }
-        if matches!(self.session.saving, Saving::Failed { .. }) && self.session.closing {
-            // Asked twice although it was said that edits are only in memory.
-            self.effects.push(Effect::Close);
-            return;
-        }
-        self.session.closing = true;
-        self.save();
     }
 }

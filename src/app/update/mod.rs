@@ -8,8 +8,10 @@ mod compare;
 mod document;
 mod frames;
 mod gold;
+mod leaving;
 mod naming;
 mod numbers;
+mod outside;
 mod proposals;
 mod quality;
 mod review;
@@ -187,6 +189,10 @@ impl App {
                 }
             }
             Action::Opened(opened) => self.opened(*opened),
+            Action::AlreadyOpen(file) => {
+                self.session.opening = None;
+                self.session.notify(Level::Info, format!("{} is open already.", file.display()));
+            }
             Action::Failed(message) => {
                 self.session.opening = None;
                 if self.session.comparison == Comparison::UnderWay {
@@ -201,7 +207,29 @@ impl App {
                 self.session.notify(Level::Info, format!("Dataset written: {}", path.display()));
                 self.tell_assumed_size();
             }
-            Action::Copied(path) => self.session.notify(Level::Info, format!("Copy written: {}", path.display())),
+            Action::Copied(path) => {
+                self.session.copies.written = self.session.copies.begun.take();
+                self.session.notify(Level::Info, format!("Copy written: {}", path.display()));
+            }
+            Action::WholeWanted => {
+                if let Some(open) = &self.open {
+                    let document = Box::new(open.journalled.clone());
+                    self.effects.push(Effect::JournalWhole { document, revision: open.revision });
+                }
+            }
+            Action::ChangedOutside(path) => self.changed_outside(path),
+            Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
+            Action::ResolveOutside(choice) => self.resolve_outside(choice),
+            Action::Outside(outside) => self.merge_outside(&outside),
+            Action::MergeOrphan(orphan) => self.effects.push(Effect::ReadOrphan { orphan }),
+            Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
+            Action::SaveOrphan(orphan) => self.effects.push(Effect::SaveOrphan { orphan }),
+            Action::OrphanSaved { document } => {
+                self.session
+                    .notify(Level::Info, format!("The edits are in a document of their own: {}", document.display()));
+            }
+            Action::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
+            Action::LeaveUnsaved => self.leave_unsaved(),
             Action::CloseRequested => self.close_requested(),
         }
     }

@@ -1,13 +1,15 @@
-//! What lies over the window when asked for: palette, keys, about, overlay style, comment, which camera,
-//! path. Escape closes each of them,
-//! and so does a click beside it.
+//! What lies over the window: palette, keys, about, overlay style, comment, which camera, path, and what has to be decided
+//! about saving. Escape closes each of them, and so does a click beside it.
 
 mod about;
 mod accept_all;
+mod changed_outside;
 mod comment;
 mod fuzzy;
 mod give;
 mod keys;
+mod not_saved;
+mod orphans;
 mod overlay_style;
 mod palette;
 mod path;
@@ -32,6 +34,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
         Some(Dialog::GiveToCamera(scope)) => give::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
+        Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
+        Some(Dialog::Orphans) => orphans::show(panel, ctx),
+        Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
     }
 }
 

@@ -1,0 +1,57 @@
+//! What is done in the background at a person's request, apart from opening.
+
+use super::JobError;
+use crate::app::Compared;
+use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::document::{Camera, CameraId, DocumentAt, document_to_string};
+use crate::evaluate::agreement;
+use crate::solve::base::{BaseOptions, WatchBase};
+use crate::store::{Location, Store, write_output};
+use std::path::{Path, PathBuf};
+
+/// Estimates the base of a camera, and the field's size as well if that is wanted.
+pub(super) fn estimate(
+    document: DocumentAt<'_>,
+    camera: &CameraId,
+    with_size: bool,
+    watch: WatchBase<'_>,
+) -> Result<Box<EstimatedBase>, BaseEstimationError> {
+    let problem = BaseProblem::of(document, camera)?;
+    let options = BaseOptions::default();
+    let found = if with_size {
+        problem.estimate_with_size(document, &options, watch)
+    } else {
+        problem.estimate_watched(document.document, &options, watch)
+    };
+    found.map(Box::new)
+}
+
+/// Reads another annotator's document and compares the open one with it.
+pub(super) fn compared(document: DocumentAt<'_>, revision: u64, with: PathBuf) -> Result<Compared, JobError> {
+    let (location, other, _) = crate::store::read(&with)?;
+    let agreement = agreement(document, other.at(location.folder()))?;
+    Ok(Compared { file: with, revision, agreement })
+}
+
+/// Writes a document into another folder; an existing project there is not touched.
+pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder).map_err(JobError::io(folder))?;
+    let location = Location::for_new_document(folder)?;
+    Store::create(&location, &document.relocated(location.folder()))?;
+    Ok(())
+}
+
+/// Writes a dataset; the file dialog has asked before replacing one.
+pub(super) fn export(document: DocumentAt<'_>, file: &Path) -> Result<(), JobError> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = std::fs::canonicalize(folder).map_err(JobError::io(folder))?;
+    let text = document_to_string(&document.relocated(&folder))?;
+    write_output(file, text.as_bytes()).map_err(JobError::io(file))
+}
+
+/// The first camera of a document that has a base.
+pub(super) fn camera_with_base(path: &Path) -> Result<Camera, JobError> {
+    let (_, document, _) = crate::store::read(path)?;
+    let camera = document.cameras.iter().find(|camera| camera.base().is_some());
+    camera.map(|camera| (**camera).clone()).ok_or_else(|| JobError::NoBase { path: path.to_path_buf() })
+}

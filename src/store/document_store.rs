@@ -1,0 +1,54 @@
+//! What a place that keeps a document does, whatever the place is.
+
+use super::StoreError;
+use crate::document::{Document, Edit};
+use std::path::PathBuf;
+
+/// A place that keeps one document for whoever edits it: a file with its journal today, a team's database later.
+pub trait DocumentStore: Send {
+    /// The document as it is kept now, with every edit that was appended.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn load(&self) -> Result<Document, StoreError>;
+
+    /// Keeps an edit; it is safe when this returns.
+    ///
+    /// # Errors
+    /// The place refuses it. Everything is as it was; the edit may be appended again.
+    fn append(&mut self, edit: Edit) -> Result<(), StoreError>;
+
+    /// What others made of the document since it was last read or written through this store; none where they changed
+    /// nothing.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn since(&self) -> Result<Option<Outside>, StoreError>;
+
+    /// Keeps the document as a whole, which holds every edit; where the version of others went, if it was set aside.
+    ///
+    /// # Errors
+    /// Others changed it and their version is to stay, or the place refuses it.
+    fn keep(&mut self, document: &Document, others: Others) -> Result<Option<PathBuf>, StoreError>;
+
+    /// Whether edits are kept that the document as a whole lacks.
+    fn is_behind(&self) -> bool;
+}
+
+/// What happens to a version that others wrote since the document was last read or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Others {
+    /// It stays, and the document is not written.
+    Stay,
+    /// It is kept under another name.
+    SetAside,
+}
+
+/// A document that others changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outside {
+    /// The document that both versions started from.
+    pub base: Document,
+    /// The version of the others.
+    pub theirs: Document,
+}

@@ -1,0 +1,49 @@
+//! Before edits are lost: what is not saved, and the ways out.
+
+use super::sheet;
+use crate::app::session::{Leaving, Saving};
+use crate::app::{Action, Command};
+use crate::ui::{Panel, theme};
+use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
+    let (title, does) = match leaving {
+        Leaving::Close => ("Quit without saving?", "Quit and lose"),
+        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose"),
+    };
+    sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
+        let (what, does) = match &panel.app.session.saving {
+            Saving::Failed { message, since } => {
+                let edits = since.as_ref().map_or_else(
+                    || "Your edits are only in memory.".to_owned(),
+                    |at| format!("Your edits since {at} are only in memory."),
+                );
+                (format!("{edits} {message}."), does)
+            }
+            Saving::Pending => ("Your last edits are still on their way to disk.".to_owned(), does),
+            Saving::Untouched | Saving::Saved { .. } => (
+                "Another program changed the document. Your edits stay in its journal and are offered when it is opened \
+                 again."
+                    .to_owned(),
+                "Quit",
+            ),
+        };
+        ui.add(Label::new(RichText::new(what).color(theme::STRONG)).wrap());
+        ui.add_space(2.0 * theme::SPACE);
+        let row = vec2(ui.available_width(), 28.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
+            let elsewhere = ui.add(Button::new("Save elsewhere…").fill(theme::ACCENT_GROUND));
+            if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
+                panel.actions.push(Action::CloseDialog);
+                panel.actions.push(Action::Command(Command::SaveAs));
+            }
+            if ui.button("Cancel").on_hover_text("Go on working; saving is tried again. (Esc)").clicked() {
+                panel.actions.push(Action::CloseDialog);
+            }
+            if ui.button(RichText::new(does).color(theme::BAD)).on_hover_text("This cannot be undone.").clicked() {
+                panel.actions.push(Action::LeaveUnsaved);
+            }
+        });
+    });
+}

@@ -1,0 +1,42 @@
+//! Edits of another version of the document, which were set aside.
+
+use super::sheet;
+use crate::app::Action;
+use crate::store::Orphan;
+use crate::ui::{Panel, theme};
+use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    sheet(panel, ctx, "Edits set aside", vec2(560.0, 320.0), |panel, ui| {
+        let text = "These edits were made to another version of this document, and are not in it.";
+        ui.add(Label::new(RichText::new(text).color(theme::STRONG)).wrap());
+        ui.add_space(2.0 * theme::SPACE);
+        ScrollArea::vertical().id_salt("edits set aside").show(ui, |ui| {
+            for orphan in &panel.app.session.orphans.clone() {
+                entry(panel, ui, orphan);
+            }
+        });
+    });
+}
+
+fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
+    let count = orphan.edits.len();
+    let last = orphan.edits.last().map(String::as_str).unwrap_or_default();
+    let text = if count == 1 { format!("1 edit: {last}") } else { format!("{count} edits, the last one: {last}") };
+    ui.add(Label::new(text).truncate()).on_hover_text(orphan.path.display().to_string());
+    ui.horizontal(|ui| {
+        let merge = ui.button("Take in").on_hover_text(
+            "Join them with the document, frame by frame; what was changed on both sides becomes as it is in them. One step \
+             of undo.",
+        );
+        if merge.clicked() {
+            panel.actions.push(Action::MergeOrphan(orphan.path.clone()));
+        }
+        let save = ui.button("Save as a document").on_hover_text("Write what they lead to as a document beside this one.");
+        if save.clicked() {
+            panel.actions.push(Action::SaveOrphan(orphan.path.clone()));
+        }
+    });
+    ui.add_space(theme::SPACE);
+}
