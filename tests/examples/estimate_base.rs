@@ -21,9 +21,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let base = &found.estimate.base;
     println!("{} clicks of camera {:?}", problem.click_count(), camera.as_str());
-    println!("position {:.2} m ± {:.2} m", base.position_m.transpose(), base.sigma.position_m.transpose());
+    let (at, sigma) = (base.position_m, base.sigma.position_m);
+    println!("position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m", at.x, at.y, at.z, sigma.x, sigma.y, sigma.z);
     println!("clicks lie {:.2} px off (median)", found.estimate.median_px);
-    // The document can take the base over; whoever wants to keep it writes the document.
+    // The document takes the base over; `store::write_document` would keep it.
     found.write_camera(&mut document);
     Ok(())
 }

@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let field = builtin("soccer")?.default_model()?;
     let clicks = [
-        Observation::of_landmark(&field, "centre_mark", ImagePoint::new(444.7, 789.2), size, 0)?,
-        Observation::of_landmark(&field, "halfway_far", ImagePoint::new(455.1, 351.0), size, 1)?,
+        Observation::of_landmark(&field, "centre_mark", ImagePoint::new(479.1, 672.1), size, 0)?,
+        Observation::of_landmark(&field, "corner_far_right", ImagePoint::new(1477.7, 439.5), size, 1)?,
     ];
     let solved = solve_frame(&base, &clicks, &SolveContext::new(size))?;
 

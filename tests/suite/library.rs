@@ -27,6 +27,7 @@ fn a_solved_frame_is_written_with_its_units() {
     assert_eq!(written["ptz"]["focal_px"], solved.ptz.focal_px);
     assert_eq!(written["covariance"][0][2], solved.covariance[(0, 2)]);
     assert_eq!(written["residuals"][1]["click"], 1);
+    assert!(!solved.warnings.is_empty(), "two clicks 438 px apart are warned of");
     for (warning, told) in written["warnings"].as_array().unwrap().iter().zip(&solved.warnings) {
         assert_eq!(warning["code"], told.code.as_str());
     }
