@@ -15,6 +15,7 @@ const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
 /// An annotator's hand as a document keeps it (`click_noise`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[allow(clippy::struct_field_names, reason = "the fields are named as the document's keys are")]
 pub struct Hand {
     /// The solve uses it.
     #[serde(rename = "use")]

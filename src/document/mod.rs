@@ -11,6 +11,7 @@ mod camera;
 mod click;
 mod click_noise;
 mod create;
+#[allow(clippy::module_inception, reason = "the room is named after what it is about")]
 mod document;
 mod edit;
 mod field_size;

@@ -278,7 +278,7 @@ mod tests {
     struct Height {
         x: f64,
         y: f64,
-        height: f64,
+        z: f64,
     }
 
     impl Residual<1, 2, 1> for Height {
@@ -293,7 +293,7 @@ mod tests {
         }
 
         fn value(&self, (slopes, offset): &Self::State) -> Option<Vector1<f64>> {
-            (self.x >= 0.0).then(|| Vector1::new(slopes[0] * self.x + slopes[1] * self.y + offset - self.height))
+            (self.x >= 0.0).then(|| Vector1::new(slopes[0] * self.x + slopes[1] * self.y + offset - self.z))
         }
 
         fn linearised(&self, at: &Self::State) -> Option<Linearised<1, 2, 1>> {
@@ -331,8 +331,8 @@ mod tests {
         let heights = |offset: f64| {
             let at = |i: u32| {
                 let (x, y) = (f64::from(i % 3), f64::from(i / 3));
-                let height = 0.7 * x - 0.2 * y + offset;
-                Height { x, y, height: if i == 4 { height + outlier } else { height } }
+                let z = 0.7 * x - 0.2 * y + offset;
+                Height { x, y, z: if i == 4 { z + outlier } else { z } }
             };
             (0..9).map(at).collect()
         };
@@ -391,7 +391,7 @@ mod tests {
         equations.free = [true, false];
         assert_eq!(equations.step(0.0).unwrap().shared[1], 0.0);
         let mut block = BlockEquations::<2, 1>::zero();
-        block.add(&Height { x: -1.0, y: 0.0, height: 0.0 }, &(SVector::zeros(), 0.0), Loss::Squared);
+        block.add(&Height { x: -1.0, y: 0.0, z: 0.0 }, &(SVector::zeros(), 0.0), Loss::Squared);
         assert_eq!((block.cost(), block.own[0]), (NO_VALUE_SIGMAS * NO_VALUE_SIGMAS, 0.0));
     }
 }
