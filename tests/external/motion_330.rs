@@ -74,6 +74,7 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         found.model
     );
     assert!(off.component_div(&found.base.sigma.position_m).amax() < 3.0, "{off:?}");
+    assert!(off.norm() < 0.05, "the base is off by {:.3} m", off.norm());
 
     let crowned = FieldModel { crown_m: found.crown_m, ..field.clone() };
     let (mut errors, mut held, mut of) = (Vec::new(), 0, 0);
@@ -103,5 +104,7 @@ fn ten_frames_give_the_base_and_two_clicks_every_frame_of_a_real_motion() {
         "two clicks, 330 frames: {median:.2} / {high:.2} px, worst {worst:.1}; 68 % regions hold {:.1} %",
         100.0 * f64::from(held) / f64::from(of)
     );
-    assert!(median < 3.0 && high < 10.0, "{median:.2} / {high:.2} px");
+    // 1.4 / 3.0, worst 9.6 in `tests/benches/README.md`.
+    assert!(median < 1.45 && high < 3.05 && worst < 10.0, "{median:.2} / {high:.2} px, worst {worst:.1}");
+    assert!(100 * held >= 68 * of, "{held} of {of} within their 68 % regions");
 }

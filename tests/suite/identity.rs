@@ -95,8 +95,10 @@ fn right_names_raise_no_alarm() {
     let (mut alarms, trials) = (0, 1500);
     for trial in 0..trials {
         let (clicks, _) = labels(&field, 4 + trial % 9, &mut rng);
+        solve_frame(&nominal_base(), &clicks, &SolveContext::new(SIZE)).unwrap();
         alarms += usize::from(identify(&field, &clicks).is_some());
     }
+    println!("{alarms} false alarms of {trials}");
     assert!(alarms <= trials / 100, "{alarms} false alarms of {trials}");
 }
 
@@ -133,10 +135,9 @@ fn one_swap_or_one_wrong_landmark_is_found_and_mended() {
             }
         }
         println!("swap {swap}: {found} found, {mended} mended of {trials}");
-        assert!(
-            100 * found >= 95 * trials && 100 * mended >= 93 * trials,
-            "swap {swap}: {found}, {mended} of {trials}"
-        );
+        // 98.3 and 97.2 % in `tests/benches/README.md`; all that are found are mended rightly.
+        let least = if swap { 590 } else { 583 };
+        assert!(found >= least && mended == found, "swap {swap}: {found}, {mended} of {trials}");
     }
 }
 
@@ -194,14 +195,21 @@ fn tells_of_a_mistake(solved: &FrameSolution) -> bool {
         || (judgement.verdict != Verdict::Good && !doubtful && other_than_separation(&judgement.reason))
 }
 
-/// With two clicks and a base there is one surplus equation, and what the camera usually does. What they see of each mistake
-/// is measured here.
+/// The table of `tests/benches/README.md`: in % of the frames, how often a swap, the three mirrored sides and one wrong
+/// landmark are at least refused or warned of, and how often the right names of the first four are at hand.
+const TWO_CLICKS: [(Known, [usize; 5], [usize; 4]); 3] = [
+    (Known::Nothing, [100, 100, 99, 100, 98], [66, 65, 84, 56]),
+    (Known::AcceptedFrames, [100, 100, 99, 100, 98], [66, 65, 84, 56]),
+    (Known::TheFrameBefore, [100, 100, 100, 100, 100], [63, 63, 80, 57]),
+];
+
+/// With two clicks and a base there is one surplus equation, and what the camera usually does.
 #[test]
 fn two_clicks_say_what_they_can() {
     let field = field();
     let trials = 400;
     println!("two clicks, % of {trials}: refused or warned of; with the right names at hand | false alarms, in doubt");
-    for what in [Known::Nothing, Known::AcceptedFrames, Known::TheFrameBefore] {
+    for (what, least_caught, least_mended) in TWO_CLICKS {
         let mut rng = seeded::rng("two_clicks_say_what_they_can");
         let (mut alarms, mut doubts, mut caught, mut mended) = (0, 0, [0; 5], [0; 5]);
         for _ in 0..trials {
@@ -246,11 +254,12 @@ fn two_clicks_say_what_they_can() {
             percent(alarms),
             percent(doubts),
         );
-        assert!(alarms * 50 <= trials, "{what:?}: {alarms} false alarms");
-        assert!(caught[0] * 10 > trials * 9, "{what:?}: {} swaps", caught[0]);
-        if what == Known::TheFrameBefore {
-            assert!(caught.iter().all(|caught| caught * 100 >= trials * 95), "{caught:?}");
-            assert_eq!(doubts, 0);
+        assert_eq!((alarms, doubts), (0, 0), "{what:?}: right frames that are told of a mistake, or doubted");
+        for (kind, least) in least_caught.into_iter().enumerate() {
+            assert!(percent(caught[kind]) >= least, "{what:?}, {kind}: {} of {trials} caught", caught[kind]);
+        }
+        for (kind, least) in least_mended.into_iter().enumerate() {
+            assert!(percent(mended[kind]) >= least, "{what:?}, {kind}: {} of {trials} mended", mended[kind]);
         }
     }
 }
