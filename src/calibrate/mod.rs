@@ -26,10 +26,7 @@ pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use habits::habits;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
-pub use paint::{
-    LINE_CHECK, NOT_SNAPPED, SnapFrameError, against, check_camera, masks, record_line_check, record_refusal,
-    record_snapped, snap_frame,
-};
+pub use paint::{SnapFrameError, check_frame, record_line_check, record_refusal, record_snapped, snap_frame};
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use which_camera::warn_of_better_camera;

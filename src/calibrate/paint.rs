@@ -4,7 +4,6 @@ use super::observations;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Document, Frame, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning};
 use crate::field::FieldModel;
-use crate::geometry::PixelBox;
 use crate::media::Picture;
 use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapError, SnapOptions, Snapped, check_lines, snap};
 use crate::solve::ObservationError;
@@ -30,23 +29,11 @@ pub enum SnapFrameError {
     Paint(#[from] SnapError),
 }
 
-/// The boxes of a frame's picture that show no ground: its camera's and its own, px.
+/// What the paint of its picture says about a solved frame's camera; none without a camera.
 #[must_use]
-pub fn masks(document: &Document, frame: &Frame) -> Vec<PixelBox> {
-    let of_camera = document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
-    of_camera.iter().chain(&frame.masks).copied().collect()
-}
-
-/// What the paint of its picture says about a camera of a frame.
-#[must_use]
-pub fn check_camera(
-    document: &Document,
-    frame: &Frame,
-    field: &FieldModel,
-    camera: &PtzCamera,
-    picture: &Picture,
-) -> LineCheck {
-    check_lines(&GroundPicture::new(picture, &masks(document, frame)), field, camera)
+pub fn check_frame(document: &Document, frame: &Frame, field: &FieldModel, picture: &Picture) -> Option<LineCheck> {
+    let camera = document.pointed(frame)?;
+    Some(check_lines(&GroundPicture::new(picture, &document.masks_of(frame)), field, &camera))
 }
 
 /// A solved frame's camera pulled onto the paint of its picture, tied to its clicks.
@@ -62,7 +49,7 @@ pub fn snap_frame(
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
     let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
     let clicks = observations(frame, field)?;
-    let ground = GroundPicture::new(picture, &masks(document, frame));
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
     let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
     Ok((*camera.base(), snapped))
 }
@@ -126,8 +113,7 @@ pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
 }
 
 /// What a person reads where the paint speaks against a camera.
-#[must_use]
-pub fn against(check: &LineCheck) -> String {
+fn against(check: &LineCheck) -> String {
     format!(
         "the painted lines are not where this camera puts them: paint at {} of {} open places",
         check.found,

@@ -8,7 +8,7 @@ use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
-use crate::proposals::{Coverage, FramePictures, Teachers, adopt_bases, is_open, label_advice, propose};
+use crate::proposals::{Coverage, FramePictures, LineWitness, Teachers, adopt_bases, is_open, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
@@ -64,15 +64,19 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let store = args.kept.store(file.as_deref());
     let pictures = FramePictures { document: &document, folder: &folder, options: model.features, store: &store };
     let bar = messages.progress(asked.len(), "Relocalizing");
-    let proposals = pictures.each(&mut FrameReader::new(), &asked, |index, _, found| {
+    let mut reader = FrameReader::new();
+    let proposals = pictures.each(&mut reader, &asked, |index, _, found| {
         let proposal = propose(&document, index, found, (&model, 0), &options);
         bar.inc(1);
         ControlFlow::Continue(proposal)
     });
     bar.finish_and_clear();
     tell_refusal(&store, messages);
+    let mut proposals = proposals.unwrap_or_default();
+    let at = document.at(&folder);
+    LineWitness::of(at, &mut reader)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
     let mut answered = 0;
-    for proposal in proposals.unwrap_or_default() {
+    for proposal in proposals {
         let frame = &mut document.frames[proposal.frame];
         proposal.record(frame);
         match &proposal.outcome {

@@ -3,8 +3,11 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{SolveOutcome, check_cameras, solve_document};
-use crate::document::DocumentAt;
+use crate::calibrate::{SolveOutcome, check_cameras, check_frame, record_line_check, solve_document};
+use crate::document::{Document, DocumentAt, Fields, FrameStatus};
+use crate::media::FrameReader;
+use crate::proposals::read_picture;
+use std::path::Path;
 
 /// Solves every frame with enough clicks; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -13,6 +16,9 @@ pub struct SolveArgs {
     document: DocumentArg,
     #[command(flatten)]
     output: DocumentOutput,
+    /// Also look at the pictures: what their painted lines say about each solved camera is written into its solution.
+    #[arg(long)]
+    line_check: bool,
 }
 
 /// Carries out the command.
@@ -36,11 +42,39 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
             messages.frame_failed(&frame.name(), &error.to_string());
         }
     }
+    if args.line_check {
+        check_lines(&mut document, location.folder(), messages)?;
+    }
     report_cameras(document.at(location.folder()), messages);
     args.output.write(&document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Writes what the painted lines say about every solved frame into it; pictures that cannot be read are named.
+fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
+    let fields = Fields::of(document.at(folder))?;
+    let mut reader = FrameReader::new();
+    let bar = messages.progress(document.frames.len(), "Looking at the lines");
+    for index in 0..document.frames.len() {
+        bar.inc(1);
+        let frame = &*document.frames[index];
+        if frame.ptz.is_none() || frame.status == FrameStatus::Rejected {
+            continue;
+        }
+        match read_picture(&mut reader, frame, folder) {
+            Ok(picture) => {
+                let field = fields.of_frame(document, frame);
+                if let Some(check) = check_frame(document, frame, field, &picture) {
+                    record_line_check(&mut document.frames[index], &check);
+                }
+            }
+            Err(error) => messages.note(&format!("{}: its lines are not looked at: {error}", frame.name())),
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
 }
 
 /// Tells of frames that fit another camera, and of cameras that stop fitting.

@@ -17,9 +17,6 @@ const SPACING_PX: f64 = 16.0;
 /// Paint this far off counts half, px at 1920 px width.
 const HALF_PX: f64 = 4.0;
 
-/// With fewer open samples the paint says nothing.
-const FEWEST: usize = 30;
-
 /// A verdict is given where it is right with this probability.
 const SUPPORTS: f64 = 0.9;
 
@@ -62,11 +59,14 @@ pub enum LineVerdict {
 }
 
 impl LineCheck {
+    /// With fewer open samples the paint says nothing.
+    pub const FEWEST_OPEN: usize = 30;
+
     /// What the paint says.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
         match self.score {
-            _ if self.found + self.bare < FEWEST => LineVerdict::CannotSay,
+            _ if self.found + self.bare < Self::FEWEST_OPEN => LineVerdict::CannotSay,
             score if score >= SUPPORTS => LineVerdict::Supports,
             score if score <= 1.0 - SUPPORTS => LineVerdict::Contradicts,
             _ => LineVerdict::CannotSay,

@@ -4,7 +4,6 @@ use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
 use crate::document::{Document, Frame};
 use crate::features::{FeatureKey, FeatureOptions, Features, extract};
-use crate::geometry::PixelBox;
 use crate::media::{FrameReader, FrameRef, Picture, sha256_of_file};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -134,7 +133,7 @@ impl FramePictures<'_> {
         changed: bool,
     ) -> Result<FrameFeatures, PictureError> {
         let start = Instant::now();
-        let features = extract(picture, &self.masks(frame), &self.options)?;
+        let features = extract(picture, &self.document.masks_of(frame), &self.options)?;
         let time = start.elapsed();
         let features = match key {
             Some(key) => self.store.put(key, features),
@@ -144,12 +143,7 @@ impl FramePictures<'_> {
     }
 
     fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {
-        FeatureKey::new(picture, &self.options, &self.masks(frame))
-    }
-
-    fn masks(&self, frame: &Frame) -> Vec<PixelBox> {
-        let of_camera = self.document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
-        of_camera.iter().chain(&frame.masks).copied().collect()
+        FeatureKey::new(picture, &self.options, &self.document.masks_of(frame))
     }
 }
 

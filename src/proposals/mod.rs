@@ -5,6 +5,7 @@
 //! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
 //! | [`Teachers`], [`study`], [`learn`] | the references that teach, what they teach, the forest of it |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
+//! | [`LineWitness`] | what the painted lines say about an answer |
 //! | [`AskingOrder`] | which frames the forest is asked for first |
 //! | [`Curriculum`] | what a forest was taught |
 //! | [`measure`], [`Quality`] | references left out and asked for |
@@ -21,6 +22,7 @@ mod coverage;
 mod curriculum;
 mod features;
 mod learning;
+mod line_witness;
 mod order;
 mod picture;
 mod proposal;
@@ -38,6 +40,7 @@ pub use coverage::{Cell, Coverage};
 pub(crate) use curriculum::Curriculum;
 pub use features::{FrameFeatures, FramePictures};
 pub use learning::{LearnError, LearnOptions, Lesson, LessonError, Studied, learn, study};
+pub use line_witness::LineWitness;
 pub(crate) use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
 pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings, is_open};

@@ -3,9 +3,10 @@
 use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
-    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
+    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
 };
 use crate::geometry::Mat3;
+use crate::paint::LineCheck;
 use crate::relocalize::NotFound;
 use std::time::Duration;
 use thiserror::Error;
@@ -55,6 +56,8 @@ pub struct Answer {
     pub inliers: usize,
     /// In how many places of the picture.
     pub places: usize,
+    /// What the painted lines say about it, where they were asked.
+    pub line_check: Option<LineCheck>,
 }
 
 /// Why there is no proposal.
@@ -75,6 +78,16 @@ pub enum NoProposal {
     NoBase {
         /// The camera's name.
         camera: String,
+    },
+    /// The painted lines are elsewhere.
+    #[error(
+        "the painted lines are not where the camera that was found puts them (paint at {found} of {open} open places)"
+    )]
+    Contradicted {
+        /// Places of the lines that show paint.
+        found: usize,
+        /// Places of the lines that show paint or bare ground.
+        open: usize,
     },
     /// The picture or its features cannot be had.
     #[error(transparent)]
@@ -112,6 +125,7 @@ impl NoProposal {
             Self::NotFound(reason) => reason.code(),
             Self::NoReferences { .. } => "coverage",
             Self::NoBase { .. } => "no_base",
+            Self::Contradicted { .. } => "line_check",
             Self::Picture(_) => "picture",
             Self::Panicked { .. } => "failed",
         }
@@ -169,6 +183,7 @@ impl Proposal {
                 solution.rms_px = Some(answer.rms_px);
                 solution.worst_corner_sigma_px = Some(answer.worst_corner_sigma_px);
                 solution.confidence = Some(answer.confidence);
+                solution.line_check = answer.line_check.as_ref().map(PaintEvidence::from);
             }
             Err(reason) => {
                 frame.ptz = None;

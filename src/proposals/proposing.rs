@@ -41,5 +41,6 @@ fn answer(pose: &Pose, base: &CameraBase) -> Answer {
         confidence: pose.confidence,
         inliers: pose.inliers.len(),
         places: pose.places,
+        line_check: None,
     }
 }

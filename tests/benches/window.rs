@@ -106,6 +106,7 @@ impl Window {
                 confidence: 0.5 + 0.0005 * chance as f64,
                 inliers: 200,
                 places: 30,
+                line_check: None,
             };
             let none = NotFound::FewMatches { matched: 3, needed: 12 };
             let outcome = if chance.is_multiple_of(50) { Err(none.into()) } else { Ok(answer) };

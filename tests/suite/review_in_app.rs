@@ -250,6 +250,7 @@ fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) 
             confidence: 0.9,
             inliers: 100,
             places: 20,
+            line_check: None,
         }),
         None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
     };

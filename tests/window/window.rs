@@ -182,6 +182,7 @@ impl Window {
             confidence,
             inliers: 100,
             places: 20,
+            line_check: None,
         };
         let proposal = Proposal {
             frame,

@@ -1,10 +1,9 @@
 //! A user's own frames: documents that teach, and one that is asked, or whose clips are asked of each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
-use crate::document::{Document, Frame, FrameStatus, Solution};
+use crate::document::{Document, FrameStatus, Solution};
 use crate::experiments::ExperimentError;
 use crate::features::FeatureOptions;
-use crate::geometry::PixelBox;
 use crate::media::FrameReader;
 use crate::proposals::{FeatureStore, FramePictures};
 use std::ops::{ControlFlow, Range};
@@ -88,7 +87,7 @@ impl Gathered {
                 features: (*features.features).clone(),
                 field: document.field_of(frame).model(folder)?,
                 picture: KnownPicture::File(source),
-                masks: masks(document, frame),
+                masks: document.masks_of(frame),
             });
             self.cameras.push(frame.camera.as_str().to_owned());
             self.clips.push(frame.clip.as_ref().map(ToString::to_string).unwrap_or_default());
@@ -121,12 +120,6 @@ fn each_once<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
         }
     }
     found
-}
-
-/// What gives no features in a frame: the boxes of its camera and its own.
-fn masks(document: &Document, frame: &Frame) -> Vec<PixelBox> {
-    let of_camera = document.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
-    of_camera.iter().chain(&frame.masks).copied().collect()
 }
 
 /// One document is asked of others.

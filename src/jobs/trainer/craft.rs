@@ -7,8 +7,8 @@ use crate::app::{Doing, Share};
 use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
-    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, NoProposal, Proposal, Quality, Studied, Suspect,
-    UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
+    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality,
+    Studied, Suspect, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -156,6 +156,9 @@ impl Craft for Workshop {
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
+        let at = document.at(&self.folder);
+        // A field that is not valid is named where the document is opened.
+        let witness = LineWitness::of(at, &mut self.reader).ok();
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
@@ -169,7 +172,12 @@ impl Craft for Workshop {
                     Proposal::without_answer(document, index, generation, NoProposal::Panicked { message })
                 }))
             });
-            made.extend(proposals.into_iter().flatten());
+            let mut proposals = proposals.unwrap_or_default();
+            if let Some(witness) = &witness {
+                let min_confidence = self.relocalizing.pose.min_confidence;
+                witness.judge(at, &mut self.reader, &mut proposals, min_confidence);
+            }
+            made.append(&mut proposals);
         }
         made
     }

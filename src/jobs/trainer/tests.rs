@@ -152,6 +152,7 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
         confidence,
         inliers: 50,
         places: 20,
+        line_check: None,
     };
     let asked = Asked::of(document, &document.frames[frame]);
     Proposal { frame, asked, generation, outcome: Ok(answer), timings: Timings::default() }
