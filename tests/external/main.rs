@@ -28,6 +28,7 @@ mod real_base_in_app;
 mod real_cameras;
 mod real_clicks;
 mod real_frames;
+mod real_paint;
 mod real_trust;
 mod real_video;
 mod render_command;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         real_cameras::TESTS,
         real_clicks::TESTS,
         real_frames::TESTS,
+        real_paint::TESTS,
         real_trust::TESTS,
         #[cfg(feature = "opencv")]
         real_video::TESTS,

@@ -36,6 +36,7 @@ mod killed;
 mod library;
 mod names_in_app;
 mod nothing_unasked;
+mod paint;
 mod pose;
 mod program;
 mod published_figures;

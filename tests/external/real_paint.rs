@@ -1,0 +1,69 @@
+//! Painted lines of real frames: right cameras told from wrong ones, and snapping.
+
+use crate::parts::{Test, frames_folder, tests};
+use crate::program::touchline;
+use std::fs;
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::document_from_bytes;
+use touchline::field::FieldModel;
+use touchline::geometry::{Angle, ImagePoint, ImageSize};
+use touchline::media::load_image;
+use touchline::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
+
+pub const TESTS: &[Test] = tests![
+    [Frames] the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back;
+];
+
+/// How far apart the overlays of two cameras are on the playing area, px: the median over the picture.
+fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
+    let at = |index: u32, extent: u32| (f64::from(index % 8) + 0.5) / 8.0 * f64::from(extent);
+    let mut distances: Vec<f64> = (0..64)
+        .map(|index| ImagePoint::new(at(index, size.width), at(index / 8, size.height)))
+        .filter_map(|pixel| {
+            let ground = one.plane_from_image(pixel, 0.0)?;
+            let on_field = ground.x.abs() <= field.length_m / 2.0 && ground.y.abs() <= field.width_m / 2.0;
+            on_field.then(|| other.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+        })
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    distances[distances.len() / 2]
+}
+
+fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
+    let ptz = camera.ptz();
+    let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
+    let turned = Ptz { pan: ptz.pan + angle(pan_px), tilt: ptz.tilt + angle(tilt_px), focal_px: ptz.focal_px * zoom };
+    PtzCamera::new(*camera.base(), turned)
+}
+
+fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
+    let place = tempfile::tempdir().unwrap();
+    let clicks = frames_folder().join("scouting-d82e7a/clicks.json");
+    let ran = touchline(place.path(), &format!("refine-base {} -o base.json", clicks.display()));
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let document = document_from_bytes(&fs::read(place.path().join("base.json")).unwrap()).unwrap();
+    let field = document.field.model(place.path()).unwrap();
+    let (mut right, mut wrong, mut back) = (0, 0, 0);
+    let frames: Vec<_> = document.frames.iter().step_by(4).collect();
+    for frame in &frames {
+        let picture = load_image(&frame.image_path(place.path()).unwrap()).unwrap();
+        let ground = GroundPicture::new(&picture, &document.masks_of(frame));
+        let camera = document.pointed(frame).unwrap();
+        right += usize::from(check_lines(&ground, &field, &camera).verdict() == LineVerdict::Supports);
+        for (pan_px, tilt_px, zoom) in [(60.0, 10.0, 1.0), (-20.0, 25.0, 1.0), (0.0, 0.0, 1.08), (300.0, 0.0, 1.0)] {
+            let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
+            wrong += usize::from(off.verdict() == LineVerdict::Supports);
+        }
+        let options = SnapOptions::default();
+        let near = snap(&ground, &field, camera.base(), camera.ptz(), &[], &options).unwrap();
+        let start = turned(&camera, 35.0, -25.0, 1.01).ptz();
+        let far = snap(&ground, &field, camera.base(), start, &[], &options);
+        let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
+        back += usize::from(
+            far.is_ok_and(|far| apart_px(&field, &pointed(near.ptz), &pointed(far.ptz), frame.image_size) < 1.0),
+        );
+    }
+    assert!(right >= frames.len() - 1, "{right} of {} right cameras are supported", frames.len());
+    assert_eq!(wrong, 0, "wrong cameras are supported");
+    assert!(back >= frames.len() - 1, "{back} of {} come back", frames.len());
+}

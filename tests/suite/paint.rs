@@ -1,0 +1,94 @@
+//! Painted lines from outside: drawn pictures with exact cameras.
+
+use crate::program::touchline;
+use std::fs;
+use std::path::Path;
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::{Document, FramePtz, SolutionSource, document_from_bytes, document_to_string};
+use touchline::field::FieldModel;
+use touchline::geometry::{Angle, ImagePoint, ImageSize};
+
+fn document(path: &Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+/// How far apart the overlays of two cameras are on the playing area, px: the median over the picture.
+fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
+    let at = |index: u32, extent: u32| (f64::from(index % 8) + 0.5) / 8.0 * f64::from(extent);
+    let mut distances: Vec<f64> = (0..64)
+        .map(|index| ImagePoint::new(at(index, size.width), at(index / 8, size.height)))
+        .filter_map(|pixel| {
+            let ground = one.plane_from_image(pixel, 0.0)?;
+            let on_field = ground.x.abs() <= field.length_m / 2.0 && ground.y.abs() <= field.width_m / 2.0;
+            on_field.then(|| other.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+        })
+        .collect();
+    distances.sort_by(f64::total_cmp);
+    distances[distances.len() / 2]
+}
+
+fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
+    let ptz = camera.ptz();
+    let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
+    let turned = Ptz { pan: ptz.pan + angle(pan_px), tilt: ptz.tilt + angle(tilt_px), focal_px: ptz.focal_px * zoom };
+    PtzCamera::new(*camera.base(), turned)
+}
+
+#[test]
+fn a_drawn_match_is_snapped_back_by_the_command() {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 4 --seed 11 --size 1280x720 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.path().join("match");
+    let truth = document(&folder.join("truth.json"));
+    let mut off = truth.clone();
+    for frame in &mut off.frames {
+        frame.clicks.clear();
+        let camera = truth.pointed(frame).unwrap();
+        let ptz = turned(&camera, 12.0, -8.0, 1.005).ptz();
+        frame.ptz = Some(FramePtz::new(ptz, None));
+    }
+    // One frame has no camera and stays as it is.
+    off.frames[3].ptz = None;
+    off.frames[3].solution = None;
+    fs::write(folder.join("off.json"), document_to_string(&off).unwrap()).unwrap();
+    let ran = touchline(&folder, "snap off.json -o snapped.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let snapped = document(&folder.join("snapped.json"));
+    let field = truth.field.model(&folder).unwrap();
+    for (was, is) in truth.frames.iter().zip(&snapped.frames).take(3) {
+        let apart = apart_px(&field, &truth.pointed(was).unwrap(), &snapped.pointed(is).unwrap(), was.image_size);
+        let solution = is.solution.as_ref().unwrap();
+        assert!(apart < 0.5, "{}: {apart} px, {solution:?}", was.name());
+        assert_eq!(solution.source, Some(SolutionSource::Markings));
+        assert!(solution.samples.is_some_and(|samples| samples > 40) && solution.covariance.is_some());
+        assert!(solution.line_check.as_ref().is_some_and(|check| check.score > 0.9), "{solution:?}");
+        assert_eq!(is.status, was.status);
+    }
+    assert!(snapped.frames[3].ptz.is_none() && snapped.frames[3].solution.is_none());
+    assert!(ran.stderr.contains("3 frames snapped, 0 not, 1 without a camera"), "{}", ran.stderr);
+    assert_eq!(touchline(&folder, "snap off.json -o snapped.json").code, 2, "it exists");
+    let again = touchline(&folder, "snap off.json -o again.json");
+    assert_eq!(again.code, 0);
+    assert!(fs::read(folder.join("again.json")).unwrap() == fs::read(folder.join("snapped.json")).unwrap());
+}
+
+#[test]
+fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 1 --seed 11 --size 1280x720 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.path().join("match");
+    let mut off = document(&folder.join("truth.json"));
+    let camera = off.pointed(&off.frames[0]).unwrap();
+    let before = FramePtz::new(turned(&camera, 400.0, 150.0, 1.2).ptz(), None);
+    off.frames[0].ptz = Some(before.clone());
+    off.frames[0].clicks.clear();
+    fs::write(folder.join("off.json"), document_to_string(&off).unwrap()).unwrap();
+    let ran = touchline(&folder, "snap off.json -o snapped.json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    let frame = &document(&folder.join("snapped.json")).frames[0];
+    assert_eq!(frame.ptz, Some(before));
+    let warnings = &frame.solution.as_ref().unwrap().warnings;
+    assert!(warnings.iter().any(|warning| warning.code == "not_snapped"), "{warnings:?}");
+}
