@@ -167,6 +167,9 @@ const FEW_FRAMES: [(usize, bool, f64, f64); 10] = [
     (10, true, 3.6, 7.7),
 ];
 
+/// Half of the last digit of these.
+const FEW_FRAMES_ROUNDING_PX: f64 = 0.05;
+
 fn few_frames_give_a_usable_base() {
     let data = frames_folder();
     let sets: Vec<(Match, Document)> = SETS
@@ -220,10 +223,8 @@ fn few_frames_give_a_usable_base() {
         let clicks = if four_only { "four" } else { "all" };
         let (rest, all) = (Summary::of(rest), Summary::of(all));
         println!("{count:6} | {clicks:14} | {rest:20} | {all} ({unsolved} of {asked} not solved)");
-        // Half of the last digit that the table shows.
-        const ROUNDING_PX: f64 = 0.05;
         assert!(
-            rest.median < median_px + ROUNDING_PX && rest.high < high_px + ROUNDING_PX,
+            rest.median < median_px + FEW_FRAMES_ROUNDING_PX && rest.high < high_px + FEW_FRAMES_ROUNDING_PX,
             "{count} frames, {clicks} clicks: {rest}"
         );
         let at_most = match count {
