@@ -92,12 +92,7 @@ fn attempt(document: &Document, index: usize, fields: &Fields) -> Attempt {
 /// How many equations the named clicks of a frame give; check clicks give none.
 fn equations(frame: &Frame) -> usize {
     let used = frame.clicks.iter().filter(|click| !click.check);
-    let equations = used.map(|click| match click.target {
-        Some(Target::Landmark(_)) => 2,
-        Some(Target::Line(_)) => 1,
-        None => 0,
-    });
-    equations.sum()
+    used.filter_map(|click| click.target.as_ref()).map(Target::equations).sum()
 }
 
 fn record(document: &mut Document, attempts: &[Attempt]) {

@@ -1,7 +1,7 @@
 //! A point that a person clicked, and what they named it.
 
 use super::{Extra, adapters};
-use crate::field::{LandmarkId, LineId};
+use crate::field::{FieldElement, FieldModel, LandmarkId, LineId};
 use crate::geometry::ImagePoint;
 use serde::{Deserialize, Serialize};
 
@@ -22,6 +22,24 @@ impl Target {
         match self {
             Self::Landmark(id) => id.as_str(),
             Self::Line(id) => id.as_str(),
+        }
+    }
+
+    /// How many equations a click on it gives.
+    #[must_use]
+    pub const fn equations(&self) -> usize {
+        match self {
+            Self::Landmark(_) => 2,
+            Self::Line(_) => 1,
+        }
+    }
+
+    /// The landmark or line of a field that it names; none if the field lacks it.
+    #[must_use]
+    pub fn element(&self, field: &FieldModel) -> Option<FieldElement> {
+        match self {
+            Self::Landmark(id) => field.landmark_element(id.as_str()),
+            Self::Line(id) => field.line_element(id.as_str()),
         }
     }
 }

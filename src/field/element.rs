@@ -31,6 +31,15 @@ impl FieldElement {
         }
     }
 
+    /// The short code that a person types, and that stands beside a click; none if the field has no such element.
+    #[must_use]
+    pub fn code(self, field: &FieldModel) -> Option<&str> {
+        match self {
+            Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.code.as_str()),
+            Self::Line(index) => field.lines.get(index).map(|line| line.code.as_str()),
+        }
+    }
+
     /// The element onto which a symmetry of the field moves this one; none where the field is not symmetric.
     #[must_use]
     pub fn twin(self, symmetry: Symmetry, field: &FieldModel) -> Option<Self> {

@@ -223,10 +223,7 @@ fn predicted(scene: &OverlayScene<'_>, click: &Click) -> Option<ImagePoint> {
 
 /// The short code that names a click on the picture.
 fn code_of<'a>(field: &'a FieldModel, click: &Click) -> Option<&'a str> {
-    match click.target.as_ref()? {
-        Target::Landmark(id) => field.landmark(id.as_str()).map(|landmark| landmark.code.as_str()),
-        Target::Line(id) => field.line(id.as_str()).map(|line| line.code.as_str()),
-    }
+    click.target.as_ref()?.element(field)?.code(field)
 }
 
 const fn rim(width_pt: f32) -> Outline {

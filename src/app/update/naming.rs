@@ -10,12 +10,8 @@ impl App {
     /// What a person calls a landmark or line; its id where the field lacks it.
     #[must_use]
     pub fn label(&self, target: &Target) -> String {
-        let field = self.current.field();
-        let label = match target {
-            Target::Landmark(id) => field.and_then(|field| field.landmark(id.as_str())).map(|known| &known.label),
-            Target::Line(id) => field.and_then(|field| field.line(id.as_str())).map(|known| &known.label),
-        };
-        label.map_or_else(|| target.as_str().to_owned(), Clone::clone)
+        let label = self.current.field().and_then(|field| target.element(field)?.label(field));
+        label.unwrap_or_else(|| target.as_str()).to_owned()
     }
 
     /// Asks for the name of a click, with candidates at the cursor.

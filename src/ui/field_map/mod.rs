@@ -235,9 +235,5 @@ fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
 }
 
 fn code<'a>(field: &'a FieldModel, target: &Target) -> &'a str {
-    match target {
-        Target::Landmark(id) => field.landmark(id.as_str()).map(|landmark| landmark.code.as_str()),
-        Target::Line(id) => field.line(id.as_str()).map(|line| line.code.as_str()),
-    }
-    .unwrap_or_default()
+    target.element(field).and_then(|element| element.code(field)).unwrap_or_default()
 }
