@@ -341,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_that_was_put_in_anothers_place_is_found() {
+    fn a_frame_put_in_the_place_of_another_is_found() {
         let mut frames = frames(3);
         frames[1] = frame("other");
         assert_eq!(frames.position_of(&frame("other").id), Some(1));

@@ -70,6 +70,8 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
         }
     }
     println!("frames told to be another camera's: {alarms} of {tested}; wrongly given found: {found} of {given}");
+    assert!(10 * tested >= 9 * document.frames.len(), "only {tested} frames were asked");
+    assert!(given > tested, "only {given} frames were given to a wrong camera");
     assert!(alarms <= tested / 100, "{alarms} of {tested}");
     assert!(10 * found >= 8 * given, "{found} of {given}");
 }

@@ -119,6 +119,23 @@ fn every_file_belongs_to_a_module() {
     assert_none(&lost);
 }
 
+/// Where the harness is our own, the attribute removes a test without a word.
+#[test]
+fn tests_that_need_parts_are_listed_not_marked() {
+    let mut marked = Vec::new();
+    for folder in ["tests/external", "tests/window"] {
+        for entry in fs::read_dir(package().join(folder)).unwrap() {
+            let file = Path::new(folder).join(entry.unwrap().file_name());
+            for (number, line) in read(&file).unwrap_or_default().lines().enumerate() {
+                if line.trim() == "#[test]" {
+                    marked.push(format!("{}:{}: list it in TESTS", file.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert_none(&marked);
+}
+
 #[test]
 fn the_lock_file_holds_one_wgpu() {
     let lock = read(Path::new("Cargo.lock")).unwrap();

@@ -1,14 +1,18 @@
 //! The window closes when everything is on disk, and asks before edits are lost.
 
+use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Action;
 use touchline::app::session::{Dialog, Leaving, Saving};
 
-#[test]
+pub const TESTS: &[Test] = tests![
+    [Adapter] ctrl_q_asks_in_the_window_before_edits_are_lost;
+];
+
 fn ctrl_q_asks_in_the_window_before_edits_are_lost() {
-    let Some(mut window) = Window::open(1, [1280.0, 720.0], 1.0) else { return };
+    let mut window = Window::open(1, [1280.0, 720.0], 1.0);
     assert!(window.harness.ctx.options(|options| options.quit_shortcuts.is_empty()), "only the application quits");
     let folder = window.app().open().unwrap().folder.clone();
     let away = folder.with_extension("away");

@@ -26,6 +26,7 @@ fn main() -> ExitCode {
     parts::run(&[
         base::TESTS,
         cameras::TESTS,
+        closing::TESTS,
         gold::TESTS,
         labelling::TESTS,
         names::TESTS,
