@@ -27,7 +27,7 @@ mod sift;
 #[cfg(feature = "opencv")]
 mod spread;
 
-pub(crate) use binary::{BinaryDescriptor, BinaryKind, extract_binary};
+pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
 pub(crate) use descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE, Sketch};
