@@ -254,7 +254,9 @@ fn two_clicks_say_what_they_can() {
             percent(alarms),
             percent(doubts),
         );
-        assert_eq!((alarms, doubts), (0, 0), "{what:?}: right frames that are told of a mistake, or doubted");
+        assert_eq!(alarms, 0, "{what:?}: right frames that are told of a mistake");
+        let most_doubts = if what == Known::TheFrameBefore { 0 } else { trials / 100 };
+        assert!(doubts <= most_doubts, "{what:?}: {doubts} right frames in doubt");
         for (kind, least) in least_caught.into_iter().enumerate() {
             assert!(percent(caught[kind]) >= least, "{what:?}, {kind}: {} of {trials} caught", caught[kind]);
         }

@@ -7,6 +7,7 @@ use touchline::camera::{BaseAngles, CameraBase, FocalCurve, PanTilt, Ptz, PtzCam
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline::relocalize::{NotFound, Pose, PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
+use touchline::score::quantile;
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -70,20 +71,34 @@ fn exact_rays_give_the_exact_camera() {
     }
 }
 
+/// What two-point RANSAC with exact rays and a last refinement over all inliers reaches with 200 points and 1 px of noise:
+/// share of outliers, share of frames within 1°, median errors of rotation (deg) and focal length (px).
+const EXACT_METHOD: [(f64, f64, f64, f64); 4] =
+    [(0.0, 1.0, 0.0020, 0.50), (0.5, 1.0, 0.0029, 0.71), (0.8, 1.0, 0.0044, 1.0), (0.9, 0.977, 0.0067, 1.3)];
+
 #[test]
-fn outliers_are_survived_and_the_covariance_is_honest() {
+fn outliers_are_survived_as_well_as_with_the_exact_method_and_the_covariance_is_honest() {
     let mut rng = rng("outliers_are_survived_and_the_covariance_is_honest");
-    for (outliers, needed) in [(0.0, 40), (0.5, 40), (0.8, 39)] {
-        let (mut right, mut covered, frames) = (0, 0, 40);
+    for (outliers, share, rotation_deg, focal_px) in EXACT_METHOD {
+        let (mut covered, frames) = (0, 40);
+        let (mut rotations, mut focals) = (Vec::new(), Vec::new());
         for _ in 0..frames {
             let camera = PtzCamera::new(base(0.0), random_ptz(&mut rng));
             let Ok(pose) = solved(&noisy(&camera, 200, outliers, 1.0, &mut rng), 0.0) else { continue };
-            right += usize::from(rotation_error_deg(pose.ptz, camera.ptz()) < 0.05);
+            rotations.push(rotation_error_deg(pose.ptz, camera.ptz()));
             let sigma = pose.covariance.diagonal().map(f64::sqrt);
             let error = (pose.ptz.focal_px - camera.ptz().focal_px).abs();
             covered += usize::from(error < 2.6 * sigma.z);
+            focals.push(error);
         }
-        assert!(right >= needed, "{outliers}: {right} of {frames} right");
+        let right = rotations.iter().filter(|degrees: &&f64| **degrees < 1.0).count();
+        let [rotation, focal] = [rotations, focals].map(|mut errors| {
+            errors.sort_by(f64::total_cmp);
+            quantile(&errors, 0.5)
+        });
+        println!("{outliers}: {right} of {frames}, {rotation:.4}°, {focal:.2} px, {covered} within 2.6 sigma");
+        assert!(right as f64 >= share * frames as f64 - 0.5, "{outliers}: {right} of {frames} right");
+        assert!(rotation <= rotation_deg && focal <= focal_px, "{outliers}: {rotation}°, {focal} px");
         assert!(covered >= frames * 9 / 10, "{outliers}: {covered} of {frames} within 2.6 sigma");
     }
 }
@@ -108,7 +123,7 @@ fn a_feature_counts_by_its_best_candidate() {
 #[test]
 fn a_board_repeated_twenty_times_is_not_mistaken_for_a_camera() {
     let mut rng = rng("a_board_repeated_twenty_times_is_not_mistaken_for_a_camera");
-    let (mut wrong, mut found) = (0, 0);
+    let (mut wrong, mut found_among_them) = (0, 0);
     for _ in 0..30 {
         let camera = PtzCamera::new(base(0.0), random_ptz(&mut rng));
         let mut matches = RayMatches::new();
@@ -131,12 +146,16 @@ fn a_board_repeated_twenty_times_is_not_mistaken_for_a_camera() {
         for _ in 0..40 {
             matches.push(point(&mut rng), &[candidate(anywhere(&mut rng))]);
         }
-        if let Ok(pose) = solved(&matches, 0.0) {
-            found += 1;
-            wrong += usize::from(pose.confidence > 0.9 && rotation_error_deg(pose.ptz, camera.ptz()) > 0.5);
+        let is_right = |pose: &Pose| rotation_error_deg(pose.ptz, camera.ptz()) < 0.5;
+        wrong += usize::from(solved(&matches, 0.0).is_ok_and(|pose| pose.confidence > 0.9 && !is_right(&pose)));
+        // Sixty right features among them are enough.
+        for _ in 0..60 {
+            let at = point(&mut rng);
+            matches.push(at, &[candidate(camera.ray_from_image(at).unwrap())]);
         }
+        found_among_them += usize::from(solved(&matches, 0.0).is_ok_and(|pose| is_right(&pose)));
     }
-    assert_eq!(wrong, 0, "{found} found");
+    assert_eq!((wrong, found_among_them), (0, 30));
 }
 
 #[test]
