@@ -254,7 +254,7 @@ fn two_clicks_say_what_they_can() {
             percent(alarms),
             percent(doubts),
         );
-        assert_eq!(alarms, 0, "{what:?}: right frames that are told of a mistake");
+        assert_eq!(percent(alarms), 0, "{what:?}: {alarms} right frames of {trials} are told of a mistake");
         let most_doubts = if what == Known::TheFrameBefore { 0 } else { trials / 100 };
         assert!(doubts <= most_doubts, "{what:?}: {doubts} right frames in doubt");
         for (kind, least) in least_caught.into_iter().enumerate() {
