@@ -4,8 +4,8 @@ use super::base::EstimateFailure;
 use super::choices::{Scope, Selecting, TimeAxis};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
-use super::{Chord, Command, Compared, TrainerOrder, TrainerStatus};
-use crate::calibrate::EstimatedBase;
+use super::{CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
+use crate::calibrate::{CameraChange, EstimatedBase};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, RejectReason, Target};
 use crate::field::Symmetry;
@@ -188,6 +188,13 @@ pub enum Action {
     BaseProgress(BaseProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
+    /// A camera was looked at over time: where it stops fitting, or why that is not known.
+    CameraWatched {
+        /// Which look.
+        ticket: u64,
+        /// What was found.
+        change: Result<Option<Box<CameraChange>>, WatchPanicked>,
+    },
     /// A frame takes part in the estimation of its camera's base, or is left out.
     UseForBase {
         /// Which frame.
@@ -381,6 +388,7 @@ impl Action {
             | Self::Features(_)
             | Self::BaseProgress(_)
             | Self::BaseEstimated(_)
+            | Self::CameraWatched { .. }
             | Self::Compare(_)
             | Self::Compared(_)
             | Self::Answer(..)
@@ -537,6 +545,8 @@ pub enum Effect {
     },
     /// Give up what is being estimated.
     CancelEstimate,
+    /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
+    WatchCamera(Box<CameraWatch>),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].

@@ -1,16 +1,12 @@
 //! Finding out where the camera stands: what the frames give so far, what is being estimated, what was found.
 
 use super::OpenProject;
-use crate::calibrate::{BaseEstimationError, EstimatedBase, LANDMARKS_ALONE, calibrate};
+use crate::calibrate::{BaseEstimationError, EstimatedBase, calibrate};
 use crate::camera::PtzCamera;
-use crate::document::{CameraId, Frame};
 use crate::field::FieldModel;
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 use thiserror::Error;
-
-/// So many wide frames, left, centre and right, tell where a camera stands.
-pub const WIDE_FRAMES: usize = 3;
 
 /// Why the estimation of a base ended without one.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -84,54 +80,6 @@ impl BaseWork {
     }
 }
 
-/// How much the frames of a camera say about its base.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BaseReadiness {
-    /// Frames that take part: at least one named click.
-    pub frames: usize,
-    /// Their clicks.
-    pub clicks: usize,
-    /// Those that determine a camera by themselves: four or more landmarks.
-    pub wide: usize,
-    /// Frames that somebody left out.
-    pub left_out: usize,
-}
-
-impl BaseReadiness {
-    /// What the frames of a camera give.
-    #[must_use]
-    pub fn of<'a>(frames: impl Iterator<Item = &'a Frame>, camera: &CameraId) -> Self {
-        let mut found = Self::default();
-        for frame in frames.filter(|frame| frame.camera == *camera) {
-            let clicks = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
-            if frame.is_left_out_of_base() {
-                found.left_out += 1;
-            } else if frame.is_used_for_base() && clicks > 0 {
-                found.frames += 1;
-                found.clicks += clicks;
-                found.wide += usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
-            }
-        }
-        found
-    }
-
-    /// Enough for a good base.
-    #[must_use]
-    pub const fn is_enough(&self) -> bool {
-        self.wide >= WIDE_FRAMES
-    }
-
-    /// What is to be done, and how far it is done.
-    #[must_use]
-    pub fn describe(&self) -> String {
-        format!(
-            "On {WIDE_FRAMES} wide frames (left, centre, right) click {LANDMARKS_ALONE} or more landmarks. Done: {} of \
-             {WIDE_FRAMES}.",
-            self.wide.min(WIDE_FRAMES)
-        )
-    }
-}
-
 /// The shown frame as it would be with a base that waits for a decision.
 #[derive(Clone, Debug)]
 pub struct WithProposal {
@@ -148,7 +96,7 @@ impl WithProposal {
         found.write_camera(&mut document);
         let field = document.at(&open.folder).model_of_frame(frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
-        let solved = calibrate(&document, frame, &field, index);
+        let solved = calibrate(&document, open.lookup(), frame, &field, index);
         let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));
         Some(Self { field: Arc::new(field), camera })
     }

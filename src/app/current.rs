@@ -1,11 +1,12 @@
 //! What follows from the document and the session for the frame that is shown: derived, never stored.
 
 use super::OpenProject;
-use super::base::{BaseReadiness, WithProposal};
+use super::base::WithProposal;
 use super::naming::{self, NamingScene};
 use super::session::{Mode, Naming, Session};
 use crate::calibrate::{
-    BetterCamera, CalibrationError, EstimatedBase, calibrate, camera_alone, observations, solved_neighbours,
+    BaseReadiness, BetterCamera, CalibrationError, EstimatedBase, calibrate, camera_alone, observations,
+    solved_neighbours,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Click, Frame, FramePtz, SolutionSource, Target};
@@ -88,6 +89,7 @@ impl Current {
             *self = Self::default();
             return;
         };
+        open.refresh_lookup();
         let shown = (session.frame, open.document.version());
         let changed = self.basis.shown != Some(shown);
         if changed {
@@ -143,7 +145,7 @@ impl Current {
             }
             _ => Vec::new(),
         };
-        let readiness = BaseReadiness::of(open.document.frames.iter().map(|frame| &**frame), &frame.camera);
+        let readiness = open.lookup().readiness(&frame.camera);
         let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
         if let Some(Ok(solved)) = &solution {
             disputed.extend(solved.disputed());
@@ -176,7 +178,7 @@ impl Current {
             Some(click) => *with.clicks.get_mut(click)? = trial.click.clone(),
             None => with.clicks.push(trial.click.clone()),
         }
-        let solved = calibrate(&open.document, &with, field, index).ok()?;
+        let solved = calibrate(&open.document, open.lookup(), &with, field, index).ok()?;
         Some(PtzCamera::new(base, solved.ptz))
     }
 
@@ -228,6 +230,7 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
 /// Ranks the names for a click of a frame.
 pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usize, lines: bool) -> Option<Naming> {
     let field = open.field_of(frame_index).ok()?;
+    open.refresh_lookup();
     let frame = open.frame(frame_index)?;
     let at = frame.clicks.get(click)?.image;
     let mut others = frame.clone();
@@ -237,7 +240,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
     // A frame that was proposed or set by hand has a camera too; clicks decide as soon as they can.
-    let camera = calibrate(&open.document, &others, &field, frame_index)
+    let camera = calibrate(&open.document, open.lookup(), &others, &field, frame_index)
         .ok()
         .map(|solved| solved.ptz)
         .or_else(|| named.is_empty().then(|| as_proposed_or_by_hand(frame)).flatten())

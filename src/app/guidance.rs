@@ -1,10 +1,10 @@
 //! The next step in words: what the status row says.
 
-use super::base::{BaseWork, WIDE_FRAMES};
+use super::base::BaseWork;
 use super::progress::nothing_needs_you;
 use super::session::{Mode, needs_me, reason_label};
 use super::{App, Command};
-use crate::calibrate::{CalibrationError, LANDMARKS_ALONE};
+use crate::calibrate::{CalibrationError, LANDMARKS_ALONE, WIDE_FRAMES};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
 use crate::solve::{SolveError, Verdict};
 

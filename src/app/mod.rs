@@ -6,6 +6,7 @@
 
 mod action;
 pub mod base;
+mod camera_watch;
 mod choices;
 mod command;
 mod compared;
@@ -29,6 +30,7 @@ mod versioned;
 pub mod where_to_label;
 
 pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, OutsideChoice};
+pub use camera_watch::{CameraWatch, WatchPanicked};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;

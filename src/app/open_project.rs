@@ -1,7 +1,7 @@
 //! The document that is open, with its history.
 
 use super::Versioned;
-use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
+use crate::calibrate::{BetterCamera, CalibrationError, FrameLookup, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::FrameSolution;
@@ -32,6 +32,8 @@ pub struct OpenProject {
     pub(super) journalled: Document,
     fields: Option<(Vec<FieldSpec>, Option<Hand>, Arc<Fields>)>,
     model: Option<(FieldKey, Result<Arc<FieldModel>, FieldError>)>,
+    /// What calibrating looks up in the document, in the version that stands beside it.
+    lookup: (FrameLookup, Option<u64>),
 }
 
 impl OpenProject {
@@ -49,6 +51,7 @@ impl OpenProject {
             forest_generation: 0,
             fields: None,
             model: None,
+            lookup: (FrameLookup::default(), None),
         }
     }
 
@@ -117,12 +120,27 @@ impl OpenProject {
         Ok(fields)
     }
 
+    /// Brings what calibrating looks up into agreement with the document.
+    pub(super) fn refresh_lookup(&mut self) {
+        let version = Some(self.document.version());
+        if self.lookup.1 != version {
+            self.lookup.0.update(&self.document);
+            self.lookup.1 = version;
+        }
+    }
+
+    /// What calibrating looks up in the document, as of the last [`Self::refresh_lookup`].
+    pub(super) const fn lookup(&self) -> &FrameLookup {
+        &self.lookup.0
+    }
+
     /// What a frame's clicks say, another camera that fits better among the warnings. None where there is no such frame or
     /// its field is not valid.
     pub(super) fn solve(&mut self, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
         let field = self.field_of(index).ok()?;
+        self.refresh_lookup();
         let frame = self.document.frames.get(index)?;
-        let mut solved = calibrate(&self.document, frame, &field, index);
+        let mut solved = calibrate(&self.document, self.lookup(), frame, &field, index);
         if let Ok(solved) = &mut solved
             && let Some(better) = self.better_camera(index, solved)
         {

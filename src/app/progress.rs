@@ -1,9 +1,9 @@
 //! What is said when a frame has been accepted, and at the end of the work.
 
-use super::base::WIDE_FRAMES;
 use super::review::Review;
 use super::session::needs_me;
 use super::where_to_label::where_to_label;
+use crate::calibrate::WIDE_FRAMES;
 use crate::document::Document;
 
 /// What is said when a frame has just been accepted.

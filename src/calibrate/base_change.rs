@@ -1,11 +1,12 @@
 //! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
 
-use super::{GiveError, calibrate, observations};
+use super::{FrameLookup, GiveError, calibrate, observations};
 use crate::camera::{CameraBase, Ptz};
 use crate::document::{Camera, CameraId, Document, Fields};
 use crate::field::FieldModel;
 use crate::geometry::thousands;
 use crate::solve::base::{FrameClicks, base_change};
+use rayon::prelude::*;
 
 /// Where a camera of the document stops fitting.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,25 +62,25 @@ impl CameraChange {
 }
 
 /// Where a camera's base stops fitting the frames of the document, in their order, if it does. Rejected frames and those left
-/// out of the base count for nothing.
+/// out of the base count for nothing. `lookup` is the document's.
 #[must_use]
-pub fn camera_change(document: &Document, camera: &CameraId, field: &FieldModel) -> Option<CameraChange> {
+pub fn camera_change(
+    document: &Document,
+    lookup: &FrameLookup,
+    camera: &CameraId,
+    field: &FieldModel,
+) -> Option<CameraChange> {
     let known = document.camera(camera)?;
     let base = known.base()?;
-    let mut places = Vec::new();
-    let (mut clicks, mut pointed) = (Vec::new(), Vec::new());
-    for (index, frame) in document.frames.iter().enumerate() {
-        if frame.camera == *camera
-            && frame.image_size == known.image_size
-            && frame.is_used_for_base()
-            && !frame.clicks.is_empty()
-            && let Ok(observations) = observations(frame, field)
-        {
-            places.push(index);
-            clicks.push(FrameClicks { observations, start: None });
-            pointed.push(ptz_by_clicks(document, index, known, field));
-        }
-    }
+    let telling = |index: usize| {
+        let frame = &document.frames[index];
+        let takes_part = frame.image_size == known.image_size && frame.is_used_for_base();
+        let observations = takes_part.then(|| observations(frame, field).ok()).flatten()?;
+        let pointed = ptz_by_clicks(document, lookup, index, known, field);
+        Some((index, (FrameClicks { observations, start: None }, pointed)))
+    };
+    let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
+    let (places, (clicks, pointed)): (Vec<usize>, (Vec<FrameClicks>, Vec<Option<Ptz>>)) = telling.unzip();
     let found = base_change(field, &clicks, &pointed, &base)?;
     Some(CameraChange {
         camera: camera.clone(),
@@ -92,10 +93,16 @@ pub fn camera_change(document: &Document, camera: &CameraId, field: &FieldModel)
 }
 
 /// A frame's camera as its clicks have it; one that is recorded need not be solved again.
-fn ptz_by_clicks(document: &Document, index: usize, camera: &Camera, field: &FieldModel) -> Option<Ptz> {
+fn ptz_by_clicks(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    camera: &Camera,
+    field: &FieldModel,
+) -> Option<Ptz> {
     let frame = &document.frames[index];
     match camera.pointed(frame) {
         Some(pointed) if frame.is_solved_by_clicks() => Some(pointed.ptz()),
-        _ => calibrate(document, frame, field, index).ok().map(|solved| solved.ptz),
+        _ => calibrate(document, lookup, frame, field, index).ok().map(|solved| solved.ptz),
     }
 }

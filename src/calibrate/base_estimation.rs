@@ -1,15 +1,17 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
-use super::{CalibrationError, calibrate, observations};
+use super::base_readiness::LANDMARKS_ALONE;
+use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
+use super::{CalibrationError, observations};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{Angle, ImagePoint, ImageSize};
 use crate::solve::base::{
     AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FittedSize, FrameClicks, LensModel,
     MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
 };
-use crate::solve::{ObservationError, WarningCode};
+use crate::solve::{FrameSolution, ObservationError, WarningCode};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -18,9 +20,6 @@ use thiserror::Error;
 
 /// The key of a frame that takes no part in the estimation of its camera's base: `"use_for_base": false`. Absent: it does.
 const USE_FOR_BASE: &str = "use_for_base";
-
-/// So many landmarks on the ground determine a camera of which nothing else is known.
-pub const LANDMARKS_ALONE: usize = 4;
 
 /// Why a base cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -290,37 +289,27 @@ impl EstimatedBase {
         let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
         let turned_deg = before
             .map_or(0.0, |before| before.angles().heading.turn_from(self.estimate.base.angles().heading).degrees());
-        for index in 0..document.frames.len() {
-            if document.frames[index].camera == self.camera && document.frames[index].status != FrameStatus::Rejected {
-                solve_again(document, index, &field, turned_deg);
+        let of_camera = |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
+        let places = (0..document.frames.len()).filter(|&index| of_camera(&document.frames[index]));
+        let places: Vec<usize> = places.collect();
+        if turned_deg != 0.0 {
+            for &index in &places {
+                if let Some(ptz) = &mut document.frames[index].ptz {
+                    ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
+                }
             }
         }
+        let places: Vec<usize> = places.into_iter().filter(|&index| is_by_clicks(&document.frames[index])).collect();
+        solve_frames(document, &places, ShownFields::Camera(&field), record_or_drop, &|| ());
         self.mark_disputes(document);
         Ok(())
     }
 }
 
-/// Solves a frame anew from its clicks; one by hand or from elsewhere is turned with the base.
-fn solve_again(document: &mut Document, index: usize, field: &FieldModel, turned_deg: f64) {
-    let frame = &document.frames[index];
-    let by_clicks = frame.is_solved_by_clicks() || frame.ptz.is_none();
-    if !by_clicks {
-        if turned_deg != 0.0
-            && let Some(ptz) = &mut document.frames[index].ptz
-        {
-            ptz.pan_deg = crate::geometry::Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
-        }
-        return;
-    }
-    if frame.clicks.is_empty() {
-        return;
-    }
-    let solved = calibrate(document, frame, field, index);
-    let frame = &mut document.frames[index];
+/// A camera that the clicks do not give with the new base is no longer known.
+fn record_or_drop(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     match solved {
-        Ok(solved) => {
-            frame.record(&solved);
-        }
+        Ok(solved) => frame.record(solved),
         Err(CalibrationError::Solve(_)) => {
             frame.ptz = None;
             frame.solution = None;

@@ -1,7 +1,7 @@
 //! From a frame's clicks to its camera: the document's side of the solve.
 
+use super::FrameLookup;
 use super::from_proposal::inform;
-use super::habits;
 use crate::camera::Ptz;
 use crate::document::{Document, Frame, Target};
 use crate::field::FieldModel;
@@ -62,13 +62,14 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
 }
 
 /// The camera of a frame from its clicks and its camera's base, and where they are too few from what was proposed. `index` is
-/// its place in the document (`frame` may be a changed copy): the frames around it decide where its clicks cannot. Names that
-/// fit better come first among its warnings.
+/// its place in the document (`frame` may be a changed copy): the frames around it, and with `lookup` all others of the
+/// document, decide where its clicks cannot. Names that fit better come first among its warnings.
 ///
 /// # Errors
 /// The camera is unknown or has no base, a click names something that the field lacks, or the clicks give no camera.
 pub fn calibrate(
     document: &Document,
+    lookup: &FrameLookup,
     frame: &Frame,
     field: &FieldModel,
     index: usize,
@@ -81,7 +82,7 @@ pub fn calibrate(
     let observations = observations(frame, field)?;
     let mut context = SolveContext {
         neighbours: solved_neighbours(document, index),
-        habits: habits(document, index),
+        motion: lookup.prior(index),
         ..SolveContext::new(frame.image_size)
     };
     if let Some(proposed) = frame.proposed() {

@@ -21,7 +21,7 @@ pub(super) fn inform(context: &mut SolveContext, proposed: &Proposed, observatio
 
 #[cfg(test)]
 mod tests {
-    use crate::calibrate::calibrate;
+    use crate::calibrate::{FrameLookup, calibrate};
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use crate::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
     use crate::field::builtin;
@@ -56,7 +56,7 @@ mod tests {
             Click::landmark(landmark.into(), truth.image_from_world(world).unwrap())
         };
         document.frames[0].clicks.push(seen("centre_mark"));
-        let one = calibrate(&document, &document.frames[0], &field, 0).unwrap();
+        let one = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
         document.frames[0].record(&one);
         let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!((corrected.pan - truth.ptz().pan).abs().degrees() < 0.05, "{corrected:?}");
@@ -64,7 +64,7 @@ mod tests {
         assert!(document.frames[0].is_suggestion(), "one click alone does not teach");
         assert_eq!(document.frames[0].proposed(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
-        let two = calibrate(&document, &document.frames[0], &field, 0).unwrap();
+        let two = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
         document.frames[0].record(&two);
         let solved = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!((solved.focal_px - 2300.0).abs() < 1e-6 && document.frames[0].is_solved_by_clicks());

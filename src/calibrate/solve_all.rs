@@ -1,10 +1,10 @@
 //! Every frame of a document, solved from its clicks.
 
-use super::{CalibrationError, calibrate, warn_of_better_camera};
+use super::CalibrationError;
+use super::solve_frames::{ShownFields, record_if_solved, solve_frames};
 use crate::document::{Document, Fields, Frame, Target};
 use crate::field::FieldError;
-use crate::solve::{FrameSolution, SolveError};
-use rayon::prelude::*;
+use crate::solve::SolveError;
 use std::path::Path;
 
 /// Pan, tilt and focal length: as many equations are needed.
@@ -36,69 +36,23 @@ pub fn solve_document(
     progress: &(dyn Fn() + Sync),
 ) -> Result<Vec<SolveOutcome>, FieldError> {
     let fields = Fields::of(document.at(folder))?;
-    let first: Vec<Attempt> = (0..document.frames.len())
-        .into_par_iter()
-        .map(|index| {
-            let attempt = attempt(document, index, &fields);
-            progress();
-            attempt
-        })
-        .collect();
-    record(document, &first);
-    let undecided: Vec<usize> = first
-        .iter()
-        .enumerate()
-        .filter(|(_, attempt)| matches!(attempt, Attempt::Done(Ok(solved)) if !solved.alternatives.is_empty()))
-        .map(|(index, _)| index)
-        .collect();
-    let second: Vec<(usize, Attempt)> =
-        undecided.into_par_iter().map(|index| (index, attempt(document, index, &fields))).collect();
-    for (index, attempt) in &second {
-        if let Attempt::Done(Ok(solved)) = attempt {
-            document.frames[*index].record(solved);
-        }
+    let (enough, too_few): (Vec<usize>, Vec<usize>) =
+        (0..document.frames.len()).partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
+    too_few.iter().for_each(|_| progress());
+    let solved = solve_frames(document, &enough, ShownFields::Document(&fields), record_if_solved, progress);
+    let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
+    for (index, solved) in enough.into_iter().zip(solved) {
+        outcomes[index] = match solved {
+            Ok(_) => SolveOutcome::Solved,
+            Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => SolveOutcome::TooFewClicks,
+            Err(error) => SolveOutcome::Failed(error),
+        };
     }
-    Ok(first
-        .into_iter()
-        .map(|attempt| match attempt {
-            Attempt::TooFewClicks => SolveOutcome::TooFewClicks,
-            Attempt::Done(Ok(_)) => SolveOutcome::Solved,
-            Attempt::Done(Err(error)) => SolveOutcome::Failed(error),
-        })
-        .collect())
-}
-
-enum Attempt {
-    TooFewClicks,
-    Done(Result<Box<FrameSolution>, CalibrationError>),
-}
-
-fn attempt(document: &Document, index: usize, fields: &Fields) -> Attempt {
-    let frame = &document.frames[index];
-    if equations(frame) < UNKNOWNS {
-        return Attempt::TooFewClicks;
-    }
-    let field = fields.of_frame(document, frame);
-    match calibrate(document, frame, field, index) {
-        Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => Attempt::TooFewClicks,
-        Ok(mut solved) => {
-            warn_of_better_camera(document, frame, &mut solved, &fields.of_cameras(document));
-            Attempt::Done(Ok(Box::new(solved)))
-        }
-        Err(error) => Attempt::Done(Err(error)),
-    }
+    Ok(outcomes)
 }
 
 /// How many equations the named clicks of a frame give; check clicks give none.
 fn equations(frame: &Frame) -> usize {
     let used = frame.clicks.iter().filter(|click| !click.check);
     used.filter_map(|click| click.target.as_ref()).map(Target::equations).sum()
-}
-
-fn record(document: &mut Document, attempts: &[Attempt]) {
-    for (frame, attempt) in document.frames.iter_mut().zip(attempts) {
-        if let Attempt::Done(Ok(solved)) = attempt {
-            frame.record(solved);
-        }
-    }
 }

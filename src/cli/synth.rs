@@ -3,7 +3,7 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::calibrate::calibrate;
+use crate::calibrate::{FrameLookup, calibrate};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::document::{
     Camera, CameraId, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Target, document_to_string,
@@ -236,7 +236,9 @@ fn solve_as_reference(
             ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
         })
         .collect();
-    let Ok(solved) = calibrate(project, &clicked, field, project.frames.len()) else { return false };
+    let Ok(solved) = calibrate(project, &FrameLookup::default(), &clicked, field, project.frames.len()) else {
+        return false;
+    };
     clicked.record(&solved);
     clicked.status = FrameStatus::Reference;
     *frame = clicked;

@@ -3,7 +3,7 @@
 //! The least and the greatest of some wrapped angles are no range: a camera on the far side looks at 179° and −179° within two
 //! degrees.
 
-use super::Angle;
+use super::{Angle, Directions};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 
@@ -45,16 +45,12 @@ impl AngleRange {
     /// gaps of one size the one that holds ±180° is taken, or else the first above it.
     #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
-        let mut radians: Vec<f64> = angles.into_iter().map(|angle| angle.wrapped().radians()).collect();
-        radians.sort_unstable_by(f64::total_cmp);
-        let (&first, &last) = (radians.first()?, radians.last()?);
-        let (mut gap, mut start, mut end) = (first + TAU - last, first, last);
-        for pair in radians.windows(2) {
-            if pair[1] - pair[0] > gap {
-                (gap, start, end) = (pair[1] - pair[0], pair[1], pair[0] + TAU);
-            }
-        }
-        Some(Self { start: Angle::from_radians(start), end: Angle::from_radians(end) })
+        angles.into_iter().collect::<Directions>().smallest_arc()
+    }
+
+    /// The arc between two angles, the end not below the start and at most a turn above, the start within (−π, π].
+    pub(super) const fn between(start: Angle, end: Angle) -> Self {
+        Self { start, end }
     }
 
     /// Where it begins, within (−π, π]; −π for the full circle.

@@ -5,6 +5,7 @@
 
 mod angle;
 mod angle_range;
+mod directions;
 mod homography;
 mod image;
 mod median;
@@ -15,6 +16,7 @@ mod text;
 
 pub use angle::Angle;
 pub use angle_range::AngleRange;
+pub(crate) use directions::Directions;
 pub(crate) use homography::{HomographyError, homography};
 pub use image::{ImagePoint, ImageSize, PixelBox};
 pub(crate) use median::{median, median_high};

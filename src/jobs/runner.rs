@@ -8,7 +8,7 @@ use super::{
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Question};
+use crate::app::{Action, Effect, Question, WatchPanicked};
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -37,6 +37,8 @@ enum Kind {
     Opening,
     /// It estimates a base.
     Estimate,
+    /// It looks at a camera over time; the look's ticket.
+    Watch(u64),
     /// Anything that runs to its end.
     Other,
 }
@@ -92,6 +94,10 @@ impl Runner {
                 });
             }
             Effect::CancelEstimate => self.give_up(Kind::Estimate),
+            Effect::WatchCamera(watch) => self.begin("camera watch", Kind::Watch(watch.ticket), move |_| {
+                let (ticket, change) = (watch.ticket, watch.look().map(Box::new));
+                Ok(Outcome::Action(Action::CameraWatched { ticket, change: Ok(change) }))
+            }),
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -154,12 +160,13 @@ impl Runner {
                         actions.push(Action::AlreadyOpen(file));
                     }
                     BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
-                    BackgroundReport::Panicked(message) if task.kind == Kind::Estimate => {
-                        actions.push(Action::BaseEstimated(Err(EstimateFailure::Panicked { message })));
-                    }
-                    BackgroundReport::Panicked(message) => {
-                        actions.push(Action::Failed(format!("internal error (please report it): {message}")));
-                    }
+                    BackgroundReport::Panicked(message) => actions.push(match task.kind {
+                        Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
+                        Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
+                        Kind::Opening | Kind::Other => {
+                            Action::Failed(format!("internal error (please report it): {message}"))
+                        }
+                    }),
                 }
             }
         }

@@ -104,7 +104,7 @@ fn implausible(solution: &FrameSolution, context: &SolveContext) -> Option<Warni
         let [focal, from, upto] = [ptz.focal_px, *ranges.focal_px.start(), *ranges.focal_px.end()].map(rounded);
         format!("focal length {focal} px (usual {from} to {upto})")
     } else {
-        return context.habits.warning(&ptz, &solution.slack());
+        return context.motion.warning(&ptz, &solution.slack());
     };
     let message = format!("Implausible: {what}. Check the names of the points, or the camera base.");
     Some(Warning { code: WarningCode::Implausible, message, clicks: Vec::new() })

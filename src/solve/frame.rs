@@ -203,7 +203,7 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
     let expected = context.expected();
     let surprise = |fit: &Fit| match context.start {
         Some(_) => 0.0,
-        None => context.habits.surprise(&fit.candidate.ptz, &PtzStep::ZERO),
+        None => context.motion.surprise(&fit.candidate.ptz, &PtzStep::ZERO),
     };
     let distance = |fit: &Fit| expected.map_or(0.0, |expected| camera_distance(&fit.candidate.ptz, &expected));
     // The first of equals is the best fit.

@@ -1,6 +1,6 @@
 //! What a solve is given beside the clicks, and what it gives back.
 
-use super::{Habits, IdentityFinding, Loss, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
+use super::{IdentityFinding, Loss, MotionPrior, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::Ptz;
 use crate::geometry::{Angle, AngleRange, ImageSize, Mat3, Vec2};
 use serde::Serialize;
@@ -18,7 +18,7 @@ pub struct SolveContext {
     pub neighbours: Vec<Ptz>,
     /// What this camera usually does: it decides where the clicks cannot, and what is out of the usual is warned of. It
     /// does not pull on the result.
-    pub habits: Habits,
+    pub motion: MotionPrior,
     /// Where to start, for example the solution before a click moved; as `neighbours`, it does not pull on the result.
     pub start: Option<Ptz>,
     /// How strongly clicks that disagree with the others still pull (see [`Loss`]).
@@ -36,7 +36,7 @@ impl SolveContext {
             image_size,
             ranges: PtzRanges::for_width(image_size.width),
             neighbours: Vec::new(),
-            habits: Habits::default(),
+            motion: MotionPrior::default(),
             start: None,
             loss: Loss::default(),
             prior: None,

@@ -49,7 +49,7 @@ pub struct Judgement {
 pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let judgement = |verdict, reason| Judgement { verdict, reason };
     let corner = format!("worst corner ±{:.1} px", solution.worst_corner_sigma_px);
-    // Names that fit better are wrong; where they fit as well, and only the camera's habits speak for them, look at it.
+    // Names that fit better are wrong; where they fit as well, and only the camera's motion prior speaks for them, look at it.
     let contradicted = solution.identity.as_ref().is_some_and(|found| found.evidence == Evidence::Clicks);
     let tells_of_names = |code| matches!(code, WarningCode::Swapped | WarningCode::WrongLine | WarningCode::Mirrored);
     let wrong = |warning: &&Warning| {

@@ -2,7 +2,7 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use std::path::Path;
-use touchline::calibrate::{BaseProblem, better_camera, calibrate, camera_change, solve_document};
+use touchline::calibrate::{BaseProblem, FrameLookup, better_camera, calibrate, camera_change, solve_document};
 use touchline::document::{CameraId, Document, FieldSpec, Fields};
 use touchline::solve::base::BaseOptions;
 
@@ -48,7 +48,8 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     let of_cameras = fields.of_cameras(&document);
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
-        assert_eq!(camera_change(&document, &camera.id, field), None, "{}: nobody bumped it", camera.id);
+        let change = camera_change(&document, &FrameLookup::of(&document), &camera.id, field);
+        assert_eq!(change, None, "{}: nobody bumped it", camera.id);
     }
     // The right camera, then each wrong one.
     let (mut alarms, mut tested, mut found, mut given) = (0, 0, 0, 0);
@@ -58,7 +59,8 @@ fn real_matches_are_told_apart_and_give_no_false_alarm() {
             let right = asked.frames[index].camera.clone();
             asked.frames[index].camera = camera.id.clone();
             let frame = &asked.frames[index];
-            let Ok(solved) = calibrate(&asked, frame, fields.of_frame(&asked, frame), index) else { continue };
+            let (lookup, field) = (FrameLookup::of(&asked), fields.of_frame(&asked, frame));
+            let Ok(solved) = calibrate(&asked, &lookup, frame, field, index) else { continue };
             let better = better_camera(&asked, frame, &solved, &of_cameras).map(|better| better.camera);
             if camera.id == right {
                 tested += 1;
@@ -88,7 +90,8 @@ fn the_first_frame_of_another_match_is_where_the_camera_stops_fitting() {
     }
     solve_document(&mut document, Path::new("."), &|| ()).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let change = camera_change(&document, &first, &fields.of_cameras(&document)[0]).unwrap();
+    let change =
+        camera_change(&document, &FrameLookup::of(&document), &first, &fields.of_cameras(&document)[0]).unwrap();
     println!("{} ({begins})", change.describe());
     assert!(change.frame.abs_diff(begins) <= 2, "{} for {begins}", change.frame);
 }

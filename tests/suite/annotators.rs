@@ -6,7 +6,7 @@ use rand_pcg::Pcg64Mcg;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::Path;
-use touchline::calibrate::{ENOUGH_REPEATS, OwnNoise, calibrate, check_values};
+use touchline::calibrate::{ENOUGH_REPEATS, FrameLookup, OwnNoise, calibrate, check_values};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSpec, Fields, Frame, FramePtz, FrameStatus, Repeat, document_from_bytes,
@@ -225,7 +225,8 @@ fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
     let sigma = |document: &Document| {
         let fields = Fields::of(document.at(Path::new("."))).unwrap();
         let frame = &document.frames[4];
-        calibrate(document, frame, fields.of_frame(document, frame), 4).unwrap().worst_corner_sigma_px
+        let field = fields.of_frame(document, frame);
+        calibrate(document, &FrameLookup::of(document), frame, field, 4).unwrap().worst_corner_sigma_px
     };
     let before = sigma(&document);
     let mut hand = own(&document).hand.unwrap();

@@ -3,7 +3,7 @@
 use std::path::Path;
 use touchline::app::naming::{NamingScene, candidates};
 use touchline::app::quality::{Course, Quantity, TimeAxis};
-use touchline::calibrate::{calibrate, choose_gold};
+use touchline::calibrate::{FrameLookup, calibrate, choose_gold};
 use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -81,7 +81,8 @@ impl Place {
         let mut document = document.clone();
         document.frames.push(Frame { clicks: clicks.collect(), ptz: None, ..frame }.into());
         let index = document.frames.len() - 1;
-        let solved = calibrate(&document, &document.frames[index], &field(), index).unwrap();
+        let solved =
+            calibrate(&document, &FrameLookup::of(&document), &document.frames[index], &field(), index).unwrap();
         assert!(solved.ptz.pan.turn_from(ptz.pan).abs().degrees() < 1e-6, "{}", self.name);
         let warning = solved.warnings.into_iter().find(|warning| warning.code == WarningCode::Implausible);
         warning.map(|warning| warning.message)

@@ -8,7 +8,7 @@ use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzC
 use touchline::field::{FieldElement, FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, AngleRange, ImageSize, Vec2, Vec3};
 use touchline::solve::{
-    Evidence, FrameSolution, Habits, IdentityFinding, IdentityKind, Motion, Name, Observation, PtzRanges, PtzStep,
+    Evidence, FrameSolution, IdentityFinding, IdentityKind, Motion, MotionPrior, Name, Observation, PtzRanges, PtzStep,
     SolveContext, Verdict, WarningCode, check_identity, judge, solve_frame,
 };
 
@@ -167,7 +167,7 @@ fn known(known: Known, truth: Ptz, rng: &mut Pcg64Mcg) -> SolveContext {
     let seen = PtzRanges { pan, tilt: degrees(-15.0, -10.0), focal_px: 1600.0..=3500.0 };
     match known {
         Known::Nothing => plain,
-        Known::AcceptedFrames => SolveContext { habits: Habits { seen: Some(seen), motion: None }, ..plain },
+        Known::AcceptedFrames => SolveContext { motion: MotionPrior { seen: Some(seen), motion: None }, ..plain },
         Known::TheFrameBefore => {
             let from = Ptz::from_degrees(
                 truth.pan.degrees() + 0.2 * normal(rng),
@@ -176,7 +176,7 @@ fn known(known: Known, truth: Ptz, rng: &mut Pcg64Mcg) -> SolveContext {
             );
             let usual = PtzStep { pan: Angle::from_degrees(0.33), tilt: Angle::from_degrees(0.08), log_focal: 0.008 };
             let motion = Some(Motion { from, frames: 1, usual });
-            SolveContext { neighbours: vec![from], habits: Habits { seen: Some(seen), motion }, ..plain }
+            SolveContext { neighbours: vec![from], motion: MotionPrior { seen: Some(seen), motion }, ..plain }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::seeded::{self, normal};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
-use touchline::calibrate::calibrate;
+use touchline::calibrate::{FrameLookup, calibrate};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target, VideoFrame, document_from_bytes, document_to_string,
@@ -107,7 +107,7 @@ fn the_correction_is_in_the_document() {
     let unnamed = Click::unnamed(document.frames[0].clicks[0].image);
     document.frames[0].clicks.insert(0, unnamed);
     let field = document.field.model("/nowhere".as_ref()).unwrap();
-    let solved = calibrate(&document, &document.frames[0], &field, 0).unwrap();
+    let solved = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
     document.frames[0].record(&solved);
     let solution = document.frames[0].solution.clone().unwrap();
     assert_eq!(solution.disputed, [2, 3]);
@@ -156,7 +156,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
     let solved = |document: &Document, spots: &[(&str, &str)]| {
         let clicked = frame("21.jpg", ptz, spots);
         let clicked = Frame { video: document.frames[21].video.clone(), ..clicked };
-        calibrate(document, &clicked, &field, 21).unwrap()
+        calibrate(document, &FrameLookup::of(document), &clicked, &field, 21).unwrap()
     };
     let fine = solved(&document, &right);
     assert!(fine.warnings.iter().all(|warning| warning.code == WarningCode::Separation), "{:?}", fine.warnings);
@@ -173,7 +173,7 @@ fn two_clicks_of_another_part_are_given_away_by_where_the_camera_was() {
     // In another shot the camera may look anywhere: only the picture's own doubt remains.
     document.frames[21].clip = Some(touchline::document::Clip::Number(2));
     let clicked = Frame { clip: document.frames[21].clip.clone(), ..frame("21.jpg", ptz, &taken_for) };
-    let elsewhere = calibrate(&document, &clicked, &field, 21).unwrap();
+    let elsewhere = calibrate(&document, &FrameLookup::of(&document), &clicked, &field, 21).unwrap();
     assert!(elsewhere.warnings.iter().all(|warning| !warning.message.contains("Cut or wrong name?")));
 }
 
@@ -184,7 +184,7 @@ fn a_camera_under_the_pitch_is_implausible() {
     document.cameras[0].set_base(&below);
     document.frames.push(swapped().into());
     let field = document.field.model("/nowhere".as_ref()).unwrap();
-    let Ok(solved) = calibrate(&document, &document.frames[0], &field, 0) else { return };
+    let Ok(solved) = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0) else { return };
     assert!(solved.warnings.iter().any(|warning| warning.message.contains("2.0 m below the pitch")));
     assert_ne!(judge(&solved, SIZE).verdict, Verdict::Good);
 }

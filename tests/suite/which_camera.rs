@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
 use touchline::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
-use touchline::calibrate::{BaseProblem, GiveError, camera_change, check_cameras, solve_document};
+use touchline::calibrate::{BaseProblem, FrameLookup, GiveError, camera_change, check_cameras, solve_document};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
@@ -92,7 +92,9 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         let mut rng = seeded::rng(&format!("a_bump_is_found {round}"));
         let (frames, before) = (30, 12 + round);
         let mut document = document(frames, before, 2.0, &mut rng);
-        let Some(change) = camera_change(&document, &"main".into(), &field()) else { continue };
+        let Some(change) = camera_change(&document, &FrameLookup::of(&document), &"main".into(), &field()) else {
+            continue;
+        };
         println!("{before}: {} {}", change.frame, change.describe());
         assert!(change.frame.abs_diff(before) <= 2, "{} for {before}", change.frame);
         assert!((change.base.position_m - bumped().position_m).norm() < 1.0, "{:?}", change.base.position_m);
@@ -104,7 +106,11 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         assert!(document.frames.range(..change.frame).all(|frame| frame.camera.as_str() == "main"));
         assert!(document.frames.range(change.frame..).all(|frame| frame.camera == name && frame.ptz.is_some()));
         for camera in ["main", "main 2"] {
-            assert_eq!(camera_change(&document, &camera.into(), &field()), None, "{camera} fits now");
+            assert_eq!(
+                camera_change(&document, &FrameLookup::of(&document), &camera.into(), &field()),
+                None,
+                "{camera} fits now"
+            );
         }
     }
     assert!(found >= 9, "{found} of 10");
@@ -118,7 +124,9 @@ fn a_base_estimated_over_a_bump_fits_neither_side_and_is_told() {
     let estimated = problem.estimate(&document, &BaseOptions::default()).unwrap();
     estimated.write_to(&mut document, Path::new(".")).unwrap();
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
-    let change = camera_change(&document, &"main".into(), &fields.of_cameras(&document)[0]).unwrap();
+    let change =
+        camera_change(&document, &FrameLookup::of(&document), &"main".into(), &fields.of_cameras(&document)[0])
+            .unwrap();
     assert!(change.frame.abs_diff(20) <= 3, "{}", change.frame);
 }
 
@@ -127,7 +135,11 @@ fn without_a_bump_there_is_no_alarm() {
     for round in 0..40 {
         let mut rng = seeded::rng(&format!("without_a_bump {round}"));
         let document = document(8 + 2 * round, usize::MAX, 2.5, &mut rng);
-        assert_eq!(camera_change(&document, &"main".into(), &field()), None, "round {round}");
+        assert_eq!(
+            camera_change(&document, &FrameLookup::of(&document), &"main".into(), &field()),
+            None,
+            "round {round}"
+        );
     }
 }
 

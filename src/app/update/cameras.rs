@@ -2,25 +2,19 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::action::CameraChoice;
+use crate::app::action::{CameraChoice, Effect};
+use crate::app::camera_watch::{AT_ONCE, CameraWatch, WatchPanicked};
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
 use crate::calibrate::{CameraChange, camera_change};
 use crate::document::{CameraId, Step};
-
-/// What a look at a camera over time gave, and for which state of the document.
-#[derive(Debug)]
-pub(super) struct Watched {
-    revision: u64,
-    camera: CameraId,
-    change: Option<CameraChange>,
-}
+use std::sync::Arc;
 
 impl App {
     /// Where the shown frame's camera stops fitting, if it does.
     #[must_use]
     pub fn camera_change(&self) -> Option<&CameraChange> {
-        self.watched.as_ref()?.change.as_ref()
+        self.watched.change.as_ref()
     }
 
     pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
@@ -116,30 +110,61 @@ impl App {
         }
     }
 
-    /// Looks whether the shown frame's camera still fits, after every edit; what is found is told once.
+    /// Looks whether the shown frame's camera still fits, after every edit; what is found is told once. Many frames are looked
+    /// at in the background, one look at a time.
     pub(super) fn watch_camera(&mut self) {
         let seen =
             self.open.as_ref().and_then(|open| Some((open.revision, open.frame(self.session.frame)?.camera.clone())));
-        let Some((revision, camera)) = seen else {
-            self.watched = None;
-            return;
-        };
-        if self.watched.as_ref().is_some_and(|known| known.revision == revision && known.camera == camera) {
+        if seen.is_none() {
+            (self.watched.of, self.watched.change) = (None, None);
+        }
+        let (Some(seen), Some(open)) = (seen, &mut self.open) else { return };
+        if self.watched.of.as_ref() == Some(&seen) || self.watched.under_way.is_some() {
             return;
         }
-        let change = match (&self.open, self.current.field()) {
-            (Some(open), Some(field)) => camera_change(&open.document, &camera, field),
-            _ => None,
+        let Some(field) = self.current.field() else {
+            (self.watched.of, self.watched.change) = (Some(seen), None);
+            return;
         };
+        open.refresh_lookup();
+        if open.lookup().clicked(&seen.1).len() <= AT_ONCE {
+            let change = camera_change(&open.document, open.lookup(), &seen.1, field);
+            self.camera_looked_at(seen, change);
+            return;
+        }
+        self.watched.tickets += 1;
+        let watch = CameraWatch {
+            ticket: self.watched.tickets,
+            document: open.document.clone(),
+            camera: seen.1.clone(),
+            field: Arc::clone(field),
+        };
+        self.watched.under_way = Some((watch.ticket, seen));
+        self.effects.push(Effect::WatchCamera(Box::new(watch)));
+    }
+
+    /// Takes the report of a look in the background; one that nobody waits for any more is passed over.
+    pub(super) fn camera_watched(&mut self, ticket: u64, change: Result<Option<Box<CameraChange>>, WatchPanicked>) {
+        let Some((_, seen)) = self.watched.under_way.take_if(|(known, _)| *known == ticket) else { return };
+        match change {
+            Ok(change) => self.camera_looked_at(seen, change.map(|change| *change)),
+            Err(panicked) => {
+                self.camera_looked_at(seen, None);
+                self.session.notify(Level::Error, panicked.to_string());
+            }
+        }
+    }
+
+    fn camera_looked_at(&mut self, seen: (u64, CameraId), change: Option<CameraChange>) {
         if let Some(change) = &change {
-            let told = (camera.clone(), change.frame);
+            let told = (seen.1.clone(), change.frame);
             if self.session.told_change.as_ref() != Some(&told) {
                 self.session.told_change = Some(told);
                 let offer = Some(("New camera from here", Command::NewCameraFromChange));
                 self.session.notify_with(Level::Warning, change.describe(), offer);
             }
         }
-        self.watched = Some(Watched { revision, camera, change });
+        (self.watched.of, self.watched.change) = (Some(seen), change);
     }
 }
 

@@ -4,6 +4,7 @@ use super::App;
 use super::Current;
 use crate::app::OpenProject;
 use crate::app::action::{Effect, Opened};
+use crate::app::camera_watch::Watched;
 use crate::app::session::{Leaving, Level, Question, Saving, Session};
 use std::path::PathBuf;
 
@@ -56,7 +57,8 @@ impl App {
         self.current = Current::default();
         self.review = super::Review::default();
         self.quality = super::Quality::default();
-        self.watched = None;
+        // A look at the document before is reported in vain.
+        self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
         self.gold_from = None;
     }
 

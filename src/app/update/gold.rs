@@ -1,7 +1,6 @@
 //! Gold frames: marked, chosen, clicked again without a look at the label, and the hand that shows.
 
 use super::App;
-use super::numbers::solve_if_by_clicks;
 use crate::app::reclick::{Asked, GoldWork, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
@@ -271,9 +270,7 @@ impl App {
             self.session.notify(Level::Warning, format!("The click noise cannot be kept: {error}."));
             return;
         }
-        for index in 0..open.document.frames.len() {
-            solve_if_by_clicks(open, index);
-        }
+        self.solve_by_clicks();
         self.commit();
         self.session.notices.retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::UseOwnNoise));
     }

@@ -20,15 +20,16 @@ mod trainer;
 pub use commands::MAX_SCALE;
 
 use super::action::{Action, Effect};
+use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
 use super::quality::Quality;
 use super::reclick::GoldWork;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{Comparison, OpenProject, Settings};
-use crate::calibrate::CalibrationError;
+use crate::calibrate::{CalibrationError, record_outcome};
 use crate::document::{Frame, FrameStatus, Step};
-use crate::solve::{FrameSolution, SolveError};
+use crate::solve::FrameSolution;
 
 /// The whole application without a window.
 #[derive(Debug, Default)]
@@ -42,7 +43,7 @@ pub struct App {
     fresh: Option<FreshSolve>,
     review: Review,
     quality: Quality,
-    watched: Option<cameras::Watched>,
+    watched: Watched,
     gold: GoldWork,
     /// The revision that `gold` was derived from.
     gold_from: Option<u64>,
@@ -160,6 +161,7 @@ impl App {
             Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
+            Action::CameraWatched { ticket, change } => self.camera_watched(ticket, change),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),
@@ -315,24 +317,9 @@ impl App {
     }
 }
 
-/// Writes what a frame's clicks say into the frame. Where they give no camera an earlier proposal stays, but an earlier
-/// solve goes; a camera without a base changes nothing. None where there is nothing to solve with.
+/// Writes what a frame's clicks say into the frame: see [`record_outcome`]. None where there is nothing to solve with.
 fn solve_in_place(open: &mut OpenProject, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
     let solved = open.solve(index)?;
-    let frame = open.document.frames.get_mut(index)?;
-    match &solved {
-        Ok(solved) => frame.record(solved),
-        Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
-        Err(error) => {
-            let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
-            if too_few && frame.restore_proposed() {
-                return Some(solved);
-            }
-            if frame.is_solved_by_clicks() || !too_few {
-                frame.ptz = None;
-                frame.solution = None;
-            }
-        }
-    }
+    record_outcome(open.document.frames.get_mut(index)?, solved.as_ref());
     Some(solved)
 }

@@ -3,6 +3,7 @@
 use super::{App, solve_in_place};
 use crate::app::session::{Level, Mode};
 use crate::app::{Command, OpenProject};
+use crate::calibrate::{is_by_clicks, solve_by_clicks};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
 
@@ -87,12 +88,18 @@ impl App {
                 before.cameras != open.document.cameras || !before.field.is_same_field(&open.document.field)
             });
             if changed {
-                for index in 0..open.document.frames.len() {
-                    solve_if_by_clicks(open, index);
-                }
+                self.solve_by_clicks();
             }
         }
         self.commit();
+    }
+
+    /// Every frame that clicks solved is solved again, within a step.
+    pub(super) fn solve_by_clicks(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        if let Err(error) = solve_by_clicks(&mut open.document, &open.folder) {
+            self.session.notify(Level::Warning, format!("The other frames are not solved again: {error}."));
+        }
     }
 
     /// The size of the shown frame's field is known to be right.
@@ -181,11 +188,8 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
 }
 
 /// Solves a frame again if its camera comes from clicks, or would have if there had been a base.
-pub(super) fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
-    let wanted = open
-        .frame(index)
-        .is_some_and(|frame| !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none()));
-    if wanted {
+fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
+    if open.frame(index).is_some_and(is_by_clicks) {
         solve_in_place(open, index);
     }
 }

@@ -1,6 +1,6 @@
 //! What the clicks say against the cameras that took them: another one fits, or one stops fitting.
 
-use super::super::{better_camera, calibrate, camera_change};
+use super::super::{FrameLookup, better_camera, calibrate, camera_change};
 use super::fault::{Fault, Problem};
 use super::place_of;
 use crate::document::{DocumentAt, Fields};
@@ -12,13 +12,14 @@ use rayon::prelude::*;
 pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
     let Ok(fields) = Fields::of(document) else { return Vec::new() };
     let of_cameras = fields.of_cameras(&document);
+    let lookup = FrameLookup::of(&document);
     let mut problems: Vec<Problem> = (0..document.frames.len())
         .into_par_iter()
         .filter(|_| document.cameras.len() > 1)
         .filter_map(|index| {
             let frame = &document.frames[index];
             let field = fields.of_frame(&document, frame);
-            let solved = calibrate(&document, frame, field, index).ok()?;
+            let solved = calibrate(&document, &lookup, frame, field, index).ok()?;
             let better = better_camera(&document, frame, &solved, &of_cameras)?;
             let fault = Fault::OtherCamera {
                 camera: better.camera.as_str().to_owned(),
@@ -29,7 +30,7 @@ pub fn check_cameras(document: DocumentAt<'_>) -> Vec<Problem> {
         })
         .collect();
     for (camera, field) in document.cameras.iter().zip(&of_cameras) {
-        if let Some(change) = camera_change(&document, &camera.id, field) {
+        if let Some(change) = camera_change(&document, &lookup, &camera.id, field) {
             let fault = Fault::StoppedFitting {
                 frame: document.frames[change.frame].name(),
                 before_px: change.before_px,

@@ -30,7 +30,7 @@ impl IdentityFinding {
                     Evidence::Clicks => format!(
                         "The names look mirrored: {before:.0} px as named, {after:.1} px on the {end}. Check {what}."
                     ),
-                    Evidence::Habits => format!("The {end} fits as well, {}. Check {what}.", self.why_then()),
+                    Evidence::MotionPrior => format!("The {end} fits as well, {}. Check {what}.", self.why_then()),
                     Evidence::None => format!("The {end} fits as well. Check {what}."),
                 };
                 (WarningCode::Mirrored, message)
@@ -61,7 +61,7 @@ impl IdentityFinding {
     /// What speaks for the other names where both fit.
     fn why_then(&self) -> &'static str {
         match self.evidence {
-            Evidence::Habits => "and then the camera looks where it usually does",
+            Evidence::MotionPrior => "and then the camera looks where it usually does",
             Evidence::Clicks | Evidence::None => "the picture cannot tell",
         }
     }

@@ -3,8 +3,8 @@
 use super::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
+use crate::solve::PtzStep;
 use crate::solve::frame::best_fit;
-use crate::solve::habits::PtzStep;
 use crate::solve::{FrameSolution, Loss, Observation, ObservedShape, SolveContext};
 use std::collections::BTreeSet;
 
@@ -61,7 +61,7 @@ impl Search<'_> {
 
     pub fn judged(&self, hypothesis: Hypothesis) -> Option<Judged> {
         let best = best_fit(self.base, &hypothesis.clicks, &self.context).filter(|best| best.plausible)?;
-        let surprise = self.context.habits.surprise(&best.ptz, &self.slack);
+        let surprise = self.context.motion.surprise(&best.ptz, &self.slack);
         Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
     }
 

@@ -60,7 +60,7 @@ pub enum Evidence {
     /// The clicks contradict each other as named.
     Clicks,
     /// Both fit, but as named the camera does what it never does.
-    Habits,
+    MotionPrior,
     /// Nothing: both fit, and the picture alone cannot tell.
     None,
 }
@@ -149,7 +149,7 @@ pub fn check_identity(
         slack,
     };
     let misfit = solution.misfit()?;
-    let surprise = context.habits.surprise(&solution.ptz, &slack);
+    let surprise = context.motion.surprise(&solution.ptz, &slack);
     let contradicted = misfit >= MIN_MISFIT;
     if !contradicted && surprise < MIN_GAIN {
         return if clicks.len() <= MIRRORS_FIT_UPTO { search.equal_mirror(solution, surprise) } else { None };
@@ -170,6 +170,6 @@ pub fn check_identity(
     let by_majority = || if clicks.len() >= MAJORITY_CLICKS { best(search.sides_and_odd_ones()) } else { None };
     let one_by_one = || if clicks.len() <= FEW_CLICKS { best(search.single_mistakes()) } else { None };
     let found = by_majority().or_else(one_by_one).or_else(|| best(search.group_mistakes()))?;
-    let evidence = if contradicted { Evidence::Clicks } else { Evidence::Habits };
+    let evidence = if contradicted { Evidence::Clicks } else { Evidence::MotionPrior };
     Some(found.finding(evidence, solution.rms_px))
 }

@@ -1,8 +1,9 @@
 //! Finding out where the camera stands: what is needed, the estimation, what was found.
 
 use super::{evidence, section};
-use crate::app::base::{BaseReadiness, BaseWork};
+use crate::app::base::BaseWork;
 use crate::app::{Action, Command};
+use crate::calibrate::BaseReadiness;
 use crate::calibrate::EstimatedBase;
 use crate::document::Camera;
 use crate::ui::{Panel, theme};

@@ -9,7 +9,7 @@ use crate::geometry::Angle;
 
 /// What a camera usually does.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Habits {
+pub struct MotionPrior {
     /// What pan, tilt and focal length the accepted frames have; none while they are too few.
     pub seen: Option<PtzRanges>,
     /// Where it was a moment ago and how far it moves in that time; none where that is not known.
@@ -79,7 +79,7 @@ struct Odd {
     excess: f64,
 }
 
-impl Habits {
+impl MotionPrior {
     /// How far a camera is from what it usually does, as χ² counts: 0 within, 25 at twice what is usual, 50 at most.
     /// `slack` is how far off it may be because its clicks scatter.
     #[must_use]
@@ -169,48 +169,48 @@ mod tests {
     use super::*;
     use crate::geometry::AngleRange;
 
-    fn habits() -> Habits {
+    fn prior() -> MotionPrior {
         let degrees = |from: f64, upto: f64| Angle::from_degrees(from)..=Angle::from_degrees(upto);
         let pan = AngleRange::new(Angle::from_degrees(-30.0), Angle::from_degrees(20.0));
         let seen = PtzRanges { pan, tilt: degrees(-14.0, -8.0), focal_px: 1500.0..=3000.0 };
         let usual = PtzStep { pan: Angle::from_degrees(0.4), tilt: Angle::from_degrees(0.1), log_focal: 0.01 };
         let motion = Motion { from: Ptz::from_degrees(10.0, -10.0, 2000.0), frames: 1, usual };
-        Habits { seen: Some(seen), motion: Some(motion) }
+        MotionPrior { seen: Some(seen), motion: Some(motion) }
     }
 
-    fn said(habits: &Habits, pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Option<String> {
+    fn said(prior: &MotionPrior, pan_deg: f64, tilt_deg: f64, focal_px: f64) -> Option<String> {
         let ptz = Ptz::from_degrees(pan_deg, tilt_deg, focal_px);
-        let warning = habits.warning(&ptz, &PtzStep::ZERO);
-        assert_eq!(warning.is_some(), habits.surprise(&ptz, &PtzStep::ZERO) > 0.0);
+        let warning = prior.warning(&ptz, &PtzStep::ZERO);
+        assert_eq!(warning.is_some(), prior.surprise(&ptz, &PtzStep::ZERO) > 0.0);
         warning.map(|warning| warning.message)
     }
 
     #[test]
     fn a_jump_is_told_with_what_is_usual() {
-        let habits = habits();
-        assert_eq!(said(&habits, 11.1, -10.1, 2040.0), None);
-        let jump = said(&habits, 16.2, -10.0, 2000.0).unwrap();
+        let prior = prior();
+        assert_eq!(said(&prior, 11.1, -10.1, 2040.0), None);
+        let jump = said(&prior, 16.2, -10.0, 2000.0).unwrap();
         assert_eq!(jump, "Implausible: pan jumps 6.2° in one frame (usual ≤ 0.4°). Cut or wrong name?");
-        let zoom = said(&habits, 10.0, -10.0, 3000.0).unwrap();
+        let zoom = said(&prior, 10.0, -10.0, 3000.0).unwrap();
         assert!(zoom.contains("focal length changes by 50 % in one frame (usual ≤ 1 %)"), "{zoom}");
     }
 
     #[test]
     fn far_outside_of_the_accepted_frames_is_out_of_the_usual() {
-        let habits = Habits { motion: None, ..habits() };
-        assert_eq!(said(&habits, 40.0, -10.0, 2000.0), None, "half of the span beyond is still usual");
-        let far = said(&habits, 80.0, -10.0, 2000.0).unwrap();
+        let prior = MotionPrior { motion: None, ..prior() };
+        assert_eq!(said(&prior, 40.0, -10.0, 2000.0), None, "half of the span beyond is still usual");
+        let far = said(&prior, 80.0, -10.0, 2000.0).unwrap();
         assert!(far.starts_with("Implausible: pan 80.0°, accepted frames have -30.0° to 20.0°"), "{far}");
-        assert!(said(&habits, 0.0, -30.0, 2000.0).unwrap().contains("tilt"));
-        assert!(said(&habits, 0.0, -10.0, 9000.0).unwrap().contains("focal length"));
-        assert_eq!(said(&Habits::default(), 170.0, -80.0, 99_999.0), None, "nothing is known");
+        assert!(said(&prior, 0.0, -30.0, 2000.0).unwrap().contains("tilt"));
+        assert!(said(&prior, 0.0, -10.0, 9000.0).unwrap().contains("focal length"));
+        assert_eq!(said(&MotionPrior::default(), 170.0, -80.0, 99_999.0), None, "nothing is known");
     }
 
     #[test]
     fn what_clicks_leave_open_is_no_jump() {
         let ptz = Ptz::from_degrees(13.0, -10.0, 2000.0);
         let slack = PtzStep { pan: Angle::from_degrees(2.5), ..PtzStep::ZERO };
-        assert!(habits().warning(&ptz, &PtzStep::ZERO).is_some());
-        assert!(habits().warning(&ptz, &slack).is_none());
+        assert!(prior().warning(&ptz, &PtzStep::ZERO).is_some());
+        assert!(prior().warning(&ptz, &slack).is_none());
     }
 }

@@ -1,0 +1,128 @@
+//! Many frames of a document solved at once.
+
+use super::better_camera::warn_of_better_camera;
+use super::{CalibrationError, FrameLookup, calibrate};
+use crate::document::{Document, Fields, Frame};
+use crate::field::{FieldError, FieldModel};
+use crate::solve::{FrameSolution, SolveError};
+use rayon::prelude::*;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What a frame's clicks gave.
+pub(super) type Solved = Result<Box<FrameSolution>, CalibrationError>;
+
+/// The fields that frames to be solved show.
+#[derive(Clone, Copy)]
+pub(super) enum ShownFields<'a> {
+    /// All of the document's: a frame that another camera fits better is warned of it.
+    Document(&'a Fields),
+    /// The one of a single camera, whose frames these are.
+    Camera(&'a FieldModel),
+}
+
+/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave, and `progress` is
+/// called once for each, from any thread. The result does not depend on the number of threads.
+///
+/// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
+/// more beside the others as they are then.
+pub(super) fn solve_frames(
+    document: &mut Document,
+    places: &[usize],
+    fields: ShownFields<'_>,
+    settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
+    progress: &(dyn Fn() + Sync),
+) -> Vec<Solved> {
+    let mut lookup = FrameLookup::of(document);
+    let of_cameras = match fields {
+        ShownFields::Document(fields) => fields.of_cameras(document),
+        ShownFields::Camera(_) => Vec::new(),
+    };
+    let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
+        solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
+    };
+    let solve_first = |&index: &usize| {
+        let solved = solve(document, &lookup, index);
+        progress();
+        solved
+    };
+    let first: Vec<Solved> = places.par_iter().map(solve_first).collect();
+    for (&index, solved) in places.iter().zip(&first) {
+        settle(&mut document.frames[index], solved.as_deref());
+    }
+    let undecided = |solved: &Solved| solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
+    let again = places.iter().zip(&first).filter(|(_, solved)| undecided(solved)).map(|(&index, _)| index);
+    let again: Vec<usize> = again.collect();
+    if !again.is_empty() {
+        lookup.update(document);
+    }
+    let second: Vec<Solved> = again.par_iter().map(|&index| solve(document, &lookup, index)).collect();
+    for (index, solved) in again.into_iter().zip(second) {
+        if let Ok(solved) = solved {
+            settle(&mut document.frames[index], Ok(&solved));
+        }
+    }
+    first
+}
+
+fn solve_one(
+    document: &Document,
+    lookup: &FrameLookup,
+    index: usize,
+    fields: ShownFields<'_>,
+    of_cameras: &[Arc<FieldModel>],
+) -> Result<FrameSolution, CalibrationError> {
+    let frame = &document.frames[index];
+    let field = match fields {
+        ShownFields::Document(fields) => fields.of_frame(document, frame),
+        ShownFields::Camera(field) => field,
+    };
+    let mut solved = calibrate(document, lookup, frame, field, index)?;
+    warn_of_better_camera(document, frame, &mut solved, of_cameras);
+    Ok(solved)
+}
+
+/// Solves every frame again whose camera comes from its clicks, or would have if there had been a base: a camera or a field
+/// has changed. `folder` is the document's.
+///
+/// # Errors
+/// A field of the document is not valid; nothing is solved then.
+pub fn solve_by_clicks(document: &mut Document, folder: &Path) -> Result<(), FieldError> {
+    let fields = Fields::of(document.at(folder))?;
+    let places = (0..document.frames.len()).filter(|&index| is_by_clicks(&document.frames[index]));
+    let places: Vec<usize> = places.collect();
+    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, &|| ());
+    Ok(())
+}
+
+/// Whether a frame has clicks and its camera comes from them, or would have if there had been a base.
+#[must_use]
+pub fn is_by_clicks(frame: &Frame) -> bool {
+    !frame.clicks.is_empty() && (frame.is_solved_by_clicks() || frame.ptz.is_none())
+}
+
+/// Writes what a frame's clicks gave into the frame. Where they give no camera an earlier proposal stays, but an earlier solve
+/// goes; a camera without a base changes nothing.
+pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
+    match solved {
+        Ok(solved) => frame.record(solved),
+        Err(CalibrationError::NoBase { .. } | CalibrationError::UnknownCamera { .. }) => {}
+        Err(error) => {
+            let too_few = matches!(error, CalibrationError::Solve(SolveError::TooFewObservations { .. }));
+            if too_few && frame.restore_proposed() {
+                return;
+            }
+            if frame.is_solved_by_clicks() || !too_few {
+                frame.ptz = None;
+                frame.solution = None;
+            }
+        }
+    }
+}
+
+/// Writes a camera into the frame where its clicks gave one; else the frame stays as it was.
+pub(super) fn record_if_solved(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
+    if let Ok(solved) = solved {
+        frame.record(solved);
+    }
+}

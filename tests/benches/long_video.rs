@@ -1,0 +1,168 @@
+//! A whole match in one document: 100,000 frames of one video, and what a person's edits cost in it.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
+
+use divan::{Bencher, black_box};
+use std::path::Path;
+use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::calibrate::{FrameLookup, check_cameras, solve_document};
+use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+use touchline::document::{
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, VideoFrame,
+};
+use touchline::field::builtin;
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::store::{Location, open, write_document};
+
+const FRAMES: usize = 100_000;
+const SHOWN: usize = FRAMES / 2;
+const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+/// What has been done in a document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    /// Every frame is clicked, solved and accepted.
+    Solved,
+    /// Every frame is clicked, and none is solved.
+    Clicked,
+    /// Every 200th frame is clicked, and none is solved.
+    Begun,
+}
+
+const STATES: [State; 3] = [State::Solved, State::Clicked, State::Begun];
+
+fn main() {
+    divan::main();
+}
+
+/// Where the camera looks in a frame: to and fro, a tenth of a degree a frame at most.
+fn ptz(index: usize) -> Ptz {
+    let time = index as f64 / 300.0;
+    Ptz::from_degrees(25.0 * time.sin(), -13.0 + (0.7 * time).cos(), 2400.0 + 500.0 * (0.3 * time).sin())
+}
+
+fn document(state: State) -> Document {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let base = CameraBase::new(Vec3::new(1.5, -66.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base);
+    document.cameras.push(camera.into());
+    let frame = |index: usize| {
+        let pointed = PtzCamera::new(base, ptz(index));
+        let video = VideoFrame::new("match.mp4", index as u64, Some(0.04 * index as f64));
+        let mut frame = Frame::from_video(video, "main".into(), SIZE);
+        if state != State::Begun || index % 200 == 0 {
+            let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
+            let shown = field.landmarks.iter().filter_map(|landmark| Some((landmark, image(landmark)?)));
+            let shown = shown.filter(|(_, image)| SIZE.contains(*image)).take(4);
+            frame.clicks = shown.map(|(landmark, image)| Click::landmark(landmark.id.clone(), image)).collect();
+            frame.status = FrameStatus::Draft;
+        }
+        if state == State::Solved {
+            frame.status = FrameStatus::Reference;
+            frame.ptz = Some(FramePtz::new(pointed.ptz(), None));
+            frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+        }
+        frame.into()
+    };
+    document.frames.extend((0..FRAMES).map(frame));
+    document
+}
+
+/// The application on a clicked frame in the middle.
+fn app(state: State) -> App {
+    let mut app = App::new(Settings::default());
+    app.update(Action::Opened(Box::new(Opened::new(document(state), "/match/project.json"))));
+    app.update(Action::GoTo(SHOWN));
+    app.update(Action::Select(Some(0)));
+    app
+}
+
+/// A click follows the pointer: the frame is solved, everything that is shown is derived.
+#[divan::bench(args = STATES)]
+fn a_drag_event(bencher: Bencher, state: State) {
+    let mut app = app(state);
+    let at = app.frame().unwrap().clicks[0].image;
+    app.update(Action::Press { at, on: Some(0) });
+    let mut right = 0.0;
+    bencher.bench_local(|| {
+        right = 1.0 - right;
+        app.update(Action::Drag(ImagePoint::new(at.x + right, at.y)))
+    });
+}
+
+/// A click is moved by a key: a step of undo, and the edit's record as the journal has it.
+#[divan::bench(args = STATES)]
+fn an_edit_with_its_journal_record(bencher: Bencher, state: State) {
+    let mut app = app(state);
+    let mut right = -1.0;
+    bencher.bench_local(|| {
+        right = -right;
+        let effects = app.update(Action::Nudge { dx_px: right, dy_px: 0.0, held: false });
+        let edits = effects.iter().filter_map(|effect| match effect {
+            Effect::Journal { edit, .. } => Some(serde_json::to_string(edit).unwrap()),
+            _ => None,
+        });
+        let records: Vec<String> = edits.collect();
+        assert_eq!(records.len(), 1);
+        records
+    });
+}
+
+#[divan::bench(args = STATES, sample_count = 20)]
+fn undo(bencher: Bencher, state: State) {
+    let mut app = app(state);
+    app.update(Action::Nudge { dx_px: 1.0, dy_px: 0.0, held: false });
+    bencher.bench_local(|| {
+        app.update(Action::Command(Command::Undo));
+        app.update(Action::Command(Command::Redo))
+    });
+}
+
+/// From the file to the application.
+#[divan::bench(args = STATES, sample_count = 5)]
+fn opening(bencher: Bencher, state: State) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("match");
+    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document(state), false).unwrap();
+    bencher.bench_local(|| {
+        let opened = open(&path).unwrap();
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(opened.document, path.join("project.json")))));
+        app
+    });
+}
+
+/// What calibrating looks up: derived anew, and brought up to date after one frame has changed.
+#[divan::bench(args = STATES, sample_count = 20)]
+fn lookup_anew(bencher: Bencher, state: State) {
+    let document = document(state);
+    bencher.bench_local(|| FrameLookup::of(&document));
+}
+
+#[divan::bench(args = STATES)]
+fn lookup_after_an_edit(bencher: Bencher, state: State) {
+    let mut document = document(state);
+    let mut lookup = FrameLookup::of(&document);
+    let mut turned = 0.0;
+    bencher.bench_local(|| {
+        turned = 1.0 - turned;
+        document.frames[SHOWN].ptz = Some(FramePtz::new(Ptz::from_degrees(turned, -13.0, 2400.0), None));
+        lookup.update(&document);
+        black_box(lookup.prior(SHOWN))
+    });
+}
+
+/// `touchline solve`, without reading and writing.
+#[divan::bench(args = STATES, sample_count = 1)]
+fn solve(bencher: Bencher, state: State) {
+    let document = document(state);
+    bencher.bench_local(|| solve_document(&mut document.clone(), Path::new("."), &|| ()).unwrap());
+}
+
+/// What `touchline check` looks for in the clicks.
+#[divan::bench(args = STATES, sample_count = 1)]
+fn check(bencher: Bencher, state: State) {
+    let document = document(state);
+    bencher.bench_local(|| check_cameras(document.at(Path::new("."))));
+}
