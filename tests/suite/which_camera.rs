@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
-use touchline::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
+use touchline::app::{Action, App, CameraChoice, CameraWatch, Command, Effect, Opened, Settings, WatchPanicked};
 use touchline::calibrate::{BaseProblem, FrameLookup, GiveError, camera_change, check_cameras, solve_document};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
@@ -209,6 +209,35 @@ fn the_app_tells_of_a_bump_once_and_makes_the_new_camera_in_one_step() {
     app.update(Action::Command(Command::Undo));
     app.update(Action::Command(Command::Undo));
     assert_eq!(uncounted(&app.open().unwrap().document), uncounted(&before));
+}
+
+#[test]
+fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
+    let mut rng = seeded::rng("a_camera_with_many_clicked_frames");
+    let opened = Opened::new(document(60, 30, 2.0, &mut rng), "/match/project.json");
+    let mut app = App::new(Settings::default());
+    let looks = |effects: Vec<Effect>| -> Vec<CameraWatch> {
+        let looks = effects.into_iter().filter_map(|effect| match effect {
+            Effect::WatchCamera(look) => Some(*look),
+            _ => None,
+        });
+        looks.collect()
+    };
+    let report =
+        |look: &CameraWatch| Action::CameraWatched { ticket: look.ticket, change: Ok(look.look().map(Box::new)) };
+    let first = looks(app.update(Action::Opened(Box::new(opened)))).remove(0);
+    assert_eq!(app.camera_change(), None, "nothing is known yet");
+    let meanwhile = looks(app.update(Action::SetComment("rain".into())));
+    assert!(meanwhile.is_empty(), "one look at a time");
+    let second = looks(app.update(report(&first))).remove(0);
+    assert!(app.camera_change().unwrap().frame.abs_diff(30) <= 2, "{:?}", app.camera_change());
+    assert!(looks(app.update(report(&second))).is_empty(), "the document is as it was looked at");
+    let before = app.session.notices.len();
+    app.update(Action::CameraWatched {
+        ticket: first.ticket,
+        change: Err(WatchPanicked { message: "too late".to_owned() }),
+    });
+    assert_eq!(app.session.notices.len(), before, "nobody waits for it any more");
 }
 
 #[test]
