@@ -3,7 +3,8 @@
 use super::Wake;
 use super::desk::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
-use crate::media::{CountProgress, FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture};
+use super::shared_pictures::{SharedPictures, SharedReader};
+use crate::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
 use std::collections::BTreeMap;
 use std::io;
 
@@ -73,7 +74,7 @@ pub struct Decoder {
 /// What the decoder remembers on its owner's side.
 struct Memory {
     current: Option<FrameRef>,
-    cache: FrameCache,
+    cache: SharedPictures,
     failures: BTreeMap<FrameRef, MediaError>,
     unpolled: Vec<DecoderReport>,
 }
@@ -84,19 +85,23 @@ impl Decoder {
     /// # Errors
     /// The operating system gives no thread.
     pub fn spawn(options: DecoderOptions, wake: Wake) -> io::Result<Self> {
-        Self::with_reader(options, wake, Box::new(|watch| Box::new(FrameReader::watched(watch))))
+        let pictures = SharedPictures::new(options.cache_bytes);
+        let shared = pictures.clone();
+        let make_reader: MakeReader =
+            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), shared.clone())));
+        Self::sharing(pictures, wake, make_reader)
     }
 
     /// Starts a decoder that reads frames in a way of its own.
+    #[cfg(test)]
     pub(super) fn with_reader(options: DecoderOptions, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
+        Self::sharing(SharedPictures::new(options.cache_bytes), wake, make_reader)
+    }
+
+    fn sharing(pictures: SharedPictures, wake: Wake, make_reader: MakeReader) -> io::Result<Self> {
         Ok(Self {
             worker: FrameWorker::spawn("decoder", wake, None, make_reader)?,
-            memory: Memory {
-                current: None,
-                cache: FrameCache::new(options.cache_bytes),
-                failures: BTreeMap::new(),
-                unpolled: Vec::new(),
-            },
+            memory: Memory { current: None, cache: pictures, failures: BTreeMap::new(), unpolled: Vec::new() },
             asked: None,
         })
     }
@@ -132,12 +137,9 @@ impl Decoder {
     pub fn clear(&mut self) {
         self.worker.desk().replace_agenda(|_| Choice { wanted: Vec::new(), missing: Vec::new() });
         self.asked = None;
-        self.memory = Memory {
-            current: None,
-            cache: FrameCache::new(self.memory.cache.budget_bytes()),
-            failures: BTreeMap::new(),
-            unpolled: Vec::new(),
-        };
+        self.memory.cache.clear();
+        self.memory =
+            Memory { current: None, cache: self.memory.cache.clone(), failures: BTreeMap::new(), unpolled: Vec::new() };
     }
 
     /// What has happened since the last call. To be called whenever the window is drawn.
@@ -166,9 +168,15 @@ impl Decoder {
         }
     }
 
+    /// The decoded frames, for others who need some of them.
+    #[must_use]
+    pub fn pictures(&self) -> SharedPictures {
+        self.memory.cache.clone()
+    }
+
     /// The memory for decoded frames, bytes.
     #[must_use]
-    pub const fn cache_bytes(&self) -> usize {
+    pub fn cache_bytes(&self) -> usize {
         self.memory.cache.budget_bytes()
     }
 

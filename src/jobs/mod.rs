@@ -13,8 +13,10 @@ mod desk;
 mod error;
 mod frame_worker;
 mod opening;
+mod pictures;
 mod runner;
 mod saver;
+mod shared_pictures;
 #[cfg(test)]
 mod stand_in;
 mod tasks;
@@ -25,8 +27,10 @@ pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
 pub use error::JobError;
 pub use opening::{Ready, open_anything};
+pub use pictures::{PictureNews, PictureState, Pictures, picture_source};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
+pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions, TrainerReport};
 

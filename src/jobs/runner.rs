@@ -3,8 +3,8 @@
 use super::opening::{Ready, open_anything};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
-    Background, BackgroundReport, JobError, Saver, SaverOptions, SaverReport, Trainer, TrainerOptions, TrainerReport,
-    Wake, demo,
+    Background, BackgroundReport, JobError, Saver, SaverOptions, SaverReport, SharedPictures, Trainer, TrainerOptions,
+    TrainerReport, Wake, demo,
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
@@ -58,6 +58,7 @@ struct Task {
 /// Carries out effects; its reports are actions.
 pub struct Runner {
     wake: Wake,
+    pictures: SharedPictures,
     saver: Option<Saver>,
     /// The document that the saver writes.
     held: Option<Location>,
@@ -67,10 +68,11 @@ pub struct Runner {
 }
 
 impl Runner {
-    /// Nothing to do yet. `wake` is called when there is something to poll.
+    /// Nothing to do yet. `wake` is called when there is something to poll; `pictures` are the frames that the window has
+    /// decoded.
     #[must_use]
-    pub const fn new(wake: Wake) -> Self {
-        Self { wake, saver: None, held: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
+    pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
+        Self { wake, pictures, saver: None, held: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
     }
 
     /// Carries an effect out, or begins to; what only a window can do comes back.
@@ -237,7 +239,7 @@ impl Runner {
         if cfg!(not(feature = "opencv")) {
             return;
         }
-        match Trainer::start(file, TrainerOptions::default(), self.wake.clone()) {
+        match Trainer::start(file, TrainerOptions::default(), self.pictures.clone(), self.wake.clone()) {
             Ok(trainer) => self.trainer = Some(trainer),
             Err(error) => {
                 let text = format!("The system starts no thread for the trainer: {error}");

@@ -2,6 +2,7 @@
 
 use super::desk::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
+use super::shared_pictures::SharedReader;
 use super::{Decoder, Wake};
 use crate::media::{
     FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames, THUMBNAIL_SIZE, letterboxed,
@@ -56,7 +57,10 @@ impl Thumbnails {
     /// # Errors
     /// The operating system gives no thread.
     pub fn spawn(decoder: &Decoder, wake: Wake) -> io::Result<Self> {
-        Self::with_reader(decoder, wake, Box::new(|watch| Box::new(FrameReader::watched(watch))))
+        let pictures = decoder.pictures();
+        let make_reader: MakeReader =
+            Box::new(move |watch| Box::new(SharedReader::new(Box::new(FrameReader::watched(watch)), pictures.clone())));
+        Self::with_reader(decoder, wake, make_reader)
     }
 
     /// Starts a maker that reads frames in a way of its own.

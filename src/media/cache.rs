@@ -43,6 +43,14 @@ impl FrameCache {
         }
     }
 
+    /// Keeps a frame only if it fits beside the others, and as the first to be forgotten.
+    pub fn offer(&mut self, frame: &FrameRef, picture: &Picture) {
+        if self.bytes + picture.bytes() <= self.budget_bytes && !self.contains(frame) {
+            self.insert(frame.clone(), picture.clone());
+            self.frames.demote(frame);
+        }
+    }
+
     /// The memory that they may take.
     #[must_use]
     pub const fn budget_bytes(&self) -> usize {

@@ -4,7 +4,7 @@ use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
 use crate::document::{Document, Frame};
 use crate::features::{FeatureKey, FeatureOptions, Features, extract};
-use crate::media::{FrameReader, FrameRef, Picture, sha256_of_file};
+use crate::media::{FrameReader, FrameRef, Picture, ReadFrames, sha256_of_file};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -51,7 +51,7 @@ impl FramePictures<'_> {
     /// order. Images are read in parallel, videos one frame after the other by `reader`. `work` may end it: none then.
     pub fn each<T: Send>(
         &self,
-        reader: &mut FrameReader,
+        reader: &mut dyn ReadFrames,
         frames: &[usize],
         work: impl Fn(usize, &Frame, Result<FrameFeatures, PictureError>) -> ControlFlow<(), T> + Sync,
     ) -> Option<Vec<T>> {
@@ -100,7 +100,7 @@ impl FramePictures<'_> {
         self.look(frame, &picture, Some(&key), changed)
     }
 
-    fn of_video(&self, reader: &mut FrameReader, frame: &Frame) -> Found {
+    fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
         let key = frame.picture_source(self.folder).and_then(|source| video_identity(&source));
         let key = key.map(|identity| self.key(frame, &identity));
         let before = key.as_ref().map(|key| self.before(frame, key, &frame.name(), false));

@@ -4,7 +4,7 @@ use super::{FrameFeatures, FramePictures, PictureError};
 use crate::camera::{PanTilt, Ptz};
 use crate::document::{CameraId, Document, Frame, Frames, WriteError};
 use crate::features::{FeatureOptions, Features};
-use crate::media::FrameReader;
+use crate::media::ReadFrames;
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -95,7 +95,7 @@ pub struct Studied {
 /// then.
 pub fn study(
     pictures: &FramePictures<'_>,
-    reader: &mut FrameReader,
+    reader: &mut dyn ReadFrames,
     teachers: &[usize],
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Studied> {

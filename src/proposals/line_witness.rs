@@ -4,7 +4,7 @@ use super::{Answer, NoProposal, Proposal, read_picture};
 use crate::camera::PtzCamera;
 use crate::document::{DocumentAt, Fields, Frame, FrameStatus};
 use crate::field::FieldError;
-use crate::media::{FrameReader, Picture};
+use crate::media::{FrameReader, Picture, ReadFrames};
 use crate::paint::{GroundPicture, LineCheck, LineVerdict, check_lines};
 use rayon::prelude::*;
 
@@ -34,7 +34,7 @@ impl LineWitness {
     ///
     /// # Errors
     /// A field of the document is not valid.
-    pub fn of(at: DocumentAt<'_>, reader: &mut FrameReader) -> Result<Self, FieldError> {
+    pub fn of(at: DocumentAt<'_>, reader: &mut dyn ReadFrames) -> Result<Self, FieldError> {
         let fields = Fields::of(at)?;
         let mut witness = Self { fields, proven: None };
         let solved = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
@@ -60,7 +60,13 @@ impl LineWitness {
 
     /// Asks the paint about the answers: it enters their confidence, and those that fall below `min_confidence` are answers no
     /// more. Pictures that cannot be read change nothing.
-    pub fn judge(&self, at: DocumentAt<'_>, reader: &mut FrameReader, proposals: &mut [Proposal], min_confidence: f64) {
+    pub fn judge(
+        &self,
+        at: DocumentAt<'_>,
+        reader: &mut dyn ReadFrames,
+        proposals: &mut [Proposal],
+        min_confidence: f64,
+    ) {
         if self.proven == Some(false) {
             return;
         }
@@ -88,7 +94,7 @@ impl LineWitness {
         }
     }
 
-    fn ask(&self, at: DocumentAt<'_>, reader: &mut FrameReader, proposal: &mut Proposal) {
+    fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) {
         let frame = &*at.document.frames[proposal.frame];
         let (Ok(answer), Some(base)) = (&mut proposal.outcome, proposal.asked.base) else { return };
         let Ok(picture) = read_picture(reader, frame, at.folder) else { return };

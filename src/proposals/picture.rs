@@ -3,7 +3,7 @@
 use crate::document::Frame;
 use crate::features::FeatureError;
 use crate::geometry::ImageSize;
-use crate::media::{FrameReader, MediaError, Picture};
+use crate::media::{MediaError, Picture, ReadFrames};
 use std::path::Path;
 use thiserror::Error;
 
@@ -39,7 +39,7 @@ pub enum PictureError {
 ///
 /// # Errors
 /// The frame has no picture, it cannot be read, or it is not as large as the document says.
-pub fn read_picture(reader: &mut FrameReader, frame: &Frame, folder: &Path) -> Result<Picture, PictureError> {
+pub fn read_picture(reader: &mut dyn ReadFrames, frame: &Frame, folder: &Path) -> Result<Picture, PictureError> {
     let source = frame.picture_source(folder).ok_or(PictureError::None)?;
     let picture = reader.read(&source)?;
     check_size(frame, &source.to_string(), picture.size())?;

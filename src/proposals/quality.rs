@@ -9,7 +9,7 @@ use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, Clip, Document, Frame};
 use crate::geometry::median;
 use crate::geometry::{ImagePoint, ImageSize};
-use crate::media::FrameReader;
+use crate::media::ReadFrames;
 use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
@@ -115,7 +115,7 @@ struct Taught {
 /// and may end it. None where it did, or where nothing is left to learn from without a group.
 pub fn measure(
     pictures: &FramePictures<'_>,
-    reader: &mut FrameReader,
+    reader: &mut dyn ReadFrames,
     teachers: &[usize],
     options: &LearnOptions,
     relocalizing: &RelocalizeOptions,
@@ -163,7 +163,7 @@ impl Taught {
     /// What some frames teach that teach anything, in their order; none where `progress` ended it.
     fn by(
         pictures: &FramePictures<'_>,
-        reader: &mut FrameReader,
+        reader: &mut dyn ReadFrames,
         teachers: &[usize],
         progress: &(dyn Fn() -> ControlFlow<()> + Sync),
     ) -> Option<Self> {

@@ -3,7 +3,7 @@
 use super::{FramePictures, Lesson, Studied, study};
 use crate::document::Document;
 use crate::geometry::{Angle, AngleRange};
-use crate::media::FrameReader;
+use crate::media::ReadFrames;
 use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
 use std::ops::ControlFlow;
 
@@ -25,7 +25,7 @@ pub struct Suspect {
 /// none then.
 pub fn find_suspects(
     pictures: &FramePictures<'_>,
-    reader: &mut FrameReader,
+    reader: &mut dyn ReadFrames,
     teachers: &[usize],
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Vec<Suspect>> {

@@ -39,8 +39,9 @@ mod theme;
 mod trainer;
 mod viewport;
 
+pub use crate::jobs::PictureState;
 pub use layout::{read, show};
-pub use pictures::{PictureState, Pictures};
+pub use pictures::Pictures;
 pub use shell::{Shell, run};
 pub use theme::apply as apply_theme;
 

@@ -39,10 +39,11 @@ impl Shell {
         let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());
+        let pictures = Pictures::start(wake.clone())?;
         let mut shell = Self {
             app: App::new(settings),
-            pictures: Pictures::start(wake.clone())?,
-            runner: Runner::new(wake.clone()),
+            runner: Runner::new(wake.clone(), pictures.shared()),
+            pictures,
             files: Files::new(wake),
             adapter: creation.wgpu_render_state.as_ref().map(adapter_of).unwrap_or_default(),
             settings_path,

@@ -15,7 +15,7 @@ use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, Frame
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
-use touchline::jobs::{Trainer, TrainerOptions};
+use touchline::jobs::{SharedPictures, Trainer, TrainerOptions};
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};
@@ -261,7 +261,9 @@ impl School {
             document.frames.push(frame.into());
         }
         let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
-        let trainer = Trainer::start(folder.path().join("project.json"), options, Arc::new(|| ())).unwrap();
+        let trainer =
+            Trainer::start(folder.path().join("project.json"), options, SharedPictures::none(), Arc::new(|| ()))
+                .unwrap();
         Self { trainer, document, _folder: folder }
     }
 

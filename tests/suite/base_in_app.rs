@@ -13,7 +13,7 @@ use touchline::document::{
 };
 use touchline::field::{FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
-use touchline::jobs::Runner;
+use touchline::jobs::{Runner, SharedPictures};
 
 const SIZE: ImageSize = ImageSize::new(1280, 720);
 
@@ -73,9 +73,10 @@ impl Desk {
     fn on(document: Document) -> Self {
         let (wake, woken) = channel();
         // Nobody listens once the test has seen enough.
-        let runner = Runner::new(Arc::new(move || {
+        let wake = Arc::new(move || {
             let _ = wake.send(());
-        }));
+        });
+        let runner = Runner::new(wake, SharedPictures::none());
         let mut desk = Self { app: App::new(Settings::default()), runner, woken };
         desk.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         desk

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use touchline::app::{Action, App, Question, Settings};
-use touchline::jobs::{Request, Runner};
+use touchline::jobs::{PictureState, Pictures, Request, Runner, Wake};
 
 /// An application and what carries its effects out, as a window would have them.
 pub struct Headless {
     pub app: App,
     pub runner: Runner,
+    pub pictures: Pictures,
     /// What was left for a window to do.
     pub requests: Vec<Request>,
     woken: Receiver<()>,
@@ -20,10 +21,12 @@ impl Headless {
     pub fn new() -> Self {
         let (wake, woken) = channel();
         // Nobody listens once the test has seen enough.
-        let runner = Runner::new(Arc::new(move || {
+        let wake: Wake = Arc::new(move || {
             let _ = wake.send(());
-        }));
-        Self { app: App::new(Settings::default()), runner, requests: Vec::new(), woken }
+        });
+        let pictures = Pictures::start(wake.clone()).unwrap();
+        let runner = Runner::new(wake, pictures.shared());
+        Self { app: App::new(Settings::default()), runner, pictures, requests: Vec::new(), woken }
     }
 
     pub fn act(&mut self, action: Action) {
@@ -34,6 +37,19 @@ impl Headless {
 
     pub fn answer(&mut self, question: Question, path: &Path) {
         self.act(Action::Answer(question, path.to_path_buf()));
+    }
+
+    /// Takes pictures in until the shown frame's is there, or cannot be had.
+    pub fn wait_for_picture(&mut self) -> PictureState {
+        loop {
+            for action in self.pictures.update(&self.app).actions {
+                self.act(action);
+            }
+            match self.pictures.current() {
+                PictureState::Loading => self.woken.recv_timeout(Duration::from_mins(1)).unwrap(),
+                state => return state,
+            }
+        }
     }
 
     /// Takes reports in until something holds.

@@ -7,6 +7,7 @@ use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+use touchline::jobs::PictureState;
 
 const SIZE: ImageSize = ImageSize::new(640, 360);
 
@@ -44,6 +45,8 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let mut headless = Headless::new();
     headless.act(Action::Open(frames.clone()));
     headless.wait_until("opening", |app| app.open().is_some());
+    let PictureState::Ready(_, picture) = headless.wait_for_picture() else { panic!("no picture") };
+    assert_eq!(picture.size(), SIZE, "an application without a window has pictures");
     headless.answer(Question::CameraFrom, &camera_file);
     headless.wait_until("taking the camera over", |app| app.current().base.is_some());
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 use touchline::app::{Doing, TrainerOrder, TrainerStatus};
 use touchline::document::{Document, FramePtz, FrameStatus, document_from_bytes};
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
-use touchline::jobs::{Trainer, TrainerOptions, TrainerReport};
+use touchline::jobs::{SharedPictures, Trainer, TrainerOptions, TrainerReport};
 use touchline::proposals::{Proposal, WorkFolder};
 use touchline::relocalize::TrainOptions;
 
@@ -20,7 +20,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
     let (wake, woken) = channel();
     let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
     let wake = Arc::new(move || wake.send(()).unwrap_or_default());
-    let trainer = Trainer::start(file.to_path_buf(), options, wake).unwrap();
+    let trainer = Trainer::start(file.to_path_buf(), options, SharedPictures::none(), wake).unwrap();
     trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
     let (mut last, mut proposed) = (TrainerStatus::default(), Vec::new());
     while !(last.doing == Doing::Nothing && last.forest.is_some()) {

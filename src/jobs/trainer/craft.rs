@@ -1,5 +1,6 @@
 //! What the trainer can do: the real workshop; tests bring another.
 
+use super::super::shared_pictures::{SharedPictures, SharedReader};
 use super::desk::Desk;
 use super::kept_forest::{keep_forest, kept_forest};
 use super::watch::Watch;
@@ -81,7 +82,7 @@ pub(super) struct Workshop {
     folder: PathBuf,
     place: WorkFolder,
     store: FeatureStore,
-    reader: FrameReader,
+    reader: SharedReader,
     options: LearnOptions,
     relocalizing: RelocalizeOptions,
     /// Why the forest was not kept, if so.
@@ -89,8 +90,8 @@ pub(super) struct Workshop {
 }
 
 impl Workshop {
-    /// The workshop of a document that lies at `file`.
-    pub(super) fn new(file: &Path, desk: Arc<Desk>) -> Self {
+    /// The workshop of a document that lies at `file`; frames among `pictures` are not decoded again.
+    pub(super) fn new(file: &Path, desk: Arc<Desk>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
         // Counting the frames of a long video is given up when the document is closed.
         let counting = move |_| desk.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
@@ -98,7 +99,7 @@ impl Workshop {
             folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
             store: FeatureStore::on_disk(&place),
             place,
-            reader: FrameReader::watched(Box::new(counting)),
+            reader: SharedReader::new(Box::new(FrameReader::watched(Box::new(counting))), pictures),
             options: LearnOptions::default(),
             relocalizing: RelocalizeOptions::default(),
             forest_refused: None,

@@ -20,7 +20,7 @@ mod work;
 use self::craft::Workshop;
 use self::desk::Desk;
 use self::work::Work;
-use super::Wake;
+use super::{SharedPictures, Wake};
 use crate::app::{TrainerOrder, TrainerStatus};
 use crate::proposals::{Proposal, UsedFeatures};
 use std::io;
@@ -64,12 +64,13 @@ pub struct Trainer {
 }
 
 impl Trainer {
-    /// Starts the trainer of a document that lies at `file`. It does nothing before it is told the document.
+    /// Starts the trainer of a document that lies at `file`; frames among `pictures` are not decoded again. It does nothing
+    /// before it is told the document.
     ///
     /// # Errors
     /// The system gives no thread.
-    pub fn start(file: PathBuf, options: TrainerOptions, wake: Wake) -> io::Result<Self> {
-        Self::start_with(options, wake, move |desk| Workshop::new(&file, desk))
+    pub fn start(file: PathBuf, options: TrainerOptions, pictures: SharedPictures, wake: Wake) -> io::Result<Self> {
+        Self::start_with(options, wake, move |desk| Workshop::new(&file, desk, pictures))
     }
 
     /// Starts a trainer with the workshop that `make` sets up on its thread.
