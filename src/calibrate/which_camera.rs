@@ -71,6 +71,7 @@ impl Document {
         let known = self.camera(like).ok_or_else(|| GiveError::UnknownCamera { camera: like.as_str().to_owned() })?;
         let added = Camera {
             masks: known.masks.clone(),
+            ranged_masks: known.ranged_masks.clone(),
             field: known.field.clone(),
             ..Camera::new(name.clone(), known.image_size)
         };

@@ -108,7 +108,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         location.file().display()
     );
     let bar = messages.progress(0, "Training");
-    let model = learn(&document, &studied.lessons, &options, &|progress| {
+    let model = learn(&document, &studied, &options, &|progress| {
         bar.set_length(progress.total as u64);
         bar.set_position(progress.placed as u64);
         ControlFlow::Continue(())
@@ -123,6 +123,9 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         count(|camera| camera.seen.references as usize),
         count(|camera| camera.forest.leaves())
     ));
+    for found in &studied.burnt_in {
+        messages.note(&found.describe(&document));
+    }
     if teachers.withheld > 0 {
         messages.note(&format!(
             "{} accepted suggestions did not teach (--all-references takes them, too)",

@@ -144,8 +144,8 @@ pub(super) mod image_size {
     }
 }
 
-/// `[[x, y, width, height], …]`; whole pixels are written without a fraction.
-pub(super) mod boxes {
+/// `[x, y, width, height]`; whole pixels are written without a fraction.
+pub(super) mod pixel_box {
     use super::*;
 
     /// The largest whole number that is written without a fraction.
@@ -153,7 +153,7 @@ pub(super) mod boxes {
 
     #[derive(Serialize)]
     #[serde(untagged)]
-    enum Side {
+    pub(super) enum Side {
         Whole(i64),
         Fraction(f64),
     }
@@ -166,11 +166,29 @@ pub(super) mod boxes {
         }
     }
 
+    /// The four numbers of a box that are written.
+    pub(super) fn sides<S: Serializer>(pixel_box: &PixelBox) -> Result<[Side; 4], S::Error> {
+        let numbers = [pixel_box.x, pixel_box.y, pixel_box.width, pixel_box.height];
+        finite::<S>(&numbers)?;
+        Ok(numbers.map(side))
+    }
+
+    pub fn serialize<S: Serializer>(pixel_box: &PixelBox, serializer: S) -> Result<S::Ok, S::Error> {
+        sides::<S>(pixel_box)?.serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<PixelBox, D::Error> {
+        <[f64; 4]>::deserialize(deserializer).map(|[x, y, width, height]| PixelBox { x, y, width, height })
+    }
+}
+
+/// `[[x, y, width, height], …]`.
+pub(super) mod boxes {
+    use super::*;
+
     pub fn serialize<S: Serializer>(boxes: &[PixelBox], serializer: S) -> Result<S::Ok, S::Error> {
-        for each in boxes {
-            finite::<S>(&[each.x, each.y, each.width, each.height])?;
-        }
-        serializer.collect_seq(boxes.iter().map(|each| [each.x, each.y, each.width, each.height].map(side)))
+        let sides: Vec<_> = boxes.iter().map(super::pixel_box::sides::<S>).collect::<Result<_, _>>()?;
+        sides.serialize(serializer)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PixelBox>, D::Error> {

@@ -1,6 +1,6 @@
 //! A camera of the document: what stands still.
 
-use super::{Extra, FieldSpec, Frame, adapters};
+use super::{Extra, FieldSpec, Frame, RangedMask, adapters};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
 use crate::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
@@ -63,6 +63,9 @@ pub struct Camera {
     /// Boxes whose pixels give no features in any frame: the score bug, a logo.
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
+    /// Further such boxes that count for a part of the frames, or that the program found itself.
+    #[serde(rename = "masks", default, skip_serializing_if = "Vec::is_empty")]
+    pub ranged_masks: Vec<RangedMask>,
     /// The field this camera looks at, where it is not the document's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<FieldSpec>,
@@ -138,6 +141,7 @@ impl Camera {
             distortion: None,
             sigma: None,
             masks: Vec::new(),
+            ranged_masks: Vec::new(),
             field: None,
             extra: Extra::new(),
         }

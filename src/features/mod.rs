@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
+//! | [`burnt_in`] | what stands still on the screen while the camera moves: score bugs, watermarks, black boxes |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
 //! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
@@ -16,6 +17,7 @@
 //! Frames, signs and units: [`crate::conventions`].
 
 mod binary;
+mod burnt_in;
 mod cache;
 mod descriptor;
 mod error;
@@ -26,8 +28,10 @@ mod options;
 mod sift;
 #[cfg(feature = "opencv")]
 mod spread;
+mod standing;
 
 pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
+pub use burnt_in::{BurntIn, BurntInGraphic, burnt_in};
 pub use cache::{FeatureCache, FeatureKey};
 pub use descriptor::{DESCRIPTOR_BYTES, Descriptor};
 pub(crate) use descriptor::{DESCRIPTOR_NORM, MAX_SQUARED_DISTANCE, Sketch};
@@ -35,3 +39,4 @@ pub use error::FeatureError;
 pub use extract::extract;
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
+pub use standing::{STANDING_PX, WHOLE_PICTURE, place_share};

@@ -1,8 +1,9 @@
 //! What references teach, and the forest of it.
 
-use super::{FrameFeatures, FramePictures, PictureError};
+use super::burnt_in::{leave_out_burnt_in, with_found_masks};
+use super::{FoundMask, FrameFeatures, FramePictures, PictureError};
 use crate::camera::{PanTilt, Ptz};
-use crate::document::{CameraId, Document, Frame, Frames, WriteError};
+use crate::document::{CameraId, Document, Frame, Frames, WriteError, document_to_string};
 use crate::features::{FeatureOptions, Features};
 use crate::media::ReadFrames;
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
@@ -89,6 +90,8 @@ pub struct Studied {
     pub lessons: Vec<Lesson>,
     /// Those that teach nothing, by their places, and why.
     pub failed: Vec<(usize, LessonError)>,
+    /// Graphics that are burnt into their pictures; what lies in them does not teach.
+    pub burnt_in: Vec<FoundMask>,
 }
 
 /// Finds out what references teach, in parallel. `progress` is called after each, from any thread, and may end it: none
@@ -111,6 +114,7 @@ pub fn study(
             Err(error) => studied.failed.push((index, error)),
         }
     }
+    studied.burnt_in = leave_out_burnt_in(pictures.document, &mut studied.lessons);
     Some(studied)
 }
 
@@ -136,10 +140,11 @@ fn lesson(document: &Document, index: usize, frame: &Frame, found: &FrameFeature
 /// Nothing was taught, `progress` ended it, or the document's cameras cannot be written down.
 pub fn learn(
     document: &Document,
-    lessons: &[Lesson],
+    studied: &Studied,
     options: &LearnOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<ForestModel, LearnError> {
+    let lessons = &studied.lessons;
     let mut cameras = Vec::new();
     for camera in &document.cameras {
         let of_camera = lessons.iter().filter(|lesson| lesson.camera == camera.id);
@@ -148,7 +153,8 @@ pub fn learn(
     if cameras.is_empty() {
         return Err(Stopped::NoSamples { frames: lessons.len() }.into());
     }
-    Ok(ForestModel { document: without_frames(document)?, features: options.features, cameras })
+    let document = with_found_masks(without_frames(document), &studied.burnt_in);
+    Ok(ForestModel { document: document_to_string(&document)?, features: options.features, cameras })
 }
 
 /// The forest of one camera; none where nothing was taught.
@@ -171,9 +177,9 @@ fn learn_camera<'a>(
     Ok(Some(CameraForest { camera: camera.as_str().to_owned(), seen, forest }))
 }
 
-/// The document's field and cameras as JSON. A template of the user's own is kept by its file name: a forest holds no
+/// The document's field and cameras. A template of the user's own is kept by its file name: a forest holds no
 /// paths.
-fn without_frames(document: &Document) -> Result<String, WriteError> {
+fn without_frames(document: &Document) -> Document {
     let mut kept = Document { frames: Frames::new(), extra: crate::document::Extra::new(), ..document.clone() };
     let of_cameras = kept.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
     for field in of_cameras.filter_map(|camera| camera.field.as_mut()).chain([&mut kept.field]) {
@@ -183,5 +189,5 @@ fn without_frames(document: &Document) -> Result<String, WriteError> {
             field.template = name.to_string_lossy().into_owned();
         }
     }
-    crate::document::document_to_string(&kept)
+    kept
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
 //! | [`Teachers`], [`study`], [`learn`] | the references that teach, what they teach, the forest of it |
+//! | [`FoundMask`] | graphics found burnt into the references' pictures |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`LineWitness`] | what the painted lines say about an answer |
 //! | [`AskingOrder`] | which frames the forest is asked for first |
@@ -18,6 +19,7 @@
 
 mod advice;
 mod bases;
+mod burnt_in;
 mod coverage;
 mod curriculum;
 mod features;
@@ -36,6 +38,7 @@ mod used_features;
 pub(crate) use advice::LabelAdvice;
 pub use advice::{LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
+pub use burnt_in::FoundMask;
 pub use coverage::{Cell, Coverage};
 pub(crate) use curriculum::Curriculum;
 pub use features::{FrameFeatures, FramePictures};

@@ -3,7 +3,7 @@
 use super::FrameFeatures;
 use crate::document::{Camera, Document};
 use crate::geometry::ImagePoint;
-use crate::relocalize::{ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_from_candidates};
+use crate::relocalize::{ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_of_moving};
 use std::collections::BTreeSet;
 
 /// The features of a frame, and what became of each.
@@ -47,7 +47,8 @@ impl UsedFeatures {
         let matches = candidates_of(&found.features, &forest.forest, &options.predict);
         let ranges = options.pose.ranges.clone().unwrap_or_else(|| forest.seen.plausible());
         let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
-        let agreeing = pose_from_candidates(&matches, &base, frame.image_size, &pose).map(|pose| pose.inliers);
+        let seen = &forest.seen.cameras;
+        let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose).map(|pose| pose.inliers);
         let agreeing: BTreeSet<usize> = agreeing.unwrap_or_default().into_iter().collect();
         // Matches are features in their order, without those that match nothing.
         let mut at = 0;

@@ -1,6 +1,6 @@
 //! A picture's features to its camera.
 
-use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_from_candidates};
+use super::{Forest, NotFound, Pose, PoseOptions, PredictOptions, RayMatches, SeenRange, pose_of_moving};
 use crate::camera::CameraBase;
 use crate::features::Features;
 use crate::geometry::Angle;
@@ -56,7 +56,8 @@ pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOpti
     matches
 }
 
-/// The camera of a picture from its features, or why there is none.
+/// The camera of a picture from its features, or why there is none. Features that stand still on the screen while others move
+/// carry no answer ([`pose_of_moving`]).
 #[must_use]
 pub fn relocalize(
     features: &Features,
@@ -71,6 +72,6 @@ pub fn relocalize(
     let start = Instant::now();
     let ranges = options.pose.ranges.clone().unwrap_or_else(|| seen.plausible());
     let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
-    let pose = pose_from_candidates(&matches, base, features.image_size, &pose);
+    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &pose);
     Relocalized { pose, predict_time, pose_time: start.elapsed() }
 }

@@ -8,7 +8,7 @@
 //! there contradicts it. A reference that shares nothing with those that look nearest is therefore compared with all others,
 //! and believed to be wrong if two of them at least say so: one alone may be like it by chance, as repeated boards are.
 
-use super::{PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
+use super::{PoseOptions, RayCandidate, RayMatches, pose_of_moving};
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::{DESCRIPTOR_NORM, Descriptor, Features};
 use crate::geometry::rotation::{angle_between, q_pan, q_tilt};
@@ -155,7 +155,7 @@ fn disagreement(references: &[Reference], pair: [usize; 2], options: &Contradict
     }
     let (base, size) = (second.camera.base(), second.features.image_size);
     let pose = PoseOptions { min_confidence: MIN_CONFIDENCE, ..PoseOptions::default() };
-    let pose = pose_from_candidates(&matches, base, size, &pose).ok()?;
+    let pose = pose_of_moving(&matches, second.features, base, &[first.camera.ptz()], &pose).ok()?;
     let said = PtzCamera::new(*base, pose.ptz);
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let corners = [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)].map(|(x, y)| ImagePoint::new(x, y));

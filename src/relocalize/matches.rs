@@ -45,6 +45,19 @@ impl RayMatches {
         self.distances.push(first.squared_distance);
     }
 
+    /// These matches without some, and the numbers here of those that are left.
+    pub(super) fn without(&self, left_out: &[bool]) -> (Self, Vec<usize>) {
+        let kept: Vec<usize> = (0..self.len()).filter(|&feature| !left_out[feature]).collect();
+        let mut rest = Self::with_capacity(kept.len());
+        for &feature in &kept {
+            rest.points.push(self.points[feature]);
+            rest.rays.extend_from_slice(self.rays(feature));
+            rest.ends.push(rest.rays.len());
+            rest.distances.push(self.distances[feature]);
+        }
+        (rest, kept)
+    }
+
     /// How many features have candidates.
     #[must_use]
     pub const fn len(&self) -> usize {

@@ -15,6 +15,7 @@ mod model;
 mod not_found;
 mod pose;
 mod pose_options;
+mod standing;
 
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
 pub use confidence::Evidence;
@@ -28,3 +29,4 @@ pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;
 pub use pose::{Pose, pose_from_candidates};
 pub use pose_options::PoseOptions;
+pub use standing::pose_of_moving;

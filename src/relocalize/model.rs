@@ -9,8 +9,14 @@ use std::ops::RangeInclusive;
 /// How a forest file begins.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
-/// The version that is read and written.
-pub const FOREST_VERSION: u32 = 3;
+/// The version that is written.
+pub const FOREST_VERSION: u32 = 4;
+
+/// The oldest that is read: it does not hold the references' cameras.
+const OLDEST_VERSION: u32 = 3;
+
+/// A reference's camera in a file.
+const CAMERA_BYTES: usize = 24;
 
 /// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,6 +52,9 @@ pub struct SeenRange {
     pub focal_px: RangeInclusive<f64>,
     /// How many references gave features.
     pub references: u32,
+    /// How each of them was pointed: an answer that repeats one is looked at twice (see [`super::relocalize()`]). Empty in forests
+    /// of earlier versions.
+    pub cameras: Vec<Ptz>,
 }
 
 impl SeenRange {
@@ -63,6 +72,7 @@ impl SeenRange {
             tilt_deg: range(|ptz| ptz.tilt.degrees())?,
             focal_px: range(|ptz| ptz.focal_px)?,
             references: cameras.len() as u32,
+            cameras: cameras.to_vec(),
         })
     }
 
@@ -97,6 +107,12 @@ impl ForestModel {
                 body.extend(range.end().to_le_bytes());
             }
             body.extend(camera.seen.references.to_le_bytes());
+            body.extend((camera.seen.cameras.len() as u32).to_le_bytes());
+            for ptz in &camera.seen.cameras {
+                for number in [ptz.pan.radians(), ptz.tilt.radians(), ptz.focal_px] {
+                    body.extend(number.to_le_bytes());
+                }
+            }
             write_forest(&camera.forest, &mut body);
         }
         let mut file = Vec::with_capacity(body.len() + 24);
@@ -121,7 +137,7 @@ impl ForestModel {
         if version > FOREST_VERSION {
             return Err(ForestFileError::Newer { version, newest: FOREST_VERSION });
         }
-        if version < FOREST_VERSION {
+        if version < OLDEST_VERSION {
             return Err(ForestFileError::Older { version });
         }
         let (length, checksum) = (header.u64()?, header.u32()?);
@@ -145,7 +161,7 @@ impl ForestModel {
                 .ok_or(ForestFileError::Damaged { what: "its detector of features is not known" })?,
         };
         let count = body.count(1)?;
-        let cameras = (0..count).map(|_| camera(&mut body)).collect::<Result<_, _>>()?;
+        let cameras = (0..count).map(|_| camera(&mut body, version)).collect::<Result<_, _>>()?;
         body.finish()?;
         Ok(Self { document, features, cameras })
     }
@@ -156,13 +172,20 @@ fn text(out: &mut Vec<u8>, text: &str) {
     out.extend(text.as_bytes());
 }
 
-fn camera(body: &mut Reader) -> Result<CameraForest, ForestFileError> {
+fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileError> {
     let camera = body.text()?.to_owned();
-    let seen = SeenRange {
+    let mut seen = SeenRange {
         pan_deg: body.f64()?..=body.f64()?,
         tilt_deg: body.f64()?..=body.f64()?,
         focal_px: body.f64()?..=body.f64()?,
         references: body.u32()?,
+        cameras: Vec::new(),
     };
+    if version > OLDEST_VERSION {
+        for _ in 0..body.count(CAMERA_BYTES)? {
+            let (pan, tilt) = (Angle::from_radians(body.f64()?), Angle::from_radians(body.f64()?));
+            seen.cameras.push(Ptz { pan, tilt, focal_px: body.f64()? });
+        }
+    }
     Ok(CameraForest { camera, seen, forest: body.forest()? })
 }

@@ -35,6 +35,15 @@ pub enum NotFound {
         /// px of the frame.
         focal_px: f64,
     },
+    /// The features agree, but only on what stands still on the screen, as burnt-in graphics do.
+    #[error(
+        "the {inliers} features that agree stand still on the screen while the picture moves, as a score bug or a logo does; \
+         label a frame that looks here"
+    )]
+    StandsStill {
+        /// Features that agree.
+        inliers: usize,
+    },
     /// There is a camera, but too much speaks against it.
     #[error(
         "{inliers} features in {places} places agree on a camera known to {worst_corner_sigma_px:.1} px: right with \
@@ -60,6 +69,7 @@ impl NotFound {
             Self::FewMatches { .. } => "coverage",
             Self::NoAgreement { .. } | Self::Unsure { .. } => "few_inliers",
             Self::Implausible { .. } => "implausible",
+            Self::StandsStill { .. } => "burnt_in",
         }
     }
 }

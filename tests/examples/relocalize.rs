@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut reader = FrameReader::new();
     let references = Teachers::of(&document, false).frames;
     let studied = study(&pictures, &mut reader, &references, &|| ControlFlow::Continue(())).ok_or("stopped")?;
-    let model = learn(&document, &studied.lessons, &options, &|_| ControlFlow::Continue(()))?;
+    let model = learn(&document, &studied, &options, &|_| ControlFlow::Continue(()))?;
 
     // The picture of a camera that the forest knows.
     let camera = document.cameras.first().ok_or("the document has no camera")?;

@@ -55,6 +55,24 @@ fn everything_that_is_read_is_written_back_with_unknown_keys() {
 }
 
 #[test]
+fn masks_with_a_range_are_written_back() {
+    let with_masks = SAMPLE.replace(
+        r#""lens": { "serial""#,
+        r#""masks": [{ "box_px": [8, 9.5, 300, 40], "from": 412, "to": 500, "source": "found", "seen": 7 }], "lens": { "serial""#,
+    );
+    let document = document_from_bytes(with_masks.as_bytes()).unwrap();
+    let mask = PixelBox { x: 8.0, y: 9.5, width: 300.0, height: 40.0 };
+    assert_eq!(document.cameras[0].ranged_masks[0].pixel_box, mask);
+    assert!(document.masks_of(&document.frames[0]).contains(&mask), "it covers frame 412");
+    let text = document_to_string(&document).unwrap();
+    let written = &value(&text)["cameras"][0]["masks"][0];
+    assert_eq!(
+        written,
+        &serde_json::json!({ "box_px": [8, 9.5, 300, 40], "from": 412, "to": 500, "source": "found", "seen": 7 })
+    );
+}
+
+#[test]
 fn a_frames_k1_counts_only_where_its_camera_has_no_curve() {
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     let pointed = document.pointed(&document.frames[0]).unwrap();

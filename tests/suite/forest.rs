@@ -52,7 +52,13 @@ fn trained(samples: &Samples, options: &TrainOptions) -> Forest {
 }
 
 fn model(forest: Forest) -> ForestModel {
-    let seen = SeenRange { pan_deg: -40.0..=40.0, tilt_deg: -20.0..=-5.0, focal_px: 1500.0..=4000.0, references: 3 };
+    let seen = SeenRange {
+        pan_deg: -40.0..=40.0,
+        tilt_deg: -20.0..=-5.0,
+        focal_px: 1500.0..=4000.0,
+        references: 3,
+        cameras: Vec::new(),
+    };
     let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
     ForestModel { document: "{}".to_owned(), features: FeatureOptions::default(), cameras }
 }

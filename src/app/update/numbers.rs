@@ -181,8 +181,10 @@ fn adopt(camera: &Camera, loaded: &Camera) -> Option<Camera> {
     }
     let mut adopted = camera.clone();
     adopted.set_base(&base);
-    if adopted.masks.is_empty() && camera.image_size == loaded.image_size {
+    let unmasked = adopted.masks.is_empty() && adopted.ranged_masks.is_empty();
+    if unmasked && camera.image_size == loaded.image_size {
         adopted.masks.clone_from(&loaded.masks);
+        adopted.ranged_masks.clone_from(&loaded.ranged_masks);
     }
     Some(adopted)
 }

@@ -91,7 +91,9 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             problem(Fault::UnusedDistortion { key: key.clone() });
         }
     }
-    check_masks(&camera.masks, camera.image_size, problem);
+    let masks: Vec<PixelBox> =
+        camera.masks.iter().chain(camera.ranged_masks.iter().map(|mask| &mask.pixel_box)).copied().collect();
+    check_masks(&masks, camera.image_size, problem);
 }
 
 fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(Fault)) {

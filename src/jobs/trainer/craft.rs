@@ -132,7 +132,7 @@ impl Craft for Workshop {
         let Some(studied) = self.study(document, teachers, watch) else { return Ok(None) };
         let failed: Vec<(usize, String)> =
             studied.failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
-        let learnt = learn(document, &studied.lessons, &self.options, &|progress| {
+        let learnt = learn(document, &studied, &self.options, &|progress| {
             watch.tell(Doing::Training(Share { done: progress.placed, of: progress.total }))
         });
         let mut model = match learnt {

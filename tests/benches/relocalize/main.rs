@@ -2,7 +2,7 @@
 //!
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
 //! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [reliability] [growth]`.
+//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [reliability] [growth]`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod growth;
@@ -40,6 +40,9 @@ fn main() {
     }
     if wants("scouting") {
         scouting::accuracy(&data);
+    }
+    if wants("unmasked") {
+        scouting::unmasked(&data);
     }
     if wants("reliability") {
         reliability::reliability(&data);

@@ -138,6 +138,67 @@ pub fn accuracy(data: &Path) {
     }
 }
 
+/// Accuracy without any mask: as built, and with what stands still on the screen taken for any feature.
+pub fn unmasked(data: &Path) {
+    println!("\n## unmasked: every clip answered by the others, no masks; all references, and only two\n");
+    println!("| | match | frames | answered | within 10 px of all / of answered | wrong (> 20 px) | median px |");
+    println!("|---|---|---|---|---|---|---|");
+    for (keeps_standing, label) in [(true, "standing features kept"), (false, "as built")] {
+        for name in MATCHES {
+            let folder = data.join(format!("scouting-{name}"));
+            let mut set = Set::unmasked(document(data, name), &folder, &FeatureOptions::default());
+            set.keeps_standing = keeps_standing;
+            let field = set.document.field.model(&folder).unwrap();
+            let found = answers(&set, &field, &TrainOptions::default(), &RelocalizeOptions::default());
+            unmasked_row(label, name, &set, &found);
+            let few = answers_of_two(&set, &field);
+            unmasked_row(&format!("{label}, two references"), name, &set, &few);
+        }
+    }
+}
+
+fn unmasked_row(label: &str, name: &str, set: &Set, answers: &[Answer]) {
+    let mut errors: Vec<f64> = answers.iter().map(|answer| answer.error_px).collect();
+    let given = errors.iter().filter(|error| error.is_finite()).count();
+    let near = errors.iter().filter(|error| **error <= 10.0).count() as f64;
+    let wrong = errors.iter().filter(|error| error.is_finite() && **error > 20.0).count();
+    println!(
+        "| {label} | {name} | {} | {given} | {:.1} / {:.1} % | {wrong} | {:.2} |",
+        answers.len(),
+        100.0 * near / answers.len() as f64,
+        100.0 * near / given.max(1) as f64,
+        quantile(&mut errors, 0.5)
+    );
+    for answer in answers.iter().filter(|answer| answer.error_px > 10.0) {
+        let frame = set.document.frames[answer.frame].name();
+        match &answer.relocalized.pose {
+            Err(reason) => println!("<!-- {frame}: {reason} -->"),
+            Ok(pose) => println!(
+                "<!-- {frame}: {:.1} px, confidence {:.3}, {} places, {} inliers -->",
+                answer.error_px,
+                pose.confidence,
+                pose.places,
+                pose.inliers.len()
+            ),
+        }
+    }
+}
+
+/// Every frame of a set answered by the first and the last usable frame of the other clips.
+fn answers_of_two(set: &Set, field: &FieldModel) -> Vec<Answer> {
+    let usable = usable(set);
+    let clip = |frame: usize| set.document.frames[frame].clip.clone();
+    let mut answers = Vec::new();
+    for &frame in &usable {
+        let others: Vec<usize> = usable.iter().copied().filter(|&other| clip(other) != clip(frame)).collect();
+        let [first, .., last] = others[..] else { continue };
+        let (samples, seen) = set.samples(&[first, last], usize::MAX);
+        let forest = grown(&samples, &TrainOptions::default());
+        answers.push(answer(set, frame, (&forest, &seen), field, &RelocalizeOptions::default()));
+    }
+    answers
+}
+
 /// What finding the features of a few frames costs on one thread, ms.
 fn features_ms(set: &Set, folder: &Path, options: &FeatureOptions) -> f64 {
     let masks = &set.document.cameras[0].masks;

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::camera::{CameraBase, Ptz};
 use touchline::document::{Document, Frame};
-use touchline::features::{FeatureCache, FeatureKey, FeatureOptions, Features, extract};
+use touchline::features::{FeatureCache, FeatureKey, FeatureOptions, Features, burnt_in, extract};
 use touchline::geometry::rotation;
 use touchline::media::{load_image, sha256_of_file};
 use touchline::relocalize::{Forest, Samples, SeenRange, TrainOptions, train};
@@ -14,17 +14,48 @@ use touchline::store::read;
 pub struct Set {
     pub document: Document,
     pub features: Vec<Features>,
+    /// What stands still on the screen counts as any feature does: to compare with.
+    pub keeps_standing: bool,
 }
+
+/// As the trainer has it: references that see a point this far apart by their labels, px at 1920 px width, moved.
+const MOVED_PX: f64 = 20.0;
 
 impl Set {
     pub fn of(path: &Path, options: &FeatureOptions) -> Self {
         Self::from_document(read(path).unwrap().1, path.parent().unwrap(), options)
     }
 
+    /// A document without any mask.
+    pub fn unmasked(mut document: Document, folder: &Path, options: &FeatureOptions) -> Self {
+        for camera in &mut document.cameras {
+            camera.masks.clear();
+            camera.ranged_masks.clear();
+        }
+        for frame in &mut document.frames {
+            frame.masks.clear();
+        }
+        Self::from_document(document, folder, options)
+    }
+
+    /// The features of some frames that stand still on the screen, as the trainer finds them.
+    fn burnt_in(&self, frames: &[usize]) -> Vec<Vec<usize>> {
+        let pictures: Vec<&Features> = frames.iter().map(|&frame| &self.features[frame]).collect();
+        let camera = |place: usize| self.document.pointed(&self.document.frames[frames[place]]).unwrap();
+        let cameras: Vec<_> = (0..frames.len()).map(camera).collect();
+        let moved = |one: usize, other: usize, point| {
+            let least_px = MOVED_PX * pictures[one].image_size.scale_from_1920();
+            cameras[one].ray_from_image(point).is_ok_and(|ray| {
+                !cameras[other].image_from_ray(ray).is_ok_and(|image| image.distance_px(point) <= least_px)
+            })
+        };
+        burnt_in(&pictures, &moved).features
+    }
+
     pub fn from_document(document: Document, folder: &Path, options: &FeatureOptions) -> Self {
         let find = |frame| features_of(&document, folder, frame, options);
         let features = document.frames.par_iter().map(|frame| find(frame)).collect();
-        Self { document, features }
+        Self { document, features, keeps_standing: false }
     }
 
     pub fn truth(&self, frame: usize) -> Ptz {
@@ -38,16 +69,22 @@ impl Set {
 
     /// What some frames teach, each by at most so many features, and where they looked.
     pub fn samples(&self, frames: &[usize], features_per_frame: usize) -> (Samples, SeenRange) {
+        let burnt_in = if self.keeps_standing { vec![Vec::new(); frames.len()] } else { self.burnt_in(frames) };
         let mut samples = Samples::new();
-        for &frame in frames {
+        for (&frame, burnt_in) in frames.iter().zip(burnt_in) {
             let camera = self.document.pointed(&self.document.frames[frame]).unwrap();
             let features = &self.features[frame];
             let rays = features.keypoints.iter().map(|keypoint| camera.ray_from_image(keypoint.point));
-            let pairs = rays.zip(&features.descriptors).take(features_per_frame);
-            samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
+            let pairs = rays.zip(&features.descriptors).enumerate().take(features_per_frame);
+            let moving = pairs.filter(|(feature, _)| burnt_in.binary_search(feature).is_err());
+            samples.add_frame(moving.filter_map(|(_, (ray, descriptor))| Some((*descriptor, ray.ok()?))));
         }
         let seen: Vec<Ptz> = frames.iter().map(|&frame| self.truth(frame)).collect();
-        (samples, SeenRange::of(&seen).unwrap())
+        let mut range = SeenRange::of(&seen).unwrap();
+        if self.keeps_standing {
+            range.cameras.clear();
+        }
+        (samples, range)
     }
 
     pub fn all(&self) -> Vec<usize> {
@@ -59,7 +96,7 @@ impl Set {
 fn features_of(document: &Document, folder: &Path, frame: &Frame, options: &FeatureOptions) -> Features {
     let cache = FeatureCache::new(&Path::new(env!("CARGO_TARGET_TMPDIR")).join("features"), 1 << 30);
     let path = frame.image_path(folder).unwrap();
-    let masks = &document.camera_of(frame).unwrap().masks;
+    let masks = &document.masks_of(frame);
     let key = FeatureKey::new(&sha256_of_file(&path).unwrap(), options, masks);
     cache.get(&key).unwrap_or_else(|| {
         let features = extract(&load_image(&path).unwrap(), masks, options).unwrap();

@@ -1,0 +1,93 @@
+//! No answer from what stands still on the screen.
+//!
+//! A score bug in a reference teaches rays as the stadium does. In another picture it lies at the same pixels, and all its
+//! features agree that the camera is exactly the reference's. An answer that repeats a reference is therefore believed only if
+//! the picture as a whole repeats it, as when the camera did not move; else what stands still is left out, and the rest is
+//! asked.
+
+use super::{NotFound, Pose, PoseOptions, RayMatches, pose_from_candidates};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
+
+/// References whose answers are taken apart one after the other.
+const MOST_REPEATED: usize = 6;
+
+/// References that an answer may repeat: those nearest to it.
+const NEAREST: usize = 12;
+
+/// An answer repeats a reference if this share of its features stand where they stood there.
+const REPEATED_SHARE: f64 = 0.6;
+
+/// The camera that most features agree on, leaving out those that stand still on the screen while the rest of the picture
+/// moves. `features` are those of the picture, all that were asked for; `references` the cameras that taught the rays.
+///
+/// # Errors
+/// By name, why there is none: see [`NotFound`].
+pub fn pose_of_moving(
+    matches: &RayMatches,
+    features: &Features,
+    base: &CameraBase,
+    references: &[Ptz],
+    options: &PoseOptions,
+) -> Result<Pose, NotFound> {
+    let size = features.image_size;
+    let standing_px = STANDING_PX * size.scale_from_1920();
+    let mut left_out = vec![false; matches.len()];
+    let mut stands_still = None;
+    for _ in 0..MOST_REPEATED {
+        let (rest, numbers) = matches.without(&left_out);
+        let mut pose = match pose_from_candidates(&rest, base, size, options) {
+            Ok(pose) => pose,
+            Err(reason) => return Err(stands_still.unwrap_or(reason)),
+        };
+        for inlier in &mut pose.inliers {
+            *inlier = numbers[*inlier];
+        }
+        let points = pose.inliers.iter().map(|&inlier| matches.point(inlier));
+        let all = features.keypoints.iter().map(|keypoint| keypoint.point);
+        if place_share(points, all, size) >= WHOLE_PICTURE {
+            return Ok(pose);
+        }
+        let Some(reference) = repeated(&pose, matches, base, references, standing_px) else { return Ok(pose) };
+        stands_still = Some(NotFound::StandsStill { inliers: pose.inliers.len() });
+        for (feature, left_out) in left_out.iter_mut().enumerate() {
+            *left_out |= stands(matches, feature, &reference, standing_px);
+        }
+    }
+    Err(stands_still.unwrap_or(NotFound::NoAgreement { matched: matches.len(), agreeing: 0, needed: 0 }))
+}
+
+/// The reference that an answer repeats, if any: most of its features stand where they stood there.
+fn repeated(
+    pose: &Pose,
+    matches: &RayMatches,
+    base: &CameraBase,
+    references: &[Ptz],
+    standing_px: f64,
+) -> Option<PtzCamera> {
+    let mut nearest: Vec<(f64, usize)> =
+        references.iter().enumerate().map(|(number, ptz)| (apart(&pose.ptz, ptz), number)).collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    let needed = REPEATED_SHARE * pose.inliers.len() as f64;
+    nearest.iter().take(NEAREST).map(|&(_, number)| PtzCamera::new(*base, references[number])).find(|reference| {
+        let standing = pose.inliers.iter().filter(|&&inlier| stands(matches, inlier, reference, standing_px));
+        standing.count() as f64 >= needed
+    })
+}
+
+/// How far two cameras differ, about rad.
+fn apart(one: &Ptz, other: &Ptz) -> f64 {
+    let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
+    let tilt = (one.tilt - other.tilt).radians();
+    let zoom = (one.focal_px / other.focal_px).ln();
+    (pan * pan + tilt * tilt + zoom * zoom).sqrt()
+}
+
+/// Whether a feature lies where one of its rays lay in a reference.
+fn stands(matches: &RayMatches, feature: usize, reference: &PtzCamera, standing_px: f64) -> bool {
+    let point = matches.point(feature);
+    matches.rays(feature).iter().any(|&ray| {
+        let in_cam = reference.cam_from_base() * ray;
+        reference.image_from_cam(in_cam).is_ok_and(|image| image.distance_px(point) <= standing_px)
+    })
+}
