@@ -13,8 +13,8 @@ use crate::geometry::{ImageSize, PixelBox};
 use crate::media::sha256_of_file;
 use crate::store::{Location, write_document};
 use crate::synthetic::{
-    ClickOptions, ClickTarget, Mover, PathStep, Preset, RenderedFrame, ShootOptions, Side, Stadium, StadiumOptions,
-    camera_path, drawn_clicks, score_bug_box, stadium,
+    ClickOptions, ClickTarget, FrameOptions, Graphics, Mover, PathStep, Preset, RenderedFrame, ShootOptions, Side,
+    Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
 };
 use anyhow::{Context as _, ensure};
 use image::codecs::jpeg::JpegEncoder;
@@ -66,8 +66,14 @@ pub struct SynthArgs {
     /// Write which pixels are players, too: masks/0001.png and so on.
     #[arg(long)]
     masks: bool,
+    /// The broadcaster's graphics, one or more; the camera's masks cover them, unless `--unmasked` leaves that to be found.
+    #[arg(long, value_name = "GRAPHIC", value_enum, value_delimiter = ',', default_value = "score-bug")]
+    graphics: Vec<Graphic>,
+    /// No masks for the graphics.
+    #[arg(long)]
+    unmasked: bool,
     /// Draw the demo project that comes with the program: a third of its frames are solved references.
-    #[arg(long, conflicts_with_all = ["frames", "seed", "preset", "quality", "step", "size", "masks"])]
+    #[arg(long, conflicts_with_all = ["frames", "seed", "preset", "quality", "step", "size", "masks", "graphics", "unmasked"])]
     demo: bool,
     /// Replace files that exist; files of other names stay.
     #[arg(long)]
@@ -82,6 +88,19 @@ enum Scene {
     Stadium,
 }
 
+/// A graphic over the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Graphic {
+    /// No graphic at all, whatever else is named.
+    None,
+    /// The score and the clock.
+    ScoreBug,
+    /// A band with a name and numbers.
+    LowerThird,
+    /// A channel's half-transparent logo.
+    Watermark,
+}
+
 /// Everything that decides what is drawn.
 struct Order {
     frames: usize,
@@ -89,6 +108,9 @@ struct Order {
     image_size: ImageSize,
     shoot: ShootOptions,
     masks: bool,
+    graphics: Graphics,
+    /// The camera's masks do not cover the graphics.
+    unmasked: bool,
     /// The share of frames that are clicked and solved.
     references: f64,
 }
@@ -105,7 +127,13 @@ impl Order {
             ..preset
         };
         let (frames, seed, image_size, masks) = (args.frames as usize, args.seed, args.size, args.masks);
-        Self { frames, seed, image_size, shoot, masks, references: 0.0 }
+        let shows = |graphic| args.graphics.contains(&graphic) && !args.graphics.contains(&Graphic::None);
+        let graphics = Graphics {
+            score_bug: shows(Graphic::ScoreBug),
+            lower_third: shows(Graphic::LowerThird),
+            watermark: shows(Graphic::Watermark),
+        };
+        Self { frames, seed, image_size, shoot, masks, graphics, unmasked: args.unmasked, references: 0.0 }
     }
 
     /// The committed demo: a lens that a person sees bending, an ordinary sensor, frames some seconds apart.
@@ -119,7 +147,8 @@ impl Order {
             ..Preset::Paper.shoot()
         };
         let image_size = ImageSize::new(1280, 720);
-        Self { frames: 27, seed: 5, image_size, shoot, masks: false, references: 1.0 / 3.0 }
+        let graphics = Graphics::default();
+        Self { frames: 27, seed: 5, image_size, shoot, masks: false, graphics, unmasked: false, references: 1.0 / 3.0 }
     }
 }
 
@@ -141,7 +170,8 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let scene = stadium(&StadiumOptions { daylight: order.shoot.daylight, ..StadiumOptions::new(field, order.seed) });
     let base = order.shoot.main_camera(order.image_size);
     let mut project = Document::new(spec);
-    project.cameras.push(main_camera(&base, order.image_size).into());
+    let masked = if order.unmasked { Graphics::NONE } else { order.graphics };
+    project.cameras.push(main_camera(&base, order.image_size, masked).into());
     let mut truth = project.clone();
 
     fs::create_dir_all(args.output.join("images")).with_context(|| format!("cannot make {}", args.output.display()))?;
@@ -150,6 +180,7 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let progress = messages.progress(path.len(), "Drawing frames");
     for (index, step) in path.iter().enumerate() {
         let options = order.shoot.frame(index, step, order.image_size, order.seed);
+        let options = FrameOptions { graphics: order.graphics, ..options };
         let camera = PtzCamera::new(base, step.ptz);
         let drawn = scene.render(&camera, order.image_size, &options);
         let image = format!("images/{:04}.jpg", index + 1);
@@ -176,16 +207,16 @@ pub fn synth(args: &SynthArgs, messages: Messages) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn main_camera(base: &CameraBase, image_size: ImageSize) -> Camera {
+fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Camera {
     let mut camera = Camera::new(CameraId::from("main"), image_size);
     camera.set_base(base);
-    let bug = score_bug_box(image_size);
-    camera.masks = vec![PixelBox {
-        x: (bug.x - MASK_MARGIN_PX).floor().max(0.0),
-        y: (bug.y - MASK_MARGIN_PX).floor().max(0.0),
-        width: (bug.width + 2.0 * MASK_MARGIN_PX).ceil(),
-        height: (bug.height + 2.0 * MASK_MARGIN_PX).ceil(),
-    }];
+    let with_margin = |graphic: PixelBox| PixelBox {
+        x: (graphic.x - MASK_MARGIN_PX).floor().max(0.0),
+        y: (graphic.y - MASK_MARGIN_PX).floor().max(0.0),
+        width: (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
+        height: (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
+    };
+    camera.masks = masked.boxes(image_size).into_iter().map(with_margin).collect();
     camera
 }
 
@@ -221,7 +252,8 @@ fn solve_as_reference(
     index: usize,
 ) -> bool {
     let field: &FieldModel = scene.field();
-    let hidden: Vec<PixelBox> = drawn.movers.iter().map(|mover| mover.area).chain(drawn.score_bug).collect();
+    let hidden: Vec<PixelBox> =
+        drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect();
     let options = ClickOptions {
         landmarks: LANDMARKS_A_REFERENCE[index / 3 % LANDMARKS_A_REFERENCE.len()],
         lines: usize::from(index % 4 == 3),

@@ -11,10 +11,14 @@ const FOLLOWING: usize = 4;
 const SPREAD: usize = 8;
 
 /// The side of the cells by which features are joined to graphics, px at 1920 px width: a gap of less never parts one.
-const CELL_PX: f64 = 24.0;
+const CELL_PX: f64 = 48.0;
 
 /// A graphic reaches beyond its features' centres, px at 1920 px width: letters are as large.
 const MARGIN_PX: f64 = 14.0;
+
+/// A cell belongs to a graphic if features stand still there in two pictures at least, and in this share of all: with many
+/// pictures some coincide by chance anywhere.
+const LEAST_PICTURES: f64 = 0.05;
 
 /// A box that holds fewer features in all pictures together may be chance.
 const LEAST_FEATURES: usize = 6;
@@ -41,8 +45,8 @@ pub struct BurntInGraphic {
     pub features: usize,
 }
 
-/// Finds the graphics burnt into pictures of one camera, which stand in the order of time as far as they have one. A pair of pictures counts
-/// only as far as `moved` says that what is at a point of the first lies elsewhere in the second: it knows more where the
+/// Finds the graphics burnt into pictures of one camera, which stand in the order of time as far as they have one. A pair
+/// of pictures counts only as far as `moved` says that what is at a point of the first lies elsewhere in the second: it knows more where the
 /// cameras are known, and else says yes throughout.
 ///
 /// Two pictures suffice. Of pictures among which the camera hardly moved nothing is said.
@@ -93,11 +97,12 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
 /// Boxes of features that lie together.
 fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGraphic> {
     let Some(size) = pictures.first().map(|features| features.image_size) else { return Vec::new() };
+    let least_pictures = ((LEAST_PICTURES * pictures.len() as f64) as usize).max(2);
     let mut points: Vec<(ImagePoint, usize)> = Vec::new();
     for (picture, features) in burnt.iter().enumerate() {
         points.extend(features.iter().map(|&feature| (pictures[picture].keypoints[feature].point, picture)));
     }
-    let mut found: Vec<BurntInGraphic> = joined(&points, CELL_PX * size.scale_from_1920())
+    let mut found: Vec<BurntInGraphic> = joined(&points, CELL_PX * size.scale_from_1920(), least_pictures)
         .into_iter()
         .filter(|members| members.len() >= LEAST_FEATURES)
         .filter_map(|members| boxed(&points, &members, size))
@@ -110,13 +115,17 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
     found
 }
 
-/// Groups of points whose cells of a grid touch, corners included.
-fn joined(points: &[(ImagePoint, usize)], cell_px: f64) -> Vec<Vec<usize>> {
+/// Groups of points whose cells of a grid touch, corners included; cells with points of fewer pictures are left out.
+fn joined(points: &[(ImagePoint, usize)], cell_px: f64, least_pictures: usize) -> Vec<Vec<usize>> {
     let mut cells = BTreeMap::<(i64, i64), Vec<usize>>::new();
     for (at, (point, _)) in points.iter().enumerate() {
         let cell = |position: f64| (position / cell_px).floor() as i64;
         cells.entry((cell(point.y), cell(point.x))).or_default().push(at);
     }
+    cells.retain(|_, members| {
+        let pictures: BTreeSet<usize> = members.iter().map(|&member| points[member].1).collect();
+        pictures.len() >= least_pictures
+    });
     let mut groups = Vec::new();
     while let Some((first, members)) = cells.pop_first() {
         let (mut group, mut open) = (members, vec![first]);

@@ -1,5 +1,6 @@
 //! What a drawn match looks like and how a camera takes it, with units, and presets from easy to hard.
 
+use super::graphics::Graphics;
 use crate::camera::{BaseAngles, CameraBase, FocalCurve};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, ImageSize, Vec3};
@@ -59,8 +60,8 @@ pub struct FrameOptions {
     pub noise_levels: f64,
     /// Chooses the noise.
     pub noise_seed: u64,
-    /// Whether the broadcaster's score graphic is laid over the picture. Default true.
-    pub score_bug: bool,
+    /// Which of the broadcaster's graphics are laid over the picture.
+    pub graphics: Graphics,
     /// Whether the players (and the ball) are on the pitch. Default true.
     pub players: bool,
 }
@@ -76,7 +77,7 @@ impl Default for FrameOptions {
             vignetting: 0.0,
             noise_levels: 0.0,
             noise_seed: 0,
-            score_bug: true,
+            graphics: Graphics::default(),
             players: true,
         }
     }

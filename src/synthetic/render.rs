@@ -6,7 +6,6 @@ use super::options::FrameOptions;
 use super::play::Side;
 use super::props::{Mover, Prop, movers};
 use super::ray::{Ray, RayCaster};
-use super::score_bug;
 use super::solid::Touch;
 use super::stadium::{GRASS, Sight, Stadium};
 use crate::camera::PtzCamera;
@@ -24,8 +23,8 @@ pub struct RenderedFrame {
     pub mover_mask: GrayImage,
     /// Whoever moves and is in the picture, with the box of what is seen of them, px; nearest last.
     pub movers: Vec<SeenMover>,
-    /// The score graphic's box, px, if it was drawn.
-    pub score_bug: Option<PixelBox>,
+    /// The boxes of the graphics that were drawn, px.
+    pub graphics: Vec<PixelBox>,
 }
 
 /// A player, an official or the ball in a picture.
@@ -98,13 +97,11 @@ impl Stadium {
         let exposure = if moves { exposure.moved(camera, options) } else { exposure };
         let exposure = if options.defocus_px > 0.0 { exposure.defocused(options.defocus_px) } else { exposure };
         let mut image = exposure.developed(options);
-        let score_bug = options.score_bug.then(|| {
-            score_bug::draw(&mut image, self.options.seed, &self.kits, options.time_s);
-            score_bug::score_bug_box(image_size)
-        });
+        options.graphics.draw(&mut image, self.options.seed, &self.kits, options.time_s);
+        let graphics = options.graphics.boxes(image_size);
         let bytes = exposure.pixels.iter().map(|pixel| if pixel.w >= MASK_FROM { 255 } else { 0 }).collect();
         let mover_mask = GrayImage::from_raw(image_size.width, image_size.height, bytes).unwrap_or_default();
-        RenderedFrame { image, mover_mask, movers, score_bug }
+        RenderedFrame { image, mover_mask, movers, graphics }
     }
 
     /// A pixel on an edge: the mean of a grid of rays.

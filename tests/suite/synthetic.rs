@@ -5,7 +5,8 @@ use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldLine, FieldModel, LineId, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline::synthetic::{
-    ClickOptions, ClickTarget, FrameOptions, Preset, Stadium, StadiumOptions, camera_path, drawn_clicks, stadium,
+    ClickOptions, ClickTarget, FrameOptions, Graphics, Preset, Stadium, StadiumOptions, camera_path, drawn_clicks,
+    stadium,
 };
 
 const SMALL: ImageSize = ImageSize::new(320, 180);
@@ -21,7 +22,7 @@ fn scene(seed: u64) -> Stadium {
 }
 
 fn bare() -> FrameOptions {
-    FrameOptions { players: false, score_bug: false, ..FrameOptions::default() }
+    FrameOptions { players: false, graphics: Graphics::NONE, ..FrameOptions::default() }
 }
 
 #[test]

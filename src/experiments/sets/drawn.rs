@@ -132,7 +132,8 @@ pub(super) fn take(orders: &[Order<'_>], progress: &(dyn Fn() + Sync)) -> Result
     let one = |order: &Order<'_>| {
         let options = order.shoot.frame(order.number, &order.step, order.size, order.seed);
         let drawn = order.scene.render(&order.camera, order.size, &options);
-        let masks: Vec<PixelBox> = drawn.movers.iter().map(|mover| mover.area).chain(drawn.score_bug).collect();
+        let masks: Vec<PixelBox> =
+            drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect();
         let mut jpeg = Vec::new();
         JpegEncoder::new_with_quality(&mut jpeg, order.shoot.jpeg_quality).encode_image(&drawn.image)?;
         let field = order.scene.field().clone();

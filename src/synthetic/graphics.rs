@@ -1,0 +1,168 @@
+//! The broadcaster's graphics: laid over the picture, always in the same place.
+
+use super::body::Kits;
+use super::colour::{Light, decode, encode, hex, mix};
+use super::coverage::inside;
+use super::noise::{smooth_walk, sub_seed};
+use super::options::scale_from_1280;
+use super::text::{Coverage, rasterise};
+use crate::geometry::{ImageSize, PixelBox};
+use image::RgbImage;
+
+/// The score and the clock, in a picture 1280 px wide, px.
+const SCORE_BUG_AT_1280: PixelBox = PixelBox { x: 56.0, y: 36.0, width: 292.0, height: 34.0 };
+
+/// A band with a player's name and some numbers, in a picture 1280 px wide, px.
+const LOWER_THIRD_AT_1280: PixelBox = PixelBox { x: 150.0, y: 590.0, width: 640.0, height: 76.0 };
+
+/// A channel's logo, in a picture 1280 px wide, px.
+const WATERMARK_AT_1280: PixelBox = PixelBox { x: 1064.0, y: 44.0, width: 160.0, height: 52.0 };
+
+/// How much of a watermark's ink covers the picture.
+const WATERMARK_SHARE: f32 = 0.45;
+
+/// Which graphics are laid over a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Graphics {
+    /// The score and the clock. Default true.
+    pub score_bug: bool,
+    /// A band with a name and numbers near the lower edge. Default false.
+    pub lower_third: bool,
+    /// A channel's half-transparent logo. Default false.
+    pub watermark: bool,
+}
+
+impl Default for Graphics {
+    fn default() -> Self {
+        Self { score_bug: true, ..Self::NONE }
+    }
+}
+
+impl Graphics {
+    /// The picture as the camera takes it.
+    pub const NONE: Self = Self { score_bug: false, lower_third: false, watermark: false };
+
+    /// The boxes that these cover, px.
+    #[must_use]
+    pub fn boxes(self, image_size: ImageSize) -> Vec<PixelBox> {
+        let all = [
+            (self.score_bug, SCORE_BUG_AT_1280),
+            (self.lower_third, LOWER_THIRD_AT_1280),
+            (self.watermark, WATERMARK_AT_1280),
+        ];
+        all.iter().filter(|(shown, _)| *shown).map(|(_, area)| scaled(area, image_size)).collect()
+    }
+
+    /// Draws them over a picture of a match.
+    pub(super) fn draw(self, picture: &mut RgbImage, seed: u64, kits: &Kits, time_s: f64) {
+        let scale = scale_from_1280(ImageSize::new(picture.width(), picture.height())) as f32;
+        let mut canvas = Canvas { picture, scale, opacity: 1.0 };
+        if self.score_bug {
+            score_bug(&mut canvas, seed, kits, time_s);
+        }
+        if self.lower_third {
+            lower_third(&mut canvas, kits);
+        }
+        if self.watermark {
+            canvas.opacity = WATERMARK_SHARE;
+            watermark(&mut canvas);
+        }
+    }
+}
+
+fn scaled(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
+    let scale = scale_from_1280(image_size);
+    PixelBox {
+        x: at_1280.x * scale,
+        y: at_1280.y * scale,
+        width: at_1280.width * scale,
+        height: at_1280.height * scale,
+    }
+}
+
+/// The name of a player and the numbers of a match.
+fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
+    let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xB9_C4D2));
+    let PixelBox { x, y, width, height } = LOWER_THIRD_AT_1280;
+    let (x, y, width, half) = (x as f32, y as f32, width as f32, 0.5 * height as f32);
+    canvas.panel(x, y, width, 2.0 * half, navy);
+    canvas.panel(x, y, 12.0, 2.0 * half, kits.home.shirt);
+    canvas.words("10  MARTINEZ", x + 180.0, y, half, white);
+    canvas.words(kits.names[0], x + 480.0, y, half, grey);
+    canvas.words("PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3", x + 320.0, y + half, half, white);
+}
+
+/// A channel's logo.
+fn watermark(canvas: &mut Canvas<'_>) {
+    let (white, PixelBox { x, y, width, height }) = (hex(0xFF_FFFF), WATERMARK_AT_1280);
+    let (x, y, width, height) = (x as f32, y as f32, width as f32, height as f32);
+    canvas.words("ARENA", x + 0.5 * width, y, 0.8 * height, white);
+    canvas.panel(x + 4.0, y + 0.78 * height, width - 8.0, 3.0, white);
+    canvas.words("LIVE SPORT", x + 0.5 * width, y + 0.78 * height, 0.28 * height, white);
+}
+
+/// Draws the score and the clock of a match.
+fn score_bug(canvas: &mut Canvas<'_>, seed: u64, kits: &Kits, time_s: f64) {
+    let minute = 11 + i64::from(sub_seed(seed, 0x71) % 20);
+    let clock_s = 60 * minute + time_s.max(0.0) as i64;
+    let goals = |salt: u32| (1.4 + 1.4 * smooth_walk(sub_seed(seed, salt), 0.5)) as i64;
+    let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xDD_E2E8));
+    let (x, y, height) = (SCORE_BUG_AT_1280.x as f32, SCORE_BUG_AT_1280.y as f32, SCORE_BUG_AT_1280.height as f32);
+    canvas.panel(x, y, 86.0, height, navy);
+    canvas.words(&clock(clock_s), x + 43.0, y, height, white);
+    canvas.panel(x + 86.0, y, 206.0, height, white);
+    canvas.panel(x + 86.0, y, 6.0, height, kits.home.shirt);
+    canvas.panel(x + 286.0, y, 6.0, height, kits.away.shirt);
+    canvas.words(kits.names[0], x + 121.0, y, height, navy);
+    canvas.words(kits.names[1], x + 257.0, y, height, navy);
+    canvas.panel(x + 152.0, y, 74.0, height, grey);
+    canvas.words(&format!("{} – {}", goals(0x72), goals(0x73)), x + 189.0, y, height, navy);
+}
+
+fn clock(seconds: i64) -> String {
+    format!("{:02}:{:02}", seconds / 60, seconds % 60)
+}
+
+struct Canvas<'a> {
+    picture: &'a mut RgbImage,
+    scale: f32,
+    /// How much of the ink covers the picture.
+    opacity: f32,
+}
+
+impl Canvas<'_> {
+    /// A filled box with smooth rims; lengths in px at 1280 px width.
+    fn panel(&mut self, x: f32, y: f32, width: f32, height: f32, colour: Light) {
+        let (x, y, width, height) = (x * self.scale, y * self.scale, width * self.scale, height * self.scale);
+        self.cover(x, y, width, height, colour, |px, py| {
+            let beyond = (x - px).max(px - x - width).max(y - py).max(py - y - height);
+            inside(beyond, 1.0)
+        });
+    }
+
+    /// Words centred on `middle`.
+    fn words(&mut self, text: &str, middle: f32, y: f32, height: f32, ink: Light) {
+        let letters: Coverage = rasterise(text, 0.44 * height * self.scale, 1.15 * self.scale);
+        let left = (middle * self.scale - 0.5 * letters.width as f32).round();
+        let top = ((y + 0.5 * height) * self.scale - 0.5 * letters.height as f32).round();
+        self.cover(left, top, letters.width as f32, letters.height as f32, ink, |px, py| {
+            letters.at((px - left).floor() as i64, (py - top).floor() as i64)
+        });
+    }
+
+    fn cover(&mut self, x: f32, y: f32, width: f32, height: f32, ink: Light, share: impl Fn(f32, f32) -> f32) {
+        let columns = (x.floor().max(0.0) as u32)..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
+        let rows = (y.floor().max(0.0) as u32)..((y + height).ceil().max(0.0) as u32).min(self.picture.height());
+        for row in rows {
+            for column in columns.clone() {
+                let share = self.opacity * share(column as f32 + 0.5, row as f32 + 0.5);
+                let pixel = &mut self.picture.get_pixel_mut(column, row).0;
+                let under = Light::from_iterator(pixel.iter().map(|byte| decode(f32::from(*byte) / 255.0)));
+                let light = mix(under, ink, share);
+                for (byte, channel) in pixel.iter_mut().zip(light.iter()) {
+                    *byte = (255.0 * encode(*channel)).round() as u8;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,233 @@
+//! Score bugs, logos and lower thirds neither teach nor answer, with no mask drawn.
+
+use crate::seeded::rng;
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
+use touchline::features::{BurntIn, DESCRIPTOR_BYTES, Descriptor, Features, Keypoint, burnt_in};
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+
+const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+fn base() -> CameraBase {
+    CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+}
+
+fn descriptor(rng: &mut Pcg64Mcg) -> Descriptor {
+    Descriptor(std::array::from_fn::<u8, DESCRIPTOR_BYTES, _>(|_| {
+        (rng.random_range(0.0..1.0f64).powi(4) * 135.0) as u8
+    }))
+}
+
+/// Things in the stadium, by their rays, and things on the screen, by their places.
+struct World {
+    stadium: Vec<(Descriptor, PanTilt)>,
+    screen: Vec<(Descriptor, ImagePoint)>,
+}
+
+impl World {
+    /// A graphic of 40 features in a box of 260 × 30 px.
+    fn new(rng: &mut Pcg64Mcg) -> Self {
+        let ray =
+            |rng: &mut Pcg64Mcg| PanTilt::from_degrees(rng.random_range(-50.0..50.0), rng.random_range(-22.0..2.0));
+        let place = |rng: &mut Pcg64Mcg| ImagePoint::new(rng.random_range(60.0..320.0), rng.random_range(30.0..60.0));
+        Self {
+            stadium: (0..3000).map(|_| (descriptor(rng), ray(rng))).collect(),
+            screen: (0..40).map(|_| (descriptor(rng), place(rng))).collect(),
+        }
+    }
+
+    /// What a camera sees, the features of the screen last.
+    fn seen(&self, pan_deg: f64, with_graphic: bool, rng: &mut Pcg64Mcg) -> Features {
+        let camera = PtzCamera::new(base(), Ptz::from_degrees(pan_deg, -10.0, 1900.0));
+        let stadium = self.stadium.iter().filter_map(|(what, ray)| Some((what, camera.image_from_ray(*ray).ok()?)));
+        let screen = self.screen.iter().filter(|_| with_graphic).map(|(what, at)| (what, *at));
+        let mut features = Features { image_size: SIZE, ..Features::default() };
+        for (what, at) in stadium.filter(|(_, at)| SIZE.contains(*at)).chain(screen) {
+            let point = ImagePoint::new(at.x + rng.random_range(-0.2..0.2), at.y + rng.random_range(-0.2..0.2));
+            features.keypoints.push(Keypoint { point, size_px: 3.0, strength: 1.0 });
+            let noisy = what.0.map(|byte| (i16::from(byte) + rng.random_range(-4..=4)).clamp(0, 255) as u8);
+            features.descriptors.push(Descriptor(noisy));
+        }
+        features
+    }
+}
+
+fn found(pictures: &[Features]) -> BurntIn {
+    burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true)
+}
+
+#[test]
+fn two_pictures_tell_what_stands_still() {
+    let mut rng = rng("two_pictures_tell_what_stands_still");
+    let world = World::new(&mut rng);
+    let pictures = [-4.0, 9.0].map(|pan_deg| world.seen(pan_deg, true, &mut rng));
+    let found = found(&pictures);
+    for (features, burnt) in pictures.iter().zip(&found.features) {
+        let on_screen = features.len() - world.screen.len()..features.len();
+        let caught = burnt.iter().filter(|feature| on_screen.contains(feature)).count();
+        assert!(caught >= 38, "{caught} of 40");
+        // What the stadium shows behind the graphic may go with it.
+        assert!(burnt.len() - caught <= 30, "{} of the stadium", burnt.len() - caught);
+    }
+    let [graphic] = &found.graphics[..] else { panic!("{:?}", found.graphics) };
+    assert_eq!((graphic.first, graphic.last), (0, 1));
+    let held = world.screen.iter().filter(|(_, at)| graphic.pixel_box.contains(*at)).count();
+    assert!(held == 40 && graphic.pixel_box.width < 310.0 && graphic.pixel_box.height < 70.0, "{graphic:?}");
+}
+
+#[test]
+fn a_still_camera_is_no_graphic() {
+    let mut rng = rng("a_still_camera_is_no_graphic");
+    let world = World::new(&mut rng);
+    let once = world.seen(2.0, true, &mut rng);
+    assert_eq!(found(&[once.clone(), once.clone()]).features, [vec![], vec![]], "the same picture twice");
+    // Again with noise, and moved by a few px: the picture as a whole hardly moved.
+    for moved_deg in [0.0, 0.02, 0.1, 0.2] {
+        let pictures = [once.clone(), world.seen(2.0 + moved_deg, true, &mut rng)];
+        assert_eq!(found(&pictures), BurntIn { features: vec![vec![], vec![]], graphics: vec![] }, "{moved_deg}°");
+    }
+}
+
+#[test]
+fn pictures_that_tell_nothing_give_nothing() {
+    let mut rng = rng("pictures_that_tell_nothing_give_nothing");
+    let world = World::new(&mut rng);
+    let one = world.seen(0.0, true, &mut rng);
+    let empty = Features { image_size: SIZE, ..Features::default() };
+    let other_size = Features { image_size: ImageSize::new(1920, 1080), ..world.seen(12.0, true, &mut rng) };
+    let unmasked = [-8.0, 0.0, 7.0].map(|pan_deg| world.seen(pan_deg, false, &mut rng)).to_vec();
+    for pictures in [vec![], vec![one.clone()], vec![one.clone(), empty], vec![one, other_size], unmasked] {
+        let found = found(&pictures);
+        assert!(found.graphics.is_empty() && found.features.iter().all(Vec::is_empty), "{found:?}");
+        assert_eq!(found.features.len(), pictures.len());
+    }
+}
+
+#[test]
+fn a_graphic_has_the_pictures_that_show_it() {
+    let mut rng = rng("a_graphic_has_the_pictures_that_show_it");
+    let world = World::new(&mut rng);
+    let pictures: Vec<Features> =
+        (0..8).map(|i| world.seen(7.0 * f64::from(i) - 25.0, (2..6).contains(&i), &mut rng)).collect();
+    let found = found(&pictures);
+    let [graphic] = &found.graphics[..] else { panic!("{:?}", found.graphics) };
+    assert_eq!((graphic.first, graphic.last), (2, 5));
+    let with: Vec<bool> = found.features.iter().map(|burnt| burnt.len() >= 30).collect();
+    assert_eq!(with, [false, false, true, true, true, true, false, false]);
+}
+
+#[test]
+fn pairs_count_only_where_the_cameras_moved() {
+    let mut rng = rng("pairs_count_only_where_the_cameras_moved");
+    let world = World::new(&mut rng);
+    let pictures = [-4.0, 9.0].map(|pan_deg| world.seen(pan_deg, true, &mut rng));
+    let found = burnt_in(&[&pictures[0], &pictures[1]], &|_, _, _| false);
+    assert!(found.graphics.is_empty() && found.features.iter().all(Vec::is_empty));
+}
+
+/// Drawn frames with score bug, lower third and logo, and no mask.
+#[cfg(feature = "opencv")]
+mod drawn {
+    use std::ops::ControlFlow;
+    use touchline::camera::{CameraBase, Ptz, PtzCamera};
+    use touchline::features::{FeatureOptions, Features, burnt_in, extract};
+    use touchline::field::builtin;
+    use touchline::geometry::ImageSize;
+    use touchline::media::Picture;
+    use touchline::relocalize::{
+        Forest, NotFound, Pose, RelocalizeOptions, Samples, SeenRange, TrainOptions, relocalize, train,
+    };
+    use touchline::synthetic::{FrameOptions, Graphics, Preset, Stadium, StadiumOptions, stadium};
+
+    const SIZE: ImageSize = ImageSize::new(640, 360);
+    const ALL: Graphics = Graphics { score_bug: true, lower_third: true, watermark: true };
+
+    struct Match {
+        scene: Stadium,
+        base: CameraBase,
+    }
+
+    impl Match {
+        fn new() -> Self {
+            let template = builtin("soccer").unwrap();
+            let field = template.model(&template.default_params(), 0.0).unwrap();
+            let scene = stadium(&StadiumOptions::new(field, 7));
+            Self { scene, base: Preset::Easy.shoot().main_camera(SIZE) }
+        }
+
+        fn camera(&self, pan_deg: f64) -> PtzCamera {
+            PtzCamera::new(self.base, Ptz::from_degrees(pan_deg, -11.0, 1100.0))
+        }
+
+        fn features(&self, pan_deg: f64, time_s: f64, graphics: Graphics) -> Features {
+            let options = FrameOptions { time_s, graphics, ..FrameOptions::default() };
+            let drawn = self.scene.render(&self.camera(pan_deg), SIZE, &options).image;
+            let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+            extract(&Picture::new(SIZE, rgba).unwrap(), &[], &FeatureOptions::default()).unwrap()
+        }
+
+        /// A forest of references with all graphics; what is burnt in teaches only where `all_teaches`.
+        fn forest(&self, pans_deg: &[f64], all_teaches: bool) -> (Forest, SeenRange) {
+            let cameras: Vec<PtzCamera> = pans_deg.iter().map(|&pan_deg| self.camera(pan_deg)).collect();
+            let pictures: Vec<Features> =
+                (0_u8..).zip(pans_deg).map(|(i, &pan_deg)| self.features(pan_deg, 3.0 * f64::from(i), ALL)).collect();
+            let mut burnt = burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true).features;
+            if all_teaches {
+                burnt.iter_mut().for_each(Vec::clear);
+            }
+            let mut samples = Samples::new();
+            for ((camera, features), burnt) in cameras.iter().zip(&pictures).zip(&burnt) {
+                let taught = (0..features.len()).filter(|feature| !burnt.contains(feature));
+                samples.add_frame(taught.map(|feature| {
+                    let ray = camera.ray_from_image(features.keypoints[feature].point).unwrap();
+                    (features.descriptors[feature], ray)
+                }));
+            }
+            let seen = SeenRange::of(&cameras.iter().map(PtzCamera::ptz).collect::<Vec<_>>()).unwrap();
+            (train(&samples, &TrainOptions::default(), &|_| ControlFlow::Continue(())).unwrap(), seen)
+        }
+
+        fn answer(&self, asked: &Features, (forest, seen): (&Forest, &SeenRange)) -> Result<Pose, NotFound> {
+            relocalize(asked, forest, seen, &self.base, &RelocalizeOptions::default()).pose
+        }
+    }
+
+    fn off_deg(pose: &Pose, pan_deg: f64) -> f64 {
+        (pose.ptz.pan.degrees() - pan_deg).abs()
+    }
+
+    #[test]
+    fn a_graphic_in_one_reference_is_no_answer_elsewhere() {
+        let game = Match::new();
+        let (forest, seen) = game.forest(&[-14.0], true);
+        let elsewhere = game.features(30.0, 20.0, ALL);
+        // The case is real: by its features alone the picture is sure to be the reference's.
+        let unchecked = SeenRange { cameras: Vec::new(), ..seen.clone() };
+        let deceived = game.answer(&elsewhere, (&forest, &unchecked)).expect("the graphics agree with each other");
+        assert!(off_deg(&deceived, -14.0) < 0.1 && deceived.confidence > 0.9, "{deceived:?}");
+        let told = game.answer(&elsewhere, (&forest, &seen)).unwrap_err();
+        assert!(matches!(told, NotFound::StandsStill { .. }), "{told}");
+        // Where the stadium can be seen it answers, however many features stand still.
+        for pan_deg in [-18.0, -10.0] {
+            let found = game.answer(&game.features(pan_deg, 9.0, ALL), (&forest, &seen)).unwrap();
+            assert!(off_deg(&found, pan_deg) < 0.05, "{pan_deg}: {found:?}");
+        }
+        // The camera did not move: everything stands still, and nothing is dropped.
+        let found = game.answer(&game.features(-14.0, 9.0, ALL), (&forest, &seen)).unwrap();
+        assert!(off_deg(&found, -14.0) < 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn a_graphic_in_two_references_teaches_nothing() {
+        let game = Match::new();
+        let (taught, seen) = game.forest(&[-16.0, 4.0], false);
+        let elsewhere = game.features(36.0, 20.0, ALL);
+        let unchecked = SeenRange { cameras: Vec::new(), ..seen.clone() };
+        assert!(game.answer(&elsewhere, (&taught, &unchecked)).is_err(), "nothing that stands still was learnt");
+        for pan_deg in [-20.0, -12.0, 1.0, 8.0] {
+            let found = game.answer(&game.features(pan_deg, 9.0, ALL), (&taught, &seen)).unwrap();
+            assert!(off_deg(&found, pan_deg) < 0.05, "{pan_deg}: {found:?}");
+        }
+    }
+}
