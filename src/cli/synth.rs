@@ -38,6 +38,7 @@ const LANDMARKS_A_REFERENCE: [usize; 6] = [4, 2, 3, 6, 2, 5];
 /// same with the exact pan, tilt and focal length of every frame and the boxes of the players). The same options give the
 /// same bytes.
 #[derive(clap::Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct SynthArgs {
     /// The folder to write; an empty one counts as absent.
     #[arg(short, long, value_name = "DIR")]
