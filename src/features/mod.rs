@@ -39,4 +39,4 @@ pub use error::FeatureError;
 pub use extract::extract;
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
-pub use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
+pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};

@@ -57,7 +57,7 @@ pub fn candidates_of(features: &Features, forest: &Forest, options: &PredictOpti
 }
 
 /// The camera of a picture from its features, or why there is none. Features that stand still on the screen while others move
-/// carry no answer ([`pose_of_moving`]).
+/// carry no answer.
 #[must_use]
 pub fn relocalize(
     features: &Features,

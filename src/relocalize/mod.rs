@@ -29,4 +29,4 @@ pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;
 pub use pose::{Pose, pose_from_candidates};
 pub use pose_options::PoseOptions;
-pub use standing::pose_of_moving;
+pub(crate) use standing::pose_of_moving;
