@@ -81,7 +81,11 @@ fn a_still_camera_is_no_graphic() {
     let mut rng = rng("a_still_camera_is_no_graphic");
     let world = World::new(&mut rng);
     let once = world.seen(2.0, true, &mut rng);
-    assert_eq!(found(&[once.clone(), once.clone()]).features, [Vec::<usize>::new(), Vec::new()], "the same picture twice");
+    assert_eq!(
+        found(&[once.clone(), once.clone()]).features,
+        [Vec::<usize>::new(), Vec::new()],
+        "the same picture twice"
+    );
     // Again with noise, and moved by a few px: the picture as a whole hardly moved.
     for moved_deg in [0.0, 0.02, 0.1, 0.2] {
         let pictures = [once.clone(), world.seen(2.0 + moved_deg, true, &mut rng)];
