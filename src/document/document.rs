@@ -3,7 +3,6 @@
 use super::{Camera, CameraId, Extra, FieldSize, Frame, Frames, Shared, adapters};
 use crate::camera::PtzCamera;
 use crate::field::{FieldError, FieldModel, Template, template_named};
-use crate::geometry::PixelBox;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -144,13 +143,6 @@ impl Document {
     #[must_use]
     pub fn field_of(&self, frame: &Frame) -> &FieldSpec {
         self.camera_of(frame).and_then(|camera| camera.field.as_ref()).unwrap_or(&self.field)
-    }
-
-    /// The boxes of a frame's picture that show neither ground nor stadium: its camera's and its own, px.
-    #[must_use]
-    pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
-        let of_camera = self.camera_of(frame).map_or(&[][..], |camera| &camera.masks);
-        of_camera.iter().chain(&frame.masks).copied().collect()
     }
 
     /// The camera as a solved frame has it pointed.

@@ -5,7 +5,7 @@ use super::colour::{Light, decode, encode, hex, mix};
 use super::coverage::inside;
 use super::noise::{smooth_walk, sub_seed};
 use super::options::scale_from_1280;
-use super::text::{Coverage, rasterise};
+use super::text::{GlyphCoverage, rasterise};
 use crate::geometry::{ImageSize, PixelBox};
 use image::RgbImage;
 
@@ -83,22 +83,24 @@ fn scaled(at_1280: &PixelBox, image_size: ImageSize) -> PixelBox {
 /// The name of a player and the numbers of a match.
 fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xB9_C4D2));
-    let PixelBox { x, y, width, height } = LOWER_THIRD_AT_1280;
-    let (x, y, width, half) = (x as f32, y as f32, width as f32, 0.5 * height as f32);
-    canvas.panel(x, y, width, 2.0 * half, navy);
-    canvas.panel(x, y, 12.0, 2.0 * half, kits.home.shirt);
-    canvas.words("10  MARTINEZ", x + 180.0, y, half, white);
-    canvas.words(kits.names[0], x + 480.0, y, half, grey);
-    canvas.words("PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3", x + 320.0, y + half, half, white);
+    let whole = Area::of(&LOWER_THIRD_AT_1280);
+    let half = 0.5 * whole.height;
+    let part = |x: f32, row: f32, width: f32| Area { x: whole.x + x, y: whole.y + row * half, width, height: half };
+    canvas.panel(whole, navy);
+    canvas.panel(Area { width: 12.0, ..whole }, kits.home.shirt);
+    canvas.text("10  MARTINEZ", part(20.0, 0.0, 320.0), white);
+    canvas.text(kits.names[0], part(400.0, 0.0, 160.0), grey);
+    canvas.text("PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3", part(0.0, 1.0, whole.width), white);
 }
 
 /// A channel's logo.
 fn watermark(canvas: &mut Canvas<'_>) {
-    let (white, PixelBox { x, y, width, height }) = (hex(0xFF_FFFF), WATERMARK_AT_1280);
-    let (x, y, width, height) = (x as f32, y as f32, width as f32, height as f32);
-    canvas.words("ARENA", x + 0.5 * width, y, 0.8 * height, white);
-    canvas.panel(x + 4.0, y + 0.78 * height, width - 8.0, 3.0, white);
-    canvas.words("LIVE SPORT", x + 0.5 * width, y + 0.78 * height, 0.28 * height, white);
+    let (white, whole) = (hex(0xFF_FFFF), Area::of(&WATERMARK_AT_1280));
+    let part =
+        |from: f32, to: f32| Area { y: whole.y + from * whole.height, height: (to - from) * whole.height, ..whole };
+    canvas.text("ARENA", part(0.0, 0.8), white);
+    canvas.panel(Area { height: 3.0, ..part(0.78, 1.0) }, white);
+    canvas.text("LIVE SPORT", part(0.78, 1.06), white);
 }
 
 /// Draws the score and the clock of a match.
@@ -107,20 +109,40 @@ fn score_bug(canvas: &mut Canvas<'_>, seed: u64, kits: &Kits, time_s: f64) {
     let clock_s = 60 * minute + time_s.max(0.0) as i64;
     let goals = |salt: u32| (1.4 + 1.4 * smooth_walk(sub_seed(seed, salt), 0.5)) as i64;
     let (navy, white, grey) = (hex(0x0D_1730), hex(0xF6_F7F9), hex(0xDD_E2E8));
-    let (x, y, height) = (SCORE_BUG_AT_1280.x as f32, SCORE_BUG_AT_1280.y as f32, SCORE_BUG_AT_1280.height as f32);
-    canvas.panel(x, y, 86.0, height, navy);
-    canvas.words(&clock(clock_s), x + 43.0, y, height, white);
-    canvas.panel(x + 86.0, y, 206.0, height, white);
-    canvas.panel(x + 86.0, y, 6.0, height, kits.home.shirt);
-    canvas.panel(x + 286.0, y, 6.0, height, kits.away.shirt);
-    canvas.words(kits.names[0], x + 121.0, y, height, navy);
-    canvas.words(kits.names[1], x + 257.0, y, height, navy);
-    canvas.panel(x + 152.0, y, 74.0, height, grey);
-    canvas.words(&format!("{} – {}", goals(0x72), goals(0x73)), x + 189.0, y, height, navy);
+    let (left, y, height) = (SCORE_BUG_AT_1280.x as f32, SCORE_BUG_AT_1280.y as f32, SCORE_BUG_AT_1280.height as f32);
+    let part = |x: f32, width: f32| Area { x: left + x, y, width, height };
+    canvas.panel(part(0.0, 86.0), navy);
+    canvas.text(&clock(clock_s), part(0.0, 86.0), white);
+    canvas.panel(part(86.0, 206.0), white);
+    canvas.panel(part(86.0, 6.0), kits.home.shirt);
+    canvas.panel(part(286.0, 6.0), kits.away.shirt);
+    canvas.text(kits.names[0], part(92.0, 58.0), navy);
+    canvas.text(kits.names[1], part(228.0, 58.0), navy);
+    canvas.panel(part(152.0, 74.0), grey);
+    canvas.text(&format!("{} – {}", goals(0x72), goals(0x73)), part(152.0, 74.0), navy);
 }
 
 fn clock(seconds: i64) -> String {
     format!("{:02}:{:02}", seconds / 60, seconds % 60)
+}
+
+/// A box with sides of its own length, px.
+#[derive(Clone, Copy)]
+struct Area {
+    x: f32,
+    y: f32,
+    width: f32,
+    height: f32,
+}
+
+impl Area {
+    fn of(area: &PixelBox) -> Self {
+        Self { x: area.x as f32, y: area.y as f32, width: area.width as f32, height: area.height as f32 }
+    }
+
+    fn scaled(self, scale: f32) -> Self {
+        Self { x: self.x * scale, y: self.y * scale, width: self.width * scale, height: self.height * scale }
+    }
 }
 
 struct Canvas<'a> {
@@ -132,25 +154,27 @@ struct Canvas<'a> {
 
 impl Canvas<'_> {
     /// A filled box with smooth rims; lengths in px at 1280 px width.
-    fn panel(&mut self, x: f32, y: f32, width: f32, height: f32, colour: Light) {
-        let (x, y, width, height) = (x * self.scale, y * self.scale, width * self.scale, height * self.scale);
-        self.cover(x, y, width, height, colour, |px, py| {
+    fn panel(&mut self, at: Area, colour: Light) {
+        let Area { x, y, width, height } = at.scaled(self.scale);
+        self.cover(at.scaled(self.scale), colour, |px, py| {
             let beyond = (x - px).max(px - x - width).max(y - py).max(py - y - height);
             inside(beyond, 1.0)
         });
     }
 
-    /// Words centred on `middle`.
-    fn words(&mut self, text: &str, middle: f32, y: f32, height: f32, ink: Light) {
-        let letters: Coverage = rasterise(text, 0.44 * height * self.scale, 1.15 * self.scale);
-        let left = (middle * self.scale - 0.5 * letters.width as f32).round();
-        let top = ((y + 0.5 * height) * self.scale - 0.5 * letters.height as f32).round();
-        self.cover(left, top, letters.width as f32, letters.height as f32, ink, |px, py| {
-            letters.at((px - left).floor() as i64, (py - top).floor() as i64)
+    /// A text in the middle of a box; lengths in px at 1280 px width.
+    fn text(&mut self, text: &str, within: Area, ink: Light) {
+        let within = within.scaled(self.scale);
+        let letters: GlyphCoverage = rasterise(text, 0.44 * within.height, 1.15 * self.scale);
+        let (width, height) = (letters.width as f32, letters.height as f32);
+        let x = (within.x + 0.5 * within.width - 0.5 * width).round();
+        let y = (within.y + 0.5 * within.height - 0.5 * height).round();
+        self.cover(Area { x, y, width, height }, ink, |px, py| {
+            letters.at((px - x).floor() as i64, (py - y).floor() as i64)
         });
     }
 
-    fn cover(&mut self, x: f32, y: f32, width: f32, height: f32, ink: Light, share: impl Fn(f32, f32) -> f32) {
+    fn cover(&mut self, Area { x, y, width, height }: Area, ink: Light, share: impl Fn(f32, f32) -> f32) {
         let columns = (x.floor().max(0.0) as u32)..((x + width).ceil().max(0.0) as u32).min(self.picture.width());
         let rows = (y.floor().max(0.0) as u32)..((y + height).ceil().max(0.0) as u32).min(self.picture.height());
         for row in rows {
