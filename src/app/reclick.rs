@@ -34,7 +34,7 @@ impl Reclick {
     #[must_use]
     pub fn of(document: &Document) -> Self {
         let frames = document.frames.iter().enumerate();
-        let gold = frames.filter(|(_, frame)| frame.is_gold() && frame.status == FrameStatus::Reference);
+        let gold = frames.filter(|(_, frame)| frame.gold && frame.status == FrameStatus::Reference);
         let asked = gold
             .flat_map(|(index, frame)| frame.asked_again().map(move |id| Asked { frame: index, landmark: id.clone() }));
         Self { asked: asked.collect(), round: document.next_round(), ..Self::default() }
@@ -106,7 +106,7 @@ pub struct GoldWork {
 
 impl GoldWork {
     pub(super) fn of(document: DocumentAt<'_>) -> Self {
-        let gold = document.frames.iter().filter(|frame| frame.is_gold() && frame.status == FrameStatus::Reference);
+        let gold = document.frames.iter().filter(|frame| frame.gold && frame.status == FrameStatus::Reference);
         Self {
             frames: gold.count(),
             can_choose: can_choose_gold(&document),

@@ -12,14 +12,11 @@ use crate::solve::base::{
     MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
 };
 use crate::solve::{FrameSolution, ObservationError, WarningCode};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
 use thiserror::Error;
 
-/// The key of a frame that takes no part in the estimation of its camera's base: `"use_for_base": false`. Absent: it does.
-const USE_FOR_BASE: &str = "use_for_base";
 
 /// Why a base cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -91,37 +88,6 @@ pub struct LandmarkFit {
     pub worst: (usize, usize),
     /// How far that one is off, px.
     pub worst_px: f64,
-}
-
-impl Frame {
-    /// Whether its clicks take part when the base of its camera is estimated: they do unless the frame is marked as not
-    /// calibratable or was left out.
-    #[must_use]
-    pub fn is_used_for_base(&self) -> bool {
-        self.status != FrameStatus::Rejected && !self.is_left_out_of_base()
-    }
-
-    /// Whether a person left it out of the estimation.
-    #[must_use]
-    pub fn is_left_out_of_base(&self) -> bool {
-        self.extra.get(USE_FOR_BASE) == Some(&Value::Bool(false))
-    }
-
-    /// Leaves it out of the estimation, or puts it back.
-    pub fn set_used_for_base(&mut self, used: bool) {
-        if used {
-            self.extra.remove(USE_FOR_BASE);
-        } else {
-            self.extra.insert(USE_FOR_BASE.to_owned(), Value::Bool(false));
-        }
-    }
-
-    /// How many of its clicks name a landmark and take part.
-    #[must_use]
-    pub fn landmark_clicks(&self) -> usize {
-        let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
-        self.clicks.iter().filter(|click| !click.check && landmarks(&click.target)).count()
-    }
 }
 
 impl BaseProblem {

@@ -14,12 +14,12 @@ const CHOSEN: usize = 6;
 #[must_use]
 pub fn choose_gold(document: &Document) -> Vec<usize> {
     let frames = || document.frames.iter().enumerate().map(|(index, frame)| (index, &**frame));
-    let gold = || frames().filter(|(_, frame)| frame.is_gold());
+    let gold = || frames().filter(|(_, frame)| frame.gold);
     let pan = |frame: &Frame| frame.ptz.as_ref().map_or(Angle::ZERO, |ptz| ptz.ptz().pan);
     let mut pans: Vec<Angle> = gold().map(|(_, frame)| pan(frame)).collect();
     let mut asked: BTreeSet<&LandmarkId> = gold().flat_map(|(_, frame)| frame.asked_again()).collect();
     let mut open: Vec<(usize, &Frame)> =
-        frames().filter(|(_, frame)| !frame.is_gold() && frame.why_not_gold().is_none()).collect();
+        frames().filter(|(_, frame)| !frame.gold && frame.why_not_gold().is_none()).collect();
     let mut chosen = Vec::new();
     while pans.len() < CHOSEN && !open.is_empty() {
         let rank = |frame: &Frame| {
@@ -45,8 +45,8 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
 /// Whether [`choose_gold`] chooses any; quicker than asking it.
 #[must_use]
 pub fn can_choose_gold(document: &Document) -> bool {
-    let gold = document.frames.iter().filter(|frame| frame.is_gold()).take(CHOSEN).count();
-    gold < CHOSEN && document.frames.iter().any(|frame| !frame.is_gold() && frame.why_not_gold().is_none())
+    let gold = document.frames.iter().filter(|frame| frame.gold).take(CHOSEN).count();
+    gold < CHOSEN && document.frames.iter().any(|frame| !frame.gold && frame.why_not_gold().is_none())
 }
 
 #[cfg(test)]
@@ -85,13 +85,13 @@ mod tests {
         let chosen = choose_gold(&document);
         assert_eq!(chosen.len(), CHOSEN);
         assert!(chosen.contains(&1) && chosen.contains(&2), "{chosen:?}");
-        document.frames[2].set_gold(true);
-        document.frames[3].set_gold(true);
+        document.frames[2].gold = true;
+        document.frames[3].gold = true;
         assert!(!choose_gold(&document).contains(&2));
         assert_eq!(choose_gold(&document).len(), CHOSEN - 2);
         for index in choose_gold(&document) {
             assert!(can_choose_gold(&document));
-            document.frames[index].set_gold(true);
+            document.frames[index].gold = true;
         }
         assert!(!can_choose_gold(&document) && choose_gold(&document).is_empty());
     }

@@ -66,6 +66,12 @@ pub struct Camera {
     /// Further such boxes that count for a part of the frames, or that the program found itself.
     #[serde(rename = "masks", default, skip_serializing_if = "Vec::is_empty")]
     pub ranged_masks: Vec<RangedMask>,
+    /// 1-σ of a click in its pictures, px, where it is known.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub click_noise_px: Option<f64>,
+    /// The width of its sensor, mm, where it is known.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub sensor_width_mm: Option<f64>,
     /// The field this camera looks at, where it is not the document's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<FieldSpec>,
@@ -142,6 +148,8 @@ impl Camera {
             sigma: None,
             masks: Vec::new(),
             ranged_masks: Vec::new(),
+            click_noise_px: None,
+            sensor_width_mm: None,
             field: None,
             extra: Extra::new(),
         }

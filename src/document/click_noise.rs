@@ -7,8 +7,6 @@ use std::collections::BTreeMap;
 
 /// The hand's share of a template's `σ²`.
 pub(crate) const HAND_SHARE: f64 = 0.5;
-/// The document's key for what its clicks scatter by.
-const CLICK_NOISE: &str = "click_noise";
 
 /// A hand's factor is within these, or something else is wrong.
 const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
@@ -36,6 +34,34 @@ pub struct Hand {
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// What a document keeps of the scatter of its clicks.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ClickNoise {
+    /// An annotator's own.
+    Own(Hand),
+    /// Something that is no click noise; it is kept, weighs nothing, and `check` names it.
+    Unreadable(serde_json::Value),
+}
+
+impl From<serde_json::Value> for ClickNoise {
+    fn from(value: serde_json::Value) -> Self {
+        Hand::deserialize(&value).map_or(Self::Unreadable(value), Self::Own)
+    }
+}
+
+impl ClickNoise {
+    /// Why it weighs nothing; none if it can.
+    #[must_use]
+    pub fn fault(&self) -> Option<String> {
+        match self {
+            Self::Own(hand) if hand.is_plausible() => None,
+            Self::Own(_) => Some("no hand is that much steadier or shakier than others".to_owned()),
+            Self::Unreadable(value) => Hand::deserialize(value).err().map(|error| error.to_string()),
+        }
+    }
 }
 
 impl Hand {
@@ -72,19 +98,19 @@ impl Hand {
 }
 
 impl Document {
-    /// The hand that it keeps.
-    ///
-    /// # Errors
-    /// What it keeps is no hand: one line.
-    pub fn hand(&self) -> Result<Option<Hand>, String> {
-        let Some(value) = self.extra.get(CLICK_NOISE) else { return Ok(None) };
-        Hand::deserialize(value).map(Some).map_err(|error| error.to_string())
+    /// The hand that it keeps, whether it is in use or not.
+    #[must_use]
+    pub const fn hand(&self) -> Option<&Hand> {
+        match &self.click_noise {
+            Some(ClickNoise::Own(hand)) => Some(hand),
+            Some(ClickNoise::Unreadable(_)) | None => None,
+        }
     }
 
     /// The hand whose noise its clicks are weighed by; none: everybody's.
     #[must_use]
     pub fn hand_in_use(&self) -> Option<Hand> {
-        self.hand().ok().flatten().filter(|hand| hand.in_use && hand.is_plausible())
+        self.hand().filter(|hand| hand.in_use && hand.is_plausible()).cloned()
     }
 
     /// Keeps a hand.
@@ -92,8 +118,8 @@ impl Document {
     /// # Errors
     /// A number of it is not finite.
     pub fn set_hand(&mut self, hand: &Hand) -> Result<(), serde_json::Error> {
-        let value = serde_json::to_value(hand)?;
-        self.extra.insert(CLICK_NOISE.to_owned(), value);
+        serde_json::to_value(hand)?;
+        self.click_noise = Some(ClickNoise::Own(hand.clone()));
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, Extra, FieldSize, Frame, Frames, Shared, adapters};
+use super::{Camera, CameraId, ClickNoise, Extra, FieldSize, Frame, Frames, Shared, Shot, adapters};
 use crate::camera::PtzCamera;
 use crate::field::{FieldError, FieldModel, Template, template_named};
 use serde::{Deserialize, Serialize};
@@ -37,6 +37,10 @@ pub struct Document {
     pub cameras: Vec<Shared<Camera>>,
     /// The frames, in the order in which a person steps through them.
     pub frames: Frames,
+    /// What its clicks scatter by.
+    pub click_noise: Option<ClickNoise>,
+    /// The shots of its videos, where somebody or the program marked them.
+    pub shots: Vec<Shot>,
     /// Unknown keys.
     pub extra: Extra,
 }
@@ -112,14 +116,15 @@ impl Document {
             field,
             cameras: Vec::new(),
             frames: Frames::new(),
+            click_noise: None,
+            shots: Vec::new(),
             extra: Extra::new(),
         }
     }
 
     /// Whether two differ in their frames at most.
     pub(super) fn same_beside_frames(&self, other: &Self) -> bool {
-        let Self { generator: _, conventions, field, cameras, frames: _, extra } = self;
-        *conventions == other.conventions && *field == other.field && *cameras == other.cameras && *extra == other.extra
+        *self == Self { generator: self.generator.clone(), frames: self.frames.clone(), ..other.clone() }
     }
 
     /// A camera by name.

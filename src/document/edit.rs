@@ -1,7 +1,7 @@
 //! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
 
 use super::old_edit::OldChange;
-use super::{Camera, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared};
+use super::{Camera, ClickNoise, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -44,10 +44,16 @@ pub enum Change {
     Cameras(Vec<Shared<Camera>>),
     /// The field.
     Field(FieldSpec),
-    /// The conventions and unknown keys of the document itself.
+    /// What else the document itself holds.
     Rest {
         /// The conventions.
         conventions: Map<String, Value>,
+        /// What its clicks scatter by.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        click_noise: Option<ClickNoise>,
+        /// Its shots.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
+        shots: Vec<Shot>,
         /// Unknown keys.
         extra: Extra,
     },
@@ -110,8 +116,14 @@ impl Edit {
         if before.cameras != after.cameras {
             changes.push(Change::Cameras(after.cameras.clone()));
         }
-        if before.conventions != after.conventions || before.extra != after.extra {
-            changes.push(Change::Rest { conventions: after.conventions.clone(), extra: after.extra.clone() });
+        let rest = |document: &Document| Change::Rest {
+            conventions: document.conventions.clone(),
+            click_noise: document.click_noise.clone(),
+            shots: document.shots.clone(),
+            extra: document.extra.clone(),
+        };
+        if rest(before) != rest(after) {
+            changes.push(rest(after));
         }
         frame_changes(&before.frames, &after.frames, &mut changes);
         Self { name: name.to_owned(), changes }
@@ -172,8 +184,12 @@ impl Change {
             }
             Self::Cameras(cameras) => document.cameras = cameras,
             Self::Field(field) => document.field = field,
-            Self::Rest { conventions, extra } => {
+            Self::Rest { conventions, click_noise, shots, mut extra } => {
+                // Journals of earlier versions have it among the unknown keys.
+                let among_unknown = extra.shift_remove("click_noise").map(ClickNoise::from);
                 document.conventions = conventions;
+                document.click_noise = click_noise.or(among_unknown);
+                document.shots = shots;
                 document.extra = extra;
             }
             Self::Old(old) => old.apply(document)?,

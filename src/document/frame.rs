@@ -41,6 +41,18 @@ pub struct Frame {
     /// What somebody noted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comment: Option<String>,
+    /// Its clicks take part when the base of its camera is estimated.
+    #[serde(default = "yes", skip_serializing_if = "is_yes")]
+    pub use_for_base: bool,
+    /// What a person said of whether the forest learns from it; none: as [`Frame::is_suggestion`] says.
+    #[serde(default, alias = "teaches", skip_serializing_if = "Option::is_none")]
+    pub use_for_training: Option<bool>,
+    /// It is clicked again, blind.
+    #[serde(default, skip_serializing_if = "is_no")]
+    pub gold: bool,
+    /// Who changed it last, and when.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub edited: Option<Edited>,
     /// What people clicked, in their order.
     #[serde(default)]
     pub clicks: Vec<Click>,
@@ -150,6 +162,40 @@ impl fmt::Display for Clip {
     }
 }
 
+/// The last change of a frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Edited {
+    /// The annotator's name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub by: Option<String>,
+    /// When, as in RFC 3339: `2026-05-01T18:30:00Z`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
+    /// How long it was worked on altogether, s.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub seconds: Option<f64>,
+    /// The program that did it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<String>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+const fn is_yes(value: &bool) -> bool {
+    *value
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
+const fn is_no(value: &bool) -> bool {
+    !*value
+}
+
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks for a function of a reference")]
 const fn is_zero(revision: &u64) -> bool {
     *revision == 0
@@ -171,6 +217,10 @@ impl Frame {
             reason: None,
             clip: None,
             comment: None,
+            use_for_base: true,
+            use_for_training: None,
+            gold: false,
+            edited: None,
             clicks: Vec::new(),
             repeats: Vec::new(),
             masks: Vec::new(),

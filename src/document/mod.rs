@@ -30,21 +30,21 @@ mod repeats;
 mod shared;
 mod shots;
 mod solution;
-mod teaching;
 mod unanswered;
+mod uses;
 mod write;
 
 pub use at::DocumentAt;
 pub use camera::{Camera, CameraId, CameraSigma, Distortion, K1Curve};
 pub use click::{Click, Target};
 pub(crate) use click_noise::HAND_SHARE;
-pub(crate) use click_noise::Hand;
+pub use click_noise::{ClickNoise, Hand};
 pub(crate) use create::document_from_frames;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
 pub use edit::{Change, Edit};
 pub use field_size::FieldSize;
 pub use fields::Fields;
-pub use frame::{Clip, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use frame::{Clip, Edited, Frame, FrameStatus, RejectReason, VideoFrame};
 pub use frame_id::FrameId;
 pub use frames::Frames;
 pub use history::{History, Step, Undoable};
@@ -58,9 +58,9 @@ pub use proposed::Proposed;
 pub use read::{ReadError, document_from_bytes};
 pub use repeats::Repeat;
 pub use shared::Shared;
-pub use shots::shots;
+pub use shots::{Shot, ShotEnd, ShotKind, shots};
 pub(crate) use solution::ENOUGH_EQUATIONS;
-pub use solution::{BetterName, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning};
+pub use solution::{BetterName, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning, TimingsMs};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

@@ -2,7 +2,9 @@
 
 use super::document::conventions;
 use super::frames::DuplicateId;
-use super::{Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared};
+use super::{
+    Camera, ClickNoise, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
+};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use thiserror::Error;
@@ -109,19 +111,23 @@ struct DocumentJson {
     field: FieldSpec,
     cameras: Vec<Shared<Camera>>,
     frames: Vec<Shared<Frame>>,
+    #[serde(default)]
+    click_noise: Option<ClickNoise>,
+    #[serde(default)]
+    shots: Vec<Shot>,
     #[serde(flatten)]
     extra: Extra,
 }
 
 impl DocumentJson {
     fn document(self) -> Result<Document, ReadError> {
-        let Self { generator, conventions, field, cameras, frames, extra, .. } = self;
+        let Self { generator, conventions, field, cameras, frames, click_noise, shots, extra, .. } = self;
         let frames = Frames::read(frames).map_err(|DuplicateId { id, second, first }| ReadError::DuplicateFrameId {
             id,
             second,
             first,
         })?;
-        Ok(Document { generator, conventions, field, cameras, frames, extra })
+        Ok(Document { generator, conventions, field, cameras, frames, click_noise, shots, extra })
     }
 }
 
@@ -201,7 +207,9 @@ fn place(document: &Value) -> Option<(String, String)> {
             return Some((named(place, frame, "image"), message));
         }
     }
-    None
+    let fails = |value: &Value| Shot::deserialize(value).err().map(|error| error.to_string());
+    let mut shots = elements(document, "shots");
+    shots.find_map(|(index, shot)| descend(shot, &format!("shots[{index}]"), &fails))
 }
 
 fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {

@@ -7,10 +7,6 @@ use super::{Document, Extra, Frame, FrameStatus, Target, adapters};
 use crate::field::LandmarkId;
 use crate::geometry::{ImagePoint, Vec2};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
-
-/// The key of a frame that is clicked again: `"gold": true`. Absent: it is not.
-const GOLD: &str = "gold";
 
 /// A landmark of a labelled frame, clicked again without a look at the label.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,21 +56,6 @@ impl RepeatedClicks<'_> {
 }
 
 impl Frame {
-    /// Whether it is clicked again, blind.
-    #[must_use]
-    pub fn is_gold(&self) -> bool {
-        self.extra.get(GOLD) == Some(&Value::Bool(true))
-    }
-
-    /// Marks it as one that is clicked again, or takes the mark away; its repeats stay.
-    pub fn set_gold(&mut self, gold: bool) {
-        if gold {
-            self.extra.insert(GOLD.to_owned(), Value::Bool(true));
-        } else {
-            self.extra.remove(GOLD);
-        }
-    }
-
     /// Why it cannot be gold; none if it can.
     #[must_use]
     pub fn why_not_gold(&self) -> Option<&'static str> {

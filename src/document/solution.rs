@@ -73,6 +73,9 @@ pub struct Solution {
     /// What the program proposed before a person corrected it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proposed: Option<Proposed>,
+    /// What finding it took.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub timings_ms: Option<TimingsMs>,
     /// Indices of the clicks that disagree with the others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disputed: Vec<usize>,
@@ -108,6 +111,23 @@ pub struct PaintEvidence {
     /// The share of the paint on the playing area that no predicted line explains.
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub unexplained: Option<f64>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+/// What a relocalization took, ms.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TimingsMs {
+    /// Finding the features, without reading the picture.
+    #[serde(default, with = "adapters::number")]
+    pub features: f64,
+    /// Asking the forest.
+    #[serde(default, with = "adapters::number")]
+    pub predict: f64,
+    /// Finding the pose.
+    #[serde(default, with = "adapters::number")]
+    pub pose: f64,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -228,6 +248,7 @@ impl Frame {
             worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
             source: Some(source),
             confidence: None,
+            timings_ms: None,
             samples: None,
             line_check: None,
             proposed,

@@ -41,6 +41,12 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     let frames = document.frames.iter().enumerate();
     let frames = frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
     root.insert("frames".to_owned(), Value::Array(frames.collect::<Result<_, _>>()?));
+    if let Some(noise) = &document.click_noise {
+        root.insert("click_noise".to_owned(), json(noise, || "click_noise".to_owned())?);
+    }
+    if !document.shots.is_empty() {
+        root.insert("shots".to_owned(), json(&document.shots, || "shots".to_owned())?);
+    }
     for (key, value) in &document.extra {
         root.entry(key.as_str()).or_insert_with(|| value.clone());
     }

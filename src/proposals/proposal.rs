@@ -3,7 +3,7 @@
 use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
-    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
@@ -173,8 +173,8 @@ impl Proposal {
     /// Writes the answer into its frame, in place of an earlier one: a camera makes it `suggested`; where there is none it is
     /// new, and the reason stands among the warnings.
     pub fn record(&self, frame: &mut Frame) {
-        let mut solution = Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
-        solution.extra.insert("timings_ms".to_owned(), self.timings.to_json());
+        let timings_ms = Some(TimingsMs::from(self.timings));
+        let mut solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
         match &self.outcome {
             Ok(answer) => {
                 frame.ptz = Some(answer.ptz.clone());
@@ -195,14 +195,14 @@ impl Proposal {
     }
 }
 
-impl Timings {
-    /// As documents have them: `timings_ms`.
-    fn to_json(self) -> serde_json::Value {
+impl From<Timings> for TimingsMs {
+    fn from(timings: Timings) -> Self {
         let milliseconds = |time: Duration| (time.as_secs_f64() * 1e6).round() / 1e3;
-        serde_json::json!({
-            "features": milliseconds(self.features),
-            "predict": milliseconds(self.predict),
-            "pose": milliseconds(self.pose),
-        })
+        Self {
+            features: milliseconds(timings.features),
+            predict: milliseconds(timings.predict),
+            pose: milliseconds(timings.pose),
+            ..Self::default()
+        }
     }
 }

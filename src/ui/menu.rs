@@ -100,7 +100,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::Teaches => app.frame().is_some_and(crate::document::Frame::teaches),
         Command::PlaceOnLine => app.session.next_on_line,
         Command::Uncertainty => app.session.uncertainty != crate::scene::uncertainty::UncertaintyView::Off,
-        Command::UseForBase => app.frame().is_some_and(crate::document::Frame::is_left_out_of_base),
+        Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),
         _ => false,
     }
 }

@@ -236,7 +236,7 @@ fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
     assert!((0.70..0.85).contains(&(steady / before)), "{steady} of {before}");
     let text = document_to_string(&document.to_dataset()).unwrap();
     let read = document_from_bytes(text.as_bytes()).unwrap();
-    assert_eq!((read.hand().unwrap(), &read.frames[0].repeats), (Some(hand.clone()), &document.frames[0].repeats));
+    assert_eq!((read.hand(), &read.frames[0].repeats), (Some(&hand), &document.frames[0].repeats));
     hand.in_use = false;
     document.set_hand(&hand).unwrap();
     assert_eq!(sigma(&document), before);
@@ -292,7 +292,7 @@ fn check_names_what_is_wrong_with_repeats_and_hand() {
     assert_eq!(check_values(document.at(Path::new("."))), []);
     document.frames[0].repeats.push(Repeat::new("centre_spot".into(), ImagePoint::new(5.0, 5.0), 1));
     document.frames[1].repeats.push(Repeat::new("centre_mark".into(), ImagePoint::new(5.0, 600.0), 1));
-    document.extra.insert("click_noise".to_owned(), serde_json::json!({ "use": true, "hand_factor": -1.0 }));
+    document.click_noise = Some(serde_json::json!({ "use": true, "hand_factor": -1.0 }).into());
     let codes: Vec<&str> =
         check_values(document.at(Path::new("."))).iter().map(|problem| problem.fault.code()).collect();
     assert_eq!(codes, ["click_noise", "unknown_landmark_again", "repeat_outside"]);

@@ -211,7 +211,7 @@ fn a_frame_is_left_out_and_put_back() {
     desk.act(Action::UseForBase { frame: 1, used: true });
     assert!(!document_to_string(desk.document()).unwrap().contains("use_for_base"));
     desk.command(Command::UseForBase);
-    assert!(desk.document().frames[0].is_left_out_of_base(), "the command is about the shown frame");
+    assert!(!desk.document().frames[0].use_for_base, "the command is about the shown frame");
 }
 
 #[test]

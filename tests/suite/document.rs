@@ -209,3 +209,47 @@ fn frames_keep_their_ids_and_two_with_one_are_refused() {
     let refused = document_from_bytes(json.to_string().as_bytes()).unwrap_err().to_string();
     assert!(refused.starts_with("frames[2].id: anna/7 is also the id of frames[1]"), "{refused}");
 }
+
+/// Keys that once were read from the unknown ones, and those that only a newer program writes.
+#[test]
+fn what_the_schema_names_is_read_typed_checked_and_written() {
+    let mut json = value(SAMPLE);
+    json["click_noise"] = serde_json::json!({ "use": true, "hand_factor": 1.5, "sigma_px": 2.0,
+        "sigma_interval_95_px": [1.8, 2.2], "repeats": 40 });
+    json["shots"] = serde_json::json!([{ "from": 0, "to": 412, "kind": "cut", "camera": "main" },
+        { "from": "nobody", "to": 500, "kind": "by_hand" }]);
+    json["cameras"][0]["click_noise_px"] = (-1.5).into();
+    json["cameras"][0]["sensor_width_mm"] = 9.59.into();
+    let frame = &mut json["frames"][0];
+    frame["use_for_base"] = false.into();
+    frame["teaches"] = false.into();
+    frame["gold"] = true.into();
+    frame["edited"] = serde_json::json!({ "by": "anna", "at": "yesterday", "seconds": 4.5, "tool": "pen" });
+    frame["solution"]["timings_ms"] = serde_json::json!({ "features": 80.0, "predict": 1.5, "pose": 3.0 });
+    json["frames"][1]["sha256"] = "abc".into();
+    let document = document_from_bytes(json.to_string().as_bytes()).unwrap();
+    assert_eq!(document.hand().unwrap().repeats, 40);
+    let frame = &document.frames[0];
+    assert!(!frame.use_for_base && frame.gold && !frame.teaches());
+    assert_eq!(frame.use_for_training, Some(false), "read under its earlier name, too");
+    assert_eq!(frame.edited.as_ref().unwrap().extra["tool"], "pen");
+    assert_eq!(frame.extra.keys().collect::<Vec<_>>(), ["weather"], "only what nobody knows");
+    let codes: Vec<_> = touchline::calibrate::check_values(document.at(std::path::Path::new(".")))
+        .iter()
+        .map(|problem| problem.fault.code())
+        .collect();
+    for code in ["unknown_frame", "not_positive", "no_time", "no_sha256"] {
+        assert!(codes.contains(&code), "{code} is not among {codes:?}");
+    }
+    let text = document_to_string(&document).unwrap();
+    let written = value(&text);
+    assert_eq!(written["shots"], json["shots"]);
+    assert_eq!(
+        (&written["frames"][0]["use_for_training"], &written["frames"][0]["teaches"]),
+        (&false.into(), &().into())
+    );
+    assert_eq!(document_from_bytes(text.as_bytes()).unwrap(), document);
+    json["frames"][0]["gold"] = "very".into();
+    let refused = document_from_bytes(json.to_string().as_bytes()).unwrap_err().to_string();
+    assert!(refused.starts_with("frames[0].gold (images/0001.jpg): "), "{refused}");
+}

@@ -27,7 +27,7 @@ fn label(document: &mut Document, off_px: f64) {
         let shown = Ptz::from_degrees(ptz.pan.degrees() + 0.2 * off_px, ptz.tilt.degrees(), ptz.focal_px);
         frame.ptz = Some(FramePtz::new(shown, None));
         frame.status = FrameStatus::Reference;
-        frame.set_gold(true);
+        frame.gold = true;
     }
 }
 

@@ -103,13 +103,13 @@ impl App {
     /// A frame takes part in the estimation, or does not.
     pub(super) fn use_for_base(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
-        if frame.is_left_out_of_base() != used {
+        if frame.use_for_base == used {
             return;
         }
         let name = if used { "Put frame back" } else { "Leave frame out" };
         if self.begin_step(self.step_at(name, index)) {
             if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
-                frame.set_used_for_base(used);
+                frame.use_for_base = used;
             }
             self.commit();
         }

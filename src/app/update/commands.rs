@@ -61,7 +61,7 @@ impl App {
                 Some("No point is selected.")
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
-            C::MarkGold => self.frame().filter(|frame| !frame.is_gold()).and_then(Frame::why_not_gold),
+            C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
             C::CompareAnnotators if self.session.comparison == Comparison::UnderWay => {
                 Some("A comparison is under way.")
             }
@@ -214,7 +214,7 @@ impl App {
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),
             C::UseForBase => {
-                let used = self.frame().is_some_and(Frame::is_left_out_of_base);
+                let used = self.frame().is_some_and(|frame| !frame.use_for_base);
                 self.use_for_base(self.session.frame, used);
             }
             C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),

@@ -47,7 +47,7 @@ impl App {
 
     pub(super) fn toggle_gold(&mut self) {
         let Some(frame) = self.frame() else { return };
-        let gold = !frame.is_gold();
+        let gold = !frame.gold;
         if let Some(reason) = frame.why_not_gold().filter(|_| gold) {
             self.session.notify(Level::Info, reason);
             return;
@@ -55,7 +55,7 @@ impl App {
         let step = if gold { "Mark as gold" } else { "Take the gold mark away" };
         if self.begin(step) {
             if let Some(frame) = self.frame_mut() {
-                frame.set_gold(gold);
+                frame.gold = gold;
             }
             self.commit();
         }
@@ -73,7 +73,7 @@ impl App {
             if let Some(open) = &mut self.open {
                 for index in chosen {
                     if let Some(frame) = open.document.frames.get_mut(index) {
-                        frame.set_gold(true);
+                        frame.gold = true;
                     }
                 }
             }

@@ -58,6 +58,29 @@ pub enum Fault {
         /// Which.
         what: String,
     },
+    /// A quantity that can only be above zero.
+    #[error("{what} is {value}, expected a number above zero")]
+    NotPositive {
+        /// Which.
+        what: &'static str,
+        /// What it is.
+        value: f64,
+    },
+    /// The hash of the image file is none.
+    #[error("sha256 is no SHA-256 in 64 hexadecimal digits; remove it")]
+    NoSha256,
+    /// The time of the last change is none.
+    #[error("edited.at {stated:?} is no time such as 2026-05-01T18:30:00Z")]
+    NoTime {
+        /// What stands there.
+        stated: String,
+    },
+    /// A shot begins or ends at a frame that is not there.
+    #[error("names the frame {id}, which the document does not have")]
+    UnknownFrame {
+        /// Its id.
+        id: String,
+    },
     /// A box of pixels with no area, or outside the picture.
     #[error("mask {} covers no pixel of the picture", .mask + 1)]
     EmptyMask {
@@ -256,6 +279,10 @@ impl Fault {
             Self::HalfABase { .. } => "half_a_base",
             Self::Field { .. } => "field",
             Self::NotFinite { .. } => "not_finite",
+            Self::NotPositive { .. } => "not_positive",
+            Self::NoSha256 => "no_sha256",
+            Self::NoTime { .. } => "no_time",
+            Self::UnknownFrame { .. } => "unknown_frame",
             Self::EmptyMask { .. } => "empty_mask",
             Self::DuplicateFrame { .. } => "duplicate_frame",
             Self::NoPicture => "no_picture",

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
-use crate::document::{Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, Target};
+use crate::document::{Camera, ClickNoise, Document, DocumentAt, FieldSpec, Frame, FrameStatus, ShotEnd, Target};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
 use serde_json::Value;
@@ -19,8 +19,17 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
-    if let Some(message) = hand_fault(&document) {
+    if let Some(message) = document.click_noise.as_ref().and_then(ClickNoise::fault) {
         problem("click_noise".to_owned(), Fault::ClickNoise { message });
+    }
+    for (index, shot) in document.shots.iter().enumerate() {
+        for end in [&shot.from, &shot.to] {
+            if let ShotEnd::Frame(id) = end
+                && document.frames.by_id(id).is_none()
+            {
+                problem(format!("shots[{index}]"), Fault::UnknownFrame { id: id.to_string() });
+            }
+        }
     }
     for (index, camera) in document.cameras.iter().enumerate() {
         let place = || format!("camera {}", camera.id);
@@ -91,6 +100,11 @@ fn check_camera(camera: &Camera, problem: &mut dyn FnMut(Fault)) {
             problem(Fault::UnusedDistortion { key: key.clone() });
         }
     }
+    for (what, value) in [("click_noise_px", camera.click_noise_px), ("sensor_width_mm", camera.sensor_width_mm)] {
+        if let Some(value) = value.filter(|value| *value <= 0.0) {
+            problem(Fault::NotPositive { what, value });
+        }
+    }
     let masks: Vec<PixelBox> =
         camera.masks.iter().chain(camera.ranged_masks.iter().map(|mask| &mask.pixel_box)).copied().collect();
     check_masks(&masks, camera.image_size, problem);
@@ -111,7 +125,23 @@ fn check_masks(masks: &[PixelBox], picture: ImageSize, problem: &mut dyn FnMut(F
     }
 }
 
+/// What is said about the frame beside its clicks: its file's hash, its last change.
+fn check_record(frame: &Frame, problem: &mut dyn FnMut(Fault)) {
+    let is_sha256 = |text: &String| text.len() == 64 && text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if frame.sha256.as_ref().is_some_and(|text| !is_sha256(text)) {
+        problem(Fault::NoSha256);
+    }
+    let Some(edited) = &frame.edited else { return };
+    if let Some(at) = edited.at.as_ref().filter(|at| at.parse::<jiff::Timestamp>().is_err()) {
+        problem(Fault::NoTime { stated: at.clone() });
+    }
+    if let Some(value) = edited.seconds.filter(|seconds| *seconds < 0.0) {
+        problem(Fault::NotPositive { what: "edited.seconds", value });
+    }
+}
+
 fn check_frame(document: &Document, frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn FnMut(Fault)) {
+    check_record(frame, problem);
     if frame.image.is_none() && frame.video.is_none() {
         problem(Fault::NoPicture);
     }
@@ -186,17 +216,6 @@ fn check_repeats(frame: &Frame, field: Option<&FieldModel>, problem: &mut dyn Fn
         if !frame.image_size.contains(here.image) {
             problem(Fault::RepeatOutside { repeat, x: here.image.x, y: here.image.y, picture: frame.image_size });
         }
-    }
-}
-
-/// What is wrong with the document's click noise.
-fn hand_fault(document: &Document) -> Option<String> {
-    match document.hand() {
-        Err(message) => Some(message),
-        Ok(Some(hand)) if !hand.is_plausible() => {
-            Some("no hand is that much steadier or shakier than others".to_owned())
-        }
-        Ok(_) => None,
     }
 }
 

@@ -135,7 +135,7 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::Camera
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
     let out: Vec<(usize, String)> = frames
-        .filter(|(_, frame)| frame.camera == *camera && frame.is_left_out_of_base())
+        .filter(|(_, frame)| frame.camera == *camera && !frame.use_for_base)
         .map(|(index, frame)| (index, short_name(frame)))
         .collect();
     for (index, name) in out {

@@ -103,7 +103,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
         }
     }
-    if frame.is_gold() {
+    if frame.gold {
         let mark = picture.right_bottom() + vec2(-7.0, -7.0);
         painter.circle_filled(mark, 5.0, theme::BACKDROP);
         painter.circle_filled(mark, 3.5, GOLD);

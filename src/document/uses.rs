@@ -1,11 +1,6 @@
-//! Which frames teach the forest.
+//! What a frame is used for: the training of the forest, the estimation of its camera's base.
 
-use super::{Frame, FrameStatus, SolutionSource};
-use serde_json::Value;
-
-/// The key of a frame that teaches although it is an accepted suggestion (`"teaches": true`), or that does not although
-/// people solved it (`"teaches": false`). Absent: as [`Frame::is_suggestion`] says.
-const TEACHES: &str = "teaches";
+use super::{Frame, FrameStatus, SolutionSource, Target};
 
 impl Frame {
     /// Whether its camera was proposed by the program, and not clicked, snapped, imported or set by hand.
@@ -29,17 +24,26 @@ impl Frame {
     /// otherwise of either.
     #[must_use]
     pub fn teaches(&self) -> bool {
-        let said = self.extra.get(TEACHES).and_then(Value::as_bool);
-        self.status == FrameStatus::Reference && said.unwrap_or(!self.is_suggestion())
+        self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(!self.is_suggestion())
     }
 
     /// Says whether the forest shall learn from it once it is a reference.
     pub fn set_teaches(&mut self, teaches: bool) {
-        if teaches == self.is_suggestion() {
-            self.extra.insert(TEACHES.to_owned(), Value::Bool(teaches));
-        } else {
-            self.extra.remove(TEACHES);
-        }
+        self.use_for_training = (teaches == self.is_suggestion()).then_some(teaches);
+    }
+
+    /// Whether its clicks take part when the base of its camera is estimated: they do unless the frame is marked as not
+    /// calibratable or was left out.
+    #[must_use]
+    pub fn is_used_for_base(&self) -> bool {
+        self.status != FrameStatus::Rejected && self.use_for_base
+    }
+
+    /// How many of its clicks name a landmark and take part.
+    #[must_use]
+    pub fn landmark_clicks(&self) -> usize {
+        let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
+        self.clicks.iter().filter(|click| !click.check && landmarks(&click.target)).count()
     }
 }
 
