@@ -22,16 +22,27 @@ const LANDMARKS: [&str; 6] = [
     "centre_circle_right",
 ];
 
+/// What undo keeps shows as `max alloc`.
+#[global_allocator]
+static ALLOCATOR: divan::AllocProfiler = divan::AllocProfiler::system();
+
+/// A whole match at 50 frames a second.
+const MATCH: usize = 300_000;
+
 fn main() {
     divan::main();
 }
 
 /// A match in which every frame has six clicks, a `ptz` and a solution.
 fn document() -> Document {
+    document_of(FRAMES)
+}
+
+fn document_of(frames: usize) -> Document {
     let size = ImageSize::new(1920, 1080);
     let mut document = Document::new(FieldSpec::new("soccer"));
     document.cameras.push(Camera::new("main".into(), size).into());
-    for index in 0..FRAMES {
+    for index in 0..frames {
         let mut frame = Frame::from_image(&format!("images/{index:06}.jpg"), "main".into(), size);
         let at = |click: usize| ImagePoint::new((index * 7 + click * 311) as f64 % 1919.3, (index * 3) as f64 % 1079.1);
         frame.clicks =
@@ -102,4 +113,30 @@ fn journal_edit(bencher: Bencher) {
     after.frames[5000].clicks[0].image.x += 1.0;
     let edit = Edit::between(&opened.document, &after, "Move");
     bencher.bench_local(|| store.append(edit.clone()).unwrap());
+}
+
+/// What undo takes of a whole match.
+#[divan::bench]
+fn clone_of_a_match(bencher: Bencher) {
+    let document = document_of(MATCH);
+    bencher.bench(|| document.clone());
+}
+
+/// Five hundred edits with their steps of undo and their records for the journal.
+#[divan::bench(sample_count = 5, sample_size = 1)]
+fn five_hundred_edits_of_a_match(bencher: Bencher) {
+    let document = document_of(MATCH);
+    bencher.with_inputs(|| document.clone()).bench_local_values(|mut document| {
+        let mut history = History::default();
+        for edit in 0..500 {
+            let position = edit * 599;
+            let before = document.clone();
+            history.begin(&document, Step::on_frame("Move", document.frames[position].id.clone()));
+            document.frames[position].clicks[0].image.x += 1.0;
+            history.commit(&document);
+            document.count_edits_since(&before);
+            divan::black_box(Edit::between(&before, &document, "Move"));
+        }
+        (document, history)
+    });
 }
