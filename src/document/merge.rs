@@ -28,20 +28,25 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
     let cameras = join(&cameras(base), &cameras(ours), &cameras(theirs), |camera| {
         conflicts.push(format!("camera {}", camera.id));
     });
-    let field = match choose(Some(&base.field), Some(&ours.field), Some(&theirs.field)) {
-        Choice::Theirs => &theirs.field,
-        Choice::Ours => &ours.field,
-        Choice::Conflict => {
-            conflicts.push("the field".to_owned());
-            &ours.field
+    let mut whole = |what: &str, choice: Choice| -> bool {
+        if matches!(choice, Choice::Conflict) {
+            conflicts.push(what.to_owned());
         }
+        matches!(choice, Choice::Theirs)
     };
+    let field = whole("the field", choose(Some(&base.field), Some(&ours.field), Some(&theirs.field)));
+    let noise = choose(Some(&base.click_noise), Some(&ours.click_noise), Some(&theirs.click_noise));
+    let noise = whole("the click noise", noise);
+    let shots = whole("the shots", choose(Some(&base.shots), Some(&ours.shots), Some(&theirs.shots)));
+    let of = |is_theirs: bool| if is_theirs { theirs } else { ours };
     let document = Document {
         generator: theirs.generator.clone(),
         conventions: join_maps(&base.conventions, &ours.conventions, &theirs.conventions, &mut conflicts),
-        field: field.clone(),
+        field: of(field).field.clone(),
         cameras,
         frames: frames.into_iter().collect(),
+        click_noise: of(noise).click_noise.clone(),
+        shots: of(shots).shots.clone(),
         extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts),
     };
     Merged { document, conflicts }

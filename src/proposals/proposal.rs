@@ -3,7 +3,8 @@
 use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
-    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, TimingsMs,
+    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+    TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
