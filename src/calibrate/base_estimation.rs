@@ -17,7 +17,6 @@ use std::ops::ControlFlow;
 use std::path::Path;
 use thiserror::Error;
 
-
 /// Why a base cannot be estimated.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]

@@ -27,7 +27,7 @@ impl BaseReadiness {
     #[must_use]
     pub fn of_frame(frame: &Frame) -> Self {
         let clicks = frame.clicks.iter().filter(|click| !click.check && click.target.is_some()).count();
-        if frame.is_left_out_of_base() {
+        if !frame.use_for_base {
             Self { left_out: 1, ..Self::default() }
         } else if frame.is_used_for_base() && clicks > 0 {
             let wide = usize::from(frame.landmark_clicks() >= LANDMARKS_ALONE);
