@@ -29,5 +29,5 @@ pub use expression::{Expression, ExpressionError};
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use svg::svg;
 pub use symmetry::Symmetry;
-pub(crate) use template::MAX_CROWN_M;
+pub use template::MAX_CROWN_M;
 pub use template::{Dimension, Param, Template};

@@ -46,7 +46,8 @@ pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, PtzRang
 pub use two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
 };
-pub(crate) use verdict::{CHECK_MISFIT, GOOD_CORNER_SIGMA_PX};
+pub(crate) use verdict::CHECK_MISFIT;
+pub use verdict::GOOD_CORNER_SIGMA_PX;
 pub use verdict::{Judgement, Verdict, judge};
 pub use warning::{UnknownWarningCode, Warning, WarningCode};
 pub use world_curve::WorldCurve;
