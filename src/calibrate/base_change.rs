@@ -80,7 +80,8 @@ pub fn camera_change(
         Some((index, (FrameClicks { observations, start: None }, pointed)))
     };
     let telling = lookup.clicked(camera).into_par_iter().filter_map(telling);
-    let (places, (clicks, pointed)): (Vec<usize>, (Vec<FrameClicks>, Vec<Option<Ptz>>)) = telling.unzip();
+    let (places, told): (Vec<usize>, Vec<(FrameClicks, Option<Ptz>)>) = telling.unzip();
+    let (clicks, pointed): (Vec<FrameClicks>, Vec<Option<Ptz>>) = told.into_iter().unzip();
     let found = base_change(field, &clicks, &pointed, &base)?;
     Some(CameraChange {
         camera: camera.clone(),

@@ -118,7 +118,7 @@ impl FrameLookup {
                 self.accepted.entry(camera.clone()).or_default().add(&ptz);
             }
         }
-        let solved = [before, frame].map(|frame| solved_in_shot(frame));
+        let solved = [before, frame].map(solved_in_shot);
         if solved[0] != solved[1] {
             let [removed, added] = solved;
             if let Some((key, number, _)) = removed {
@@ -222,6 +222,9 @@ impl Accepted {
 /// When a frame was: its number in the video, and among frames of one number its place in the document.
 type Moment = (u64, usize);
 
+/// A solved frame: when it is, and where the camera was.
+type Solved<'a> = (&'a Moment, &'a Ptz);
+
 /// The solved frames of a shot, and how fast the camera moves between them.
 #[derive(Clone, Debug, Default)]
 struct Shot {
@@ -266,7 +269,7 @@ impl Shot {
     }
 
     /// The solved frames next to a moment, other than of that very moment.
-    fn beside(&self, moment: Moment) -> (Option<(&Moment, &Ptz)>, Option<(&Moment, &Ptz)>) {
+    fn beside(&self, moment: Moment) -> (Option<Solved<'_>>, Option<Solved<'_>>) {
         use std::ops::Bound::{Excluded, Unbounded};
         (self.solved.range(..moment).next_back(), self.solved.range((Excluded(moment), Unbounded)).next())
     }
@@ -463,7 +466,9 @@ mod tests {
             let of_camera = |place: &usize| document.frames[*place].camera == camera.into();
             let of_camera: Vec<usize> = (0..document.frames.len()).filter(of_camera).collect();
             let mut readiness = BaseReadiness::default();
-            of_camera.iter().for_each(|&place| readiness += BaseReadiness::of_frame(&document.frames[place]));
+            for &place in &of_camera {
+                readiness += BaseReadiness::of_frame(&document.frames[place]);
+            }
             prop_assert_eq!(index.readiness(&camera.into()), readiness);
             let has_clicks = |place: &usize| !document.frames[*place].clicks.is_empty();
             let places: Vec<usize> = of_camera.into_iter().filter(has_clicks).collect();

@@ -38,7 +38,9 @@ pub fn solve_document(
     let fields = Fields::of(document.at(folder))?;
     let (enough, too_few): (Vec<usize>, Vec<usize>) =
         (0..document.frames.len()).partition(|&index| equations(&document.frames[index]) >= UNKNOWNS);
-    too_few.iter().for_each(|_| progress());
+    for _ in &too_few {
+        progress();
+    }
     let solved = solve_frames(document, &enough, ShownFields::Document(&fields), record_if_solved, progress);
     let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
     for (index, solved) in enough.into_iter().zip(solved) {

@@ -108,6 +108,7 @@ impl Frames {
     }
 
     /// The frames in their order.
+    #[must_use]
     pub fn iter(&self) -> Iter<'_> {
         self.frames.iter()
     }

@@ -31,6 +31,7 @@ pub struct Opened {
 
 /// Whether an opened document may be written.
 #[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "there is one for each document that is open")]
 pub enum Access {
     /// By this program alone.
     Writable(Store),

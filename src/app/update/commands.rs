@@ -42,11 +42,11 @@ impl App {
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("Nothing is open."),
             C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
-            C::Orphans => None,
             C::Save if self.is_read_only() => Some("The document is open to look at only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
-            C::Save
+            C::Orphans
+            | C::Save
             | C::SaveAs
             | C::Export
             | C::Undo
