@@ -51,7 +51,7 @@ fn document(state: State) -> Document {
         let pointed = PtzCamera::new(base, ptz(index));
         let video = VideoFrame::new("match.mp4", index as u64, Some(0.04 * index as f64));
         let mut frame = Frame::from_video(video, "main".into(), SIZE);
-        if state != State::Begun || index % 200 == 0 {
+        if state != State::Begun || index.is_multiple_of(200) {
             let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
             let shown = field.landmarks.iter().filter_map(|landmark| Some((landmark, image(landmark)?)));
             let shown = shown.filter(|(_, image)| SIZE.contains(*image)).take(4);
