@@ -48,11 +48,11 @@ impl SourceMap {
     /// Reads a crate from its root file on. Modules for tests are left out; their files count as read.
     pub fn read(root: &Path, reader: Reader<'_>) -> Self {
         let mut map = Self::default();
-        map.read_file(root, Names::new(), reader);
+        map.read_file(root, &[], reader);
         map
     }
 
-    fn read_file(&mut self, file: &Path, path: Names, reader: Reader<'_>) {
+    fn read_file(&mut self, file: &Path, path: &[String], reader: Reader<'_>) {
         let text = reader(file).unwrap_or_else(|| panic!("{}: there is no such file", file.display()));
         let parsed = syn::parse_file(&text).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         self.files.push(file.to_path_buf());
@@ -62,13 +62,13 @@ impl SourceMap {
         self.read_items(&parsed.items, file, &folder, path, reader);
     }
 
-    fn read_items(&mut self, items: &[Item], file: &Path, folder: &Path, path: Names, reader: Reader<'_>) {
+    fn read_items(&mut self, items: &[Item], file: &Path, folder: &Path, path: &[String], reader: Reader<'_>) {
         let children: Vec<&ItemMod> =
             items.iter().filter_map(|item| if let Item::Mod(module) = item { Some(module) } else { None }).collect();
         let items_named = items.iter().filter_map(name_of).collect();
         let mut module = Module { file: file.to_path_buf(), items: items_named, ..Module::default() };
         let names = children.iter().map(|child| child.ident.to_string()).collect();
-        let mut reading = Reading { path: &path, children: names, module: &mut module };
+        let mut reading = Reading { path, children: names, module: &mut module };
         for item in items {
             match item {
                 Item::Mod(_) => {}
@@ -76,14 +76,14 @@ impl SourceMap {
                 item => reading.visit_item(item),
             }
         }
-        self.modules.insert(path.clone(), module);
+        self.modules.insert(path.to_vec(), module);
         for child in children {
             let name = child.ident.to_string();
-            let below = [path.clone(), vec![name.clone()]].concat();
+            let below = [path, std::slice::from_ref(&name)].concat();
             let for_tests = is_for_tests(&child.attrs);
             match &child.content {
                 Some(_) if for_tests => {}
-                Some((_, items)) => self.read_items(items, file, &folder.join(&name), below, reader),
+                Some((_, items)) => self.read_items(items, file, &folder.join(&name), &below, reader),
                 None => {
                     let beside = [folder.join(format!("{name}.rs")), folder.join(&name).join("mod.rs")];
                     let stated = path_attribute(&child.attrs).map(|name| file.parent().unwrap().join(name));
@@ -93,7 +93,7 @@ impl SourceMap {
                     if for_tests {
                         self.files.push(file);
                     } else {
-                        self.read_file(&file, below, reader);
+                        self.read_file(&file, &below, reader);
                     }
                 }
             }
@@ -139,7 +139,7 @@ impl SourceMap {
 
 /// Reads the items of one module.
 struct Reading<'a> {
-    path: &'a Names,
+    path: &'a [String],
     children: Vec<String>,
     module: &'a mut Module,
 }
@@ -177,13 +177,13 @@ impl Reading<'_> {
     fn name(&mut self, path: Names, line: usize, alias: Option<String>) -> Option<Names> {
         let inside = match path.first()?.as_str() {
             "crate" => Some(path[1..].to_vec()),
-            "self" => Some([self.path.as_slice(), &path[1..]].concat()),
+            "self" => Some([self.path, &path[1..]].concat()),
             "super" => {
                 let up = path.iter().take_while(|name| *name == "super").count();
                 let above = self.path.len().checked_sub(up)?;
                 Some([&self.path[..above], &path[up..]].concat())
             }
-            child if self.children.iter().any(|name| name == child) => Some([self.path.as_slice(), &path].concat()),
+            child if self.children.iter().any(|name| name == child) => Some([self.path, &path].concat()),
             _ => None,
         };
         if let Some(alias) = alias.filter(|alias| alias != "_") {
