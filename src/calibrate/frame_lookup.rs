@@ -7,7 +7,7 @@
 use super::BaseReadiness;
 use crate::camera::Ptz;
 use crate::document::{CameraId, Clip, Document, Frame, FramePtz, FrameStatus, Frames};
-use crate::geometry::{Angle, Directions};
+use crate::geometry::{Angle, AngleRange, Directions};
 use crate::solve::{Motion, MotionPrior, PtzRanges, PtzStep};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -209,8 +209,8 @@ impl Accepted {
             return None;
         }
         let pan = match left_out {
-            Some(ptz) => self.pans.smallest_arc_without(ptz.pan),
-            None => self.pans.smallest_arc(),
+            Some(ptz) => AngleRange::smallest_without(&self.pans, ptz.pan),
+            None => AngleRange::smallest_of(&self.pans),
         }?;
         let [lowest, highest] = self.tilts.ends_without(left_out.map(|ptz| ptz.tilt.radians()))?;
         let [shortest, longest] = self.focals.ends_without(left_out.map(|ptz| ptz.focal_px))?;
@@ -385,7 +385,7 @@ impl Sorted {
 mod tests {
     use super::*;
     use crate::document::{Click, FieldSpec, Shared, VideoFrame};
-    use crate::geometry::{AngleRange, ImagePoint, ImageSize};
+    use crate::geometry::{ImagePoint, ImageSize};
     use proptest::prelude::*;
 
     /// What the index keeps, looked up in all frames.

@@ -45,12 +45,17 @@ impl AngleRange {
     /// gaps of one size the one that holds ±180° is taken, or else the first above it.
     #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
-        angles.into_iter().collect::<Directions>().smallest_arc()
+        Self::smallest_of(&angles.into_iter().collect())
     }
 
-    /// The arc between two angles, the end not below the start and at most a turn above, the start within (−π, π].
-    pub(super) const fn between(start: Angle, end: Angle) -> Self {
-        Self { start, end }
+    /// The smallest arc that holds all of a set of directions; none without any.
+    pub(crate) fn smallest_of(directions: &Directions) -> Option<Self> {
+        directions.smallest_arc().map(|[start, end]| Self { start, end })
+    }
+
+    /// The same with one of the directions left out.
+    pub(crate) fn smallest_without(directions: &Directions, left_out: Angle) -> Option<Self> {
+        directions.smallest_arc_without(left_out).map(|[start, end]| Self { start, end })
     }
 
     /// Where it begins, within (−π, π]; −π for the full circle.

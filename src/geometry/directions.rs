@@ -1,6 +1,6 @@
 //! A set of directions that knows the smallest arc of all of them, and of all but one.
 
-use super::{Angle, AngleRange};
+use super::Angle;
 use std::cmp::Reverse;
 use std::f64::consts::TAU;
 
@@ -67,15 +67,16 @@ impl Directions {
         self.find_widest();
     }
 
-    /// The smallest arc that holds all of them; none without any.
+    /// The ends of the smallest arc that holds all of them, the second not below the first; none without any. Of gaps of one size
+    /// the one that holds ±180° is left out, or else the first above it.
     #[must_use]
-    pub fn smallest_arc(&self) -> Option<AngleRange> {
+    pub fn smallest_arc(&self) -> Option<[Angle; 2]> {
         self.widest.first().map(|gap| self.arc_without(gap))
     }
 
-    /// The smallest arc that holds all but one of them; all of them if that one is not there.
+    /// The ends of the smallest arc that holds all but one of them; all of them if that one is not there.
     #[must_use]
-    pub fn smallest_arc_without(&self, angle: Angle) -> Option<AngleRange> {
+    pub fn smallest_arc_without(&self, angle: Angle) -> Option<[Angle; 2]> {
         let Ok(left_out) = self.place_of(angle) else { return self.smallest_arc() };
         let count = self.sorted.len();
         if count < 2 {
@@ -98,12 +99,9 @@ impl Directions {
         Gap { width: if holds_seam { end + TAU - start } else { end - start }, from, to, holds_seam }
     }
 
-    fn arc_without(&self, gap: &Gap) -> AngleRange {
+    fn arc_without(&self, gap: &Gap) -> [Angle; 2] {
         let (start, end) = (self.sorted[gap.to], self.sorted[gap.from]);
-        AngleRange::between(
-            Angle::from_radians(start),
-            Angle::from_radians(if gap.holds_seam { end } else { end + TAU }),
-        )
+        [start, if gap.holds_seam { end } else { end + TAU }].map(Angle::from_radians)
     }
 
     fn find_widest(&mut self) {
@@ -132,13 +130,11 @@ mod tests {
     #[test]
     fn what_is_left_out_does_not_hold_the_arc_open() {
         let of = directions(&[170.0, -175.0, -178.0, 20.0]);
-        let (start, end) =
-            (|arc: AngleRange| arc.start().degrees().round(), |arc: AngleRange| arc.end().degrees().round());
-        let all = of.smallest_arc().unwrap();
-        assert_eq!((start(all), end(all)), (20.0, 185.0));
-        let without = of.smallest_arc_without(Angle::from_degrees(20.0)).unwrap();
-        assert_eq!((start(without), end(without)), (170.0, 185.0));
-        assert_eq!(of.smallest_arc_without(Angle::from_degrees(21.0)), Some(all), "it is not there");
+        let rounded = |arc: Option<[Angle; 2]>| arc.map(|ends| ends.map(|end| end.degrees().round()));
+        let all = of.smallest_arc();
+        assert_eq!(rounded(all), Some([20.0, 185.0]));
+        assert_eq!(rounded(of.smallest_arc_without(Angle::from_degrees(20.0))), Some([170.0, 185.0]));
+        assert_eq!(of.smallest_arc_without(Angle::from_degrees(21.0)), all, "it is not there");
         assert_eq!(directions(&[5.0]).smallest_arc_without(Angle::from_degrees(5.0)), None);
         assert_eq!(directions(&[]).smallest_arc(), None);
     }

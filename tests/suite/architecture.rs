@@ -48,7 +48,7 @@ const FILES: &[&str] = &[
 const KNOWN_CIRCLES: &[&str] = &[
     "circle: document::camera, document::document, document::field_size, document::frame, document::frame_id, document::frames, document::proposed, document::repeats, document::solution",
     "circle: document::edit, document::old_edit",
-    "circle: solve::checks, solve::frame, solve::habits, solve::identity, solve::solution, solve::starts",
+    "circle: solve::checks, solve::frame, solve::identity, solve::motion_prior, solve::solution, solve::starts",
     "circle: solve::base::adjust, solve::base::base_click, solve::base::bundle, solve::base::model_choice, solve::base::parameters, solve::base::shared_prior",
 ];
 
