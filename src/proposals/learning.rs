@@ -1,39 +1,15 @@
 //! What references teach, and the forest of it.
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
-use super::{FoundMask, FrameFeatures, FramePictures, PictureError};
-use crate::camera::{PanTilt, Ptz};
+use super::{FoundMask, FrameFeatures, FramePictures, Lesson, PictureError};
 use crate::document::{CameraId, Document, Frame, Frames, WriteError, document_to_string};
-use crate::features::{FeatureOptions, Features};
+use crate::features::FeatureOptions;
 use crate::media::ReadFrames;
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
-
-/// What one reference teaches: what its features look like and which rays they show.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Lesson {
-    /// The reference's place in the document.
-    pub frame: usize,
-    /// Its camera.
-    pub camera: CameraId,
-    /// How it was pointed.
-    pub ptz: Ptz,
-    /// Its features.
-    pub features: Arc<Features>,
-    /// Which of them show a ray, and which ray in `base`.
-    pub taught: Vec<(u32, PanTilt)>,
-}
-
-impl Lesson {
-    /// Adds what it teaches as one frame.
-    pub(super) fn add_to(&self, samples: &mut Samples) {
-        let descriptor = |feature: u32| self.features.descriptors[feature as usize];
-        samples.add_frame(self.taught.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
-    }
-}
 
 /// Why a reference teaches nothing.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]

@@ -4,7 +4,7 @@ use super::body::Kits;
 use super::colour::{Light, decode, encode, hex, mix};
 use super::coverage::inside;
 use super::noise::{smooth_walk, sub_seed};
-use super::options::scale_from_1280;
+use super::options::{Graphics, scale_from_1280};
 use super::text::{GlyphCoverage, rasterise};
 use crate::geometry::{ImageSize, PixelBox};
 use image::RgbImage;
@@ -21,27 +21,7 @@ const WATERMARK_AT_1280: PixelBox = PixelBox { x: 1064.0, y: 44.0, width: 160.0,
 /// How much of a watermark's ink covers the picture.
 const WATERMARK_SHARE: f32 = 0.45;
 
-/// Which graphics are laid over a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Graphics {
-    /// The score and the clock. Default true.
-    pub score_bug: bool,
-    /// A band with a name and numbers near the lower edge. Default false.
-    pub lower_third: bool,
-    /// A channel's half-transparent logo. Default false.
-    pub watermark: bool,
-}
-
-impl Default for Graphics {
-    fn default() -> Self {
-        Self { score_bug: true, ..Self::NONE }
-    }
-}
-
 impl Graphics {
-    /// The picture as the camera takes it.
-    pub const NONE: Self = Self { score_bug: false, lower_third: false, watermark: false };
-
     /// The boxes that these cover, px.
     #[must_use]
     pub fn boxes(self, image_size: ImageSize) -> Vec<PixelBox> {

@@ -35,8 +35,9 @@ mod text;
 mod texture;
 
 pub use clicks::{ClickOptions, ClickTarget, DrawnClick, drawn_clicks};
-pub use graphics::Graphics;
-pub use options::{CameraMotion, Daylight, FrameOptions, Preset, ShootOptions, StadiumOptions, UnknownPreset};
+pub use options::{
+    CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, UnknownPreset,
+};
 pub use path::{PathStep, camera_path};
 pub use play::Side;
 pub use props::Mover;

@@ -1,6 +1,5 @@
 //! What a drawn match looks like and how a camera takes it, with units, and presets from easy to hard.
 
-use super::graphics::Graphics;
 use crate::camera::{BaseAngles, CameraBase, FocalCurve};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, ImageSize, Vec3};
@@ -219,6 +218,28 @@ impl ShootOptions {
 /// How many px of a picture make one px of the presets' width of 1280 px.
 pub(super) fn scale_from_1280(image_size: ImageSize) -> f64 {
     f64::from(image_size.width) / 1280.0
+}
+
+/// Which graphics are laid over a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Graphics {
+    /// The score and the clock. Default true.
+    pub score_bug: bool,
+    /// A band with a name and numbers near the lower edge. Default false.
+    pub lower_third: bool,
+    /// A channel's half-transparent logo. Default false.
+    pub watermark: bool,
+}
+
+impl Default for Graphics {
+    fn default() -> Self {
+        Self { score_bug: true, ..Self::NONE }
+    }
+}
+
+impl Graphics {
+    /// The picture as the camera takes it.
+    pub const NONE: Self = Self { score_bug: false, lower_third: false, watermark: false };
 }
 
 #[cfg(test)]
