@@ -35,7 +35,7 @@ impl BetterCamera {
 }
 
 /// The camera that fits a frame's clicks best, if the frame's own does not and that one does. `fields` has the field of each
-/// camera of the document, in their order ([`Fields::of_cameras`]).
+/// camera of the document, in their order (`Fields::of_cameras`).
 #[must_use]
 pub fn better_camera(
     document: &Document,

@@ -9,13 +9,13 @@ pub const DESCRIPTOR_NORM: f32 = 512.0;
 /// The square of the largest distance of two descriptors, for descriptors of unit length: those that share no entry.
 pub const MAX_SQUARED_DISTANCE: f32 = 2.0;
 
-/// A SIFT descriptor, as bytes; its length is [`DESCRIPTOR_NORM`]. It begins where a line of the processor's memory does.
+/// A SIFT descriptor, as bytes; its length is `DESCRIPTOR_NORM`. It begins where a line of the processor's memory does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(align(64))]
 pub struct Descriptor(pub [u8; DESCRIPTOR_BYTES]);
 
 impl Descriptor {
-    /// The squared distance of two descriptors, each taken as of unit length: 0 to [`MAX_SQUARED_DISTANCE`].
+    /// The squared distance of two descriptors, each taken as of unit length: 0 to `MAX_SQUARED_DISTANCE`.
     #[must_use]
     pub fn squared_distance(&self, other: &Self) -> f32 {
         self.squared_byte_distance(other) as f32 / (DESCRIPTOR_NORM * DESCRIPTOR_NORM)
@@ -40,7 +40,7 @@ impl Descriptor {
         Self(values.map(|value| value.round().clamp(0.0, 255.0) as u8))
     }
 
-    /// The square roots of the shares of OpenCV's numbers, scaled to [`DESCRIPTOR_NORM`].
+    /// The square roots of the shares of OpenCV's numbers, scaled to `DESCRIPTOR_NORM`.
     #[must_use]
     pub fn root(values: &[f32; DESCRIPTOR_BYTES]) -> Self {
         let sum: f32 = values.iter().map(|value| value.max(0.0)).sum();

@@ -6,7 +6,7 @@
 //! | [`load_image`], [`image_size`], [`list_images`] | image files: PNG, JPEG, TIFF, BMP, WebP; EXIF orientation applied |
 //! | [`Video`], [`VideoInfo`] | frames of a video by their true number (feature `opencv`) |
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
-//! | [`FrameCache`], [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
+//! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
 //! | [`open_regular`], [`read_regular`] | files in a folder that may be a stranger's: no links, pipes or devices |
 //! | [`Notice`] | what the user should know, though nothing failed |

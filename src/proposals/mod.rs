@@ -7,11 +7,11 @@
 //! | [`FoundMask`] | graphics found burnt into the references' pictures |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`LineWitness`] | what the painted lines say about an answer |
-//! | [`AskingOrder`] | which frames the forest is asked for first |
-//! | [`Curriculum`] | what a forest was taught |
+//! | `AskingOrder` | which frames the forest is asked for first |
+//! | `Curriculum` | what a forest was taught |
 //! | [`measure`], [`Quality`] | references left out and asked for |
 //! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
-//! | [`find_suspects`] | references whose labels contradict others |
+//! | `find_suspects` | references whose labels contradict others |
 //! | [`UsedFeatures`] | what the forest made of a picture's features |
 //! | [`adopt_bases`] | whether a forest and a document mean the same cameras |
 //!

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | one table as text, Markdown, CSV and JSON | [`Table`] |
 //! | one diagram as SVG and PNG | [`figure`] |
-//! | frames with what was found in them, to look at | [`contact_sheet`] |
+//! | frames with what was found in them, to look at | `contact_sheet` |
 //! | text, tables and figures together, and the files they become | [`Report`] |
 
 mod contact_sheet;

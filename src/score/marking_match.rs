@@ -34,7 +34,7 @@ pub struct AnnotatedLine {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkingMatch {
     /// For each marking that is annotated and shown by the estimate: the largest distance of its points, px at
-    /// [`JACCARD_WIDTH_PX`].
+    /// `JACCARD_WIDTH_PX`.
     pub worst_px: Vec<f64>,
     /// Markings that the estimate shows and nobody annotated.
     pub only_estimated: usize,
@@ -152,7 +152,7 @@ impl MarkingMatch {
         found
     }
 
-    /// `JaC@t`: the share of markings found within t px at [`JACCARD_WIDTH_PX`], of all that are annotated or shown; 0 where
+    /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are annotated or shown; 0 where
     /// there is none.
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {

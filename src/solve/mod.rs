@@ -1,7 +1,7 @@
 //! From observations to parameters: one problem a file.
 //!
 //! [`Observation`] says what a click shows: a landmark, or a line on which it lies. Clicks, priors and whatever else is
-//! measured are [`residual::Residual`]s, and everything that is fitted goes through [`least_squares::minimise`]. [`FrameSolution`] is what a frame's
+//! measured are `residual::Residual`s, and everything that is fitted goes through `least_squares::minimise`. [`FrameSolution`] is what a frame's
 //! clicks and a known base say about pan, tilt and focal length, with everything a person must know to trust it.
 //!
 //! Frames, signs and units: [`crate::conventions`].
