@@ -6,7 +6,7 @@ use super::unexplained::unexplained_share;
 use super::{GroundPicture, Sightings};
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{ImagePoint, ImageSize, median_high};
 
 /// Paint is looked for this far from where a camera predicts it, px at 1920 px width.
 const REACH_PX: f64 = 12.0;
@@ -161,10 +161,9 @@ pub(super) fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize)
     median(places.collect())
 }
 
-/// The middle of some numbers; infinite where there is none.
+/// The high median of some numbers; infinite where there is none.
 pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    if values.is_empty() { f64::INFINITY } else { *values.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    median_high(&mut values).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]
