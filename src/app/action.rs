@@ -158,7 +158,7 @@ pub enum Action {
     /// The suggestions that the preview shows are accepted together.
     AcceptAll,
     /// The forest learns from a reference, or does not.
-    SetTeaches {
+    SetUseForTraining {
         /// Which frame.
         frame: usize,
         /// It learns.
@@ -380,7 +380,7 @@ impl Action {
             | Self::AbortEdit
             | Self::SolveAgain
             | Self::AcceptAll
-            | Self::SetTeaches { .. }
+            | Self::SetUseForTraining { .. }
             | Self::UseForBase { .. }
             | Self::MirrorNames { .. } => ActionKind::Edit,
             Self::Proposals(_)

@@ -98,9 +98,10 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
     let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let teachers = open.document.frames.iter().filter(|frame| frame.teaches()).count();
-    let missing = WIDE_FRAMES.saturating_sub(teachers);
-    let label = app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.teaches());
+    let training_frames = open.document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+    let missing = WIDE_FRAMES.saturating_sub(training_frames);
+    let label =
+        app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
     match (left, missing) {
         (0, _) => nothing_needs_you(app.review()),
         _ if label => format!("Accepted, a label that does not teach. N goes to the next of {left} that need you."),

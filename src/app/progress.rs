@@ -10,12 +10,12 @@ use crate::document::Document;
 #[must_use]
 pub fn just_accepted(document: &Document, review: &Review, teaches: bool) -> String {
     let left = document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let teachers = document.frames.iter().filter(|frame| frame.teaches()).count();
-    let plural = if teachers == 1 { "" } else { "s" };
-    match (left, WIDE_FRAMES.saturating_sub(teachers)) {
+    let training_frames = document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+    let plural = if training_frames == 1 { "" } else { "s" };
+    match (left, WIDE_FRAMES.saturating_sub(training_frames)) {
         (0, _) => nothing_needs_you(review),
         _ if !teaches => format!("Accepted as a label, {left} left."),
-        (_, 0) => format!("Reference saved: {teachers} reference{plural}, {left} left."),
+        (_, 0) => format!("Reference saved: {training_frames} reference{plural}, {left} left."),
         (_, missing) => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
         }

@@ -30,10 +30,10 @@ pub struct TrainerStatus {
     /// References of the document.
     pub references: usize,
     /// Those that teach.
-    pub teachers: usize,
+    pub training_frames: usize,
     /// Those that do not by choice: accepted suggestions. The rest waits for the base of its camera.
     pub withheld: usize,
-    /// Teachers that teach nothing, by their frames, and why.
+    /// Training frames that teach nothing, by their frames, and why.
     pub failed: Arc<[(usize, String)]>,
     /// The forest that answers.
     pub forest: Option<ForestFacts>,

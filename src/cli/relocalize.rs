@@ -8,7 +8,9 @@ use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
-use crate::proposals::{Coverage, FramePictures, LineWitness, Teachers, adopt_bases, is_open, label_advice, propose};
+use crate::proposals::{
+    Coverage, FramePictures, LineWitness, TrainingFrames, adopt_bases, is_open, label_advice, propose,
+};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
@@ -94,7 +96,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
 /// Says which frame to label next. Where the references of a document without any look is not known: the forest may have
 /// learnt elsewhere.
 fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
-    let coverage = Coverage::of_cameras(document, &Teachers::of_solved(&document).frames);
+    let coverage = Coverage::of_cameras(document, &TrainingFrames::of_solved(&document).frames);
     let advice = label_advice(&document, &coverage);
     if let Some(said) = where_to_label(&advice) {
         let begin = advice.next.map(|next| format!(" Begin with {}.", document.frames[next.frame].name()));

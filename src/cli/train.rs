@@ -7,7 +7,7 @@ use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use crate::features::{Detector, FeatureOptions};
 use crate::media::FrameReader;
-use crate::proposals::{FramePictures, LearnOptions, Teachers, learn, study};
+use crate::proposals::{FramePictures, LearnOptions, TrainingFrames, learn, study};
 use crate::relocalize::{CameraForest, TrainOptions};
 use anyhow::ensure;
 use clap::ValueEnum;
@@ -82,17 +82,17 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     refuse_existing(&args.output, args.force)?;
     let Loaded { location, document } = args.document.load(messages)?;
     let options = args.options();
-    let teachers = Teachers::of(&document, args.all_references);
+    let training_frames = TrainingFrames::of(&document, args.all_references);
     ensure!(
-        !teachers.frames.is_empty(),
+        !training_frames.frames.is_empty(),
         "{}: there are no references to learn from; accept solved frames first",
         location.file().display()
     );
     let store = args.kept.store(Some(location.file()));
     let pictures =
         FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
-    let bar = messages.progress(teachers.frames.len(), "Finding features");
-    let studied = study(&pictures, &mut FrameReader::new(), &teachers.frames, &|| {
+    let bar = messages.progress(training_frames.frames.len(), "Finding features");
+    let studied = study(&pictures, &mut FrameReader::new(), &training_frames.frames, &|| {
         bar.inc(1);
         ControlFlow::Continue(())
     });
@@ -103,7 +103,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.frame_failed(&document.frames[*index].name(), &error.to_string());
     }
     ensure!(
-        studied.lessons.iter().any(|lesson| !lesson.taught.is_empty()),
+        studied.training_samples.iter().any(|sample| !sample.rays.is_empty()),
         "{}: no reference gave features to learn from",
         location.file().display()
     );
@@ -126,10 +126,10 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for found in &studied.burnt_in {
         messages.note(&found.describe(&document));
     }
-    if teachers.withheld > 0 {
+    if training_frames.withheld > 0 {
         messages.note(&format!(
             "{} accepted suggestions did not teach (--all-references takes them, too)",
-            teachers.withheld
+            training_frames.withheld
         ));
     }
     Ok(if studied.failed.is_empty() { Outcome::Done } else { Outcome::SomeFailed })

@@ -23,13 +23,13 @@ impl Frame {
     /// Whether the forest learns from it: a reference does, an accepted suggestion is only a label, and a person may say
     /// otherwise of either.
     #[must_use]
-    pub fn teaches(&self) -> bool {
+    pub fn is_used_for_training(&self) -> bool {
         self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(!self.is_suggestion())
     }
 
     /// Says whether the forest shall learn from it once it is a reference.
-    pub fn set_teaches(&mut self, teaches: bool) {
-        self.use_for_training = (teaches == self.is_suggestion()).then_some(teaches);
+    pub fn set_use_for_training(&mut self, used: bool) {
+        self.use_for_training = (used == self.is_suggestion()).then_some(used);
     }
 
     /// Whether its clicks take part when the base of its camera is estimated: they do unless the frame is marked as not
@@ -73,13 +73,13 @@ mod tests {
         ] {
             let mut frame = reference(source);
             let before = frame.clone();
-            assert_eq!(frame.teaches(), by_itself, "{source:?}");
-            frame.set_teaches(!by_itself);
-            assert_eq!(frame.teaches(), !by_itself, "{source:?}");
-            frame.set_teaches(by_itself);
+            assert_eq!(frame.is_used_for_training(), by_itself, "{source:?}");
+            frame.set_use_for_training(!by_itself);
+            assert_eq!(frame.is_used_for_training(), !by_itself, "{source:?}");
+            frame.set_use_for_training(by_itself);
             assert_eq!(frame, before, "what goes without saying leaves no key");
             frame.status = FrameStatus::Suggested;
-            assert!(!frame.teaches(), "nobody has accepted it");
+            assert!(!frame.is_used_for_training(), "nobody has accepted it");
         }
     }
 }

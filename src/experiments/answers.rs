@@ -57,7 +57,7 @@ pub fn ask(
     base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
 ) -> Vec<AskedFrame> {
     let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
-        let forest = set.lessons(&split.teachers).and_then(|(samples, seen)| {
+        let forest = set.training_samples(&split.training_frames).and_then(|(samples, seen)| {
             let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
             Some((forest, seen))
         });

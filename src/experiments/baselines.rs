@@ -38,13 +38,13 @@ const METHODS: [&str; 3] = ["nearest reference, homography", "nearest neighbours
 pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
     let set = workshop.highlights(progress)?;
     let mut report = Report::new("baselines", &set.heading("Baselines: over the number of references"));
-    let most = set.splits.iter().map(|split| split.teachers.len()).max().unwrap_or(0);
+    let most = set.splits.iter().map(|split| split.training_frames.len()).max().unwrap_or(0);
     let wanted: &[usize] = if workshop.options.quick { &[3, 10] } else { &[5, 10, 20, 40, 87] };
     let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(most)).collect();
     counts.dedup();
     let stride = workshop.options.sized(4, 2);
     report.text(&format!(
-        "Frames: {}. References are drawn at random from the teachers of a sequence; one frame in {stride} is asked. \
+        "Frames: {}. References are drawn at random from the training_frames of a sequence; one frame in {stride} is asked. \
          The first method is the one that the paper compares with: the reference with most matches (ratio test), four-point \
          RANSAC, a homography, and the camera of it; it does not use the base. The second takes each feature's nearest \
          neighbour among all references as its ray.",
@@ -68,14 +68,14 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
     Ok(report)
 }
 
-/// The frames of one split, asked of `count` of its teachers, by each method.
+/// The frames of one split, asked of `count` of its training frames, by each method.
 fn ask_split(set: &FrameSet, number: usize, count: usize, stride: usize, seed: u64) -> [Vec<AskedFrame>; 3] {
     let split = &set.splits[number];
-    let mut teachers = split.teachers.clone();
-    teachers.shuffle(&mut rng(seed, [70, number as u64]));
-    teachers.truncate(count);
-    teachers.sort_unstable();
-    let taught = set.lessons(&teachers).and_then(|(samples, seen)| {
+    let mut training_frames = split.training_frames.clone();
+    training_frames.shuffle(&mut rng(seed, [70, number as u64]));
+    training_frames.truncate(count);
+    training_frames.sort_unstable();
+    let taught = set.training_samples(&training_frames).and_then(|(samples, seen)| {
         let options = TrainOptions { seed, ..TrainOptions::default() };
         let forest = train(&samples, &options, &|_| ControlFlow::Continue(())).ok()?;
         Some((forest, seen))
@@ -89,7 +89,8 @@ fn ask_split(set: &FrameSet, number: usize, count: usize, stride: usize, seed: u
         let Some((forest, seen)) = &taught else { return [blank; 3] };
 
         let start = Instant::now();
-        let matched: Vec<Vec<Nearest>> = teachers.iter().map(|&teacher| match_to(set, frame, teacher)).collect();
+        let matched: Vec<Vec<Nearest>> =
+            training_frames.iter().map(|&training_frame| match_to(set, frame, training_frame)).collect();
         let match_ms = start.elapsed().as_secs_f64() * 1e3;
         let pose_options = PoseOptions { seed, ranges: Some(seen.plausible()), ..PoseOptions::default() };
         let timed = |work: &dyn Fn() -> Option<PtzCamera>| {
@@ -98,9 +99,9 @@ fn ask_split(set: &FrameSet, number: usize, count: usize, stride: usize, seed: u
             let found = camera.map(|camera| FoundCamera::of(set, frame, &camera));
             AskedFrame { found, predict_ms: match_ms, pose_ms: start.elapsed().as_secs_f64() * 1e3, ..blank }
         };
-        let by_homography = timed(&|| by_nearest_reference(set, frame, &teachers, &matched, seed));
+        let by_homography = timed(&|| by_nearest_reference(set, frame, &training_frames, &matched, seed));
         let by_neighbours = timed(&|| {
-            let matches = nearest_of_all(set, frame, &teachers, &matched);
+            let matches = nearest_of_all(set, frame, &training_frames, &matched);
             let pose = pose_from_candidates(&matches, &base, size, &pose_options).ok()?;
             Some(PtzCamera::new(base, pose.ptz))
         });
@@ -139,8 +140,8 @@ struct Nearest {
 }
 
 /// For each feature of a frame the nearest one of a reference.
-fn match_to(set: &FrameSet, frame: usize, teacher: usize) -> Vec<Nearest> {
-    let descriptors: &[Descriptor] = &set.frames[teacher].features.descriptors;
+fn match_to(set: &FrameSet, frame: usize, training_frame: usize) -> Vec<Nearest> {
+    let descriptors: &[Descriptor] = &set.frames[training_frame].features.descriptors;
     let nearest = |descriptor: &Descriptor| {
         let mut best = Nearest { feature: 0, squared_distance: f32::INFINITY, second: f32::INFINITY };
         for (feature, other) in descriptors.iter().enumerate() {
@@ -161,7 +162,7 @@ fn match_to(set: &FrameSet, frame: usize, teacher: usize) -> Vec<Nearest> {
 fn by_nearest_reference(
     set: &FrameSet,
     frame: usize,
-    teachers: &[usize],
+    training_frames: &[usize],
     matched: &[Vec<Nearest>],
     seed: u64,
 ) -> Option<PtzCamera> {
@@ -169,7 +170,7 @@ fn by_nearest_reference(
     let counts = matched.iter().map(|matches| matches.iter().filter(|nearest| good(nearest)).count());
     // The first of equals, so that the order decides nothing else.
     let (at, _) = counts.enumerate().max_by_key(|(index, count)| (*count, std::cmp::Reverse(*index)))?;
-    let reference = &set.frames[teachers[at]];
+    let reference = &set.frames[training_frames[at]];
     let asked = &set.frames[frame].features;
     let pairs: Vec<Match> = asked
         .keypoints
@@ -202,13 +203,15 @@ fn by_nearest_reference(
 }
 
 /// For each feature the ray of its nearest neighbour among all references.
-fn nearest_of_all(set: &FrameSet, frame: usize, teachers: &[usize], matched: &[Vec<Nearest>]) -> RayMatches {
+fn nearest_of_all(set: &FrameSet, frame: usize, training_frames: &[usize], matched: &[Vec<Nearest>]) -> RayMatches {
     let mut matches = RayMatches::new();
     for (feature, keypoint) in set.frames[frame].features.keypoints.iter().enumerate() {
-        let of_all = matched.iter().enumerate().map(|(teacher, nearest)| (teacher, nearest[feature]));
+        let of_all = matched.iter().enumerate().map(|(training_frame, nearest)| (training_frame, nearest[feature]));
         let best = of_all.min_by(|a, b| a.1.squared_distance.total_cmp(&b.1.squared_distance));
-        let Some((teacher, nearest)) = best.filter(|(_, nearest)| nearest.squared_distance <= GATE) else { continue };
-        let reference = &set.frames[teachers[teacher]];
+        let Some((training_frame, nearest)) = best.filter(|(_, nearest)| nearest.squared_distance <= GATE) else {
+            continue;
+        };
+        let reference = &set.frames[training_frames[training_frame]];
         let Ok(ray) = reference.truth.ray_from_image(reference.features.keypoints[nearest.feature].point) else {
             continue;
         };

@@ -85,14 +85,15 @@ fn binary(set: &FrameSet, kind: BinaryKind) -> Result<Described<BinaryDescriptor
 
 fn ask<D: Sync>(set: &FrameSet, described: &Described<D>, stride: usize, seed: u64) -> Tally {
     let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
-        let seen: Vec<Ptz> = split.teachers.iter().map(|&teacher| set.frames[teacher].truth.ptz()).collect();
+        let seen: Vec<Ptz> =
+            split.training_frames.iter().map(|&training_frame| set.frames[training_frame].truth.ptz()).collect();
         let Some(seen) = SeenRange::of(&seen) else { return Vec::new() };
         let options = PoseOptions { seed, ranges: Some(seen.plausible()), ..PoseOptions::default() };
         let asked: Vec<usize> = split.asked.iter().copied().step_by(stride).collect();
         let one = |&frame: &usize| {
             let known = &set.frames[frame];
             let (base, size) = (*known.truth.base(), known.features.image_size);
-            let matches = nearest(set, described, frame, &split.teachers);
+            let matches = nearest(set, described, frame, &split.training_frames);
             let pose = pose_from_candidates(&matches, &base, size, &options).ok();
             AskedFrame {
                 frame,
@@ -109,23 +110,23 @@ fn ask<D: Sync>(set: &FrameSet, described: &Described<D>, stride: usize, seed: u
     Tally::of(answers.iter())
 }
 
-/// For each feature of a frame the ray of its nearest neighbour among the teachers' features.
-fn nearest<D>(set: &FrameSet, described: &Described<D>, frame: usize, teachers: &[usize]) -> RayMatches {
+/// For each feature of a frame the ray of its nearest neighbour among the training frames' features.
+fn nearest<D>(set: &FrameSet, described: &Described<D>, frame: usize, training_frames: &[usize]) -> RayMatches {
     let mut matches = RayMatches::new();
     let (keypoints, descriptors) = &described.frames[frame];
     for (keypoint, descriptor) in keypoints.iter().zip(descriptors) {
         let mut best: Option<(f32, usize, usize)> = None;
-        for &teacher in teachers {
-            for (feature, other) in described.frames[teacher].1.iter().enumerate() {
+        for &training_frame in training_frames {
+            for (feature, other) in described.frames[training_frame].1.iter().enumerate() {
                 let distance = (described.distance)(descriptor, other);
                 if distance <= described.gate && best.is_none_or(|(least, ..)| distance < least) {
-                    best = Some((distance, teacher, feature));
+                    best = Some((distance, training_frame, feature));
                 }
             }
         }
-        let Some((distance, teacher, feature)) = best else { continue };
-        let point = described.frames[teacher].0[feature].point;
-        if let Ok(ray) = set.frames[teacher].truth.ray_from_image(point) {
+        let Some((distance, training_frame, feature)) = best else { continue };
+        let point = described.frames[training_frame].0[feature].point;
+        if let Ok(ray) = set.frames[training_frame].truth.ray_from_image(point) {
             matches.push(keypoint.point, &[RayCandidate { ray, squared_distance: distance }]);
         }
     }

@@ -55,7 +55,8 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         ("focal", "focal length (px)", &|ptz| ptz.focal_px),
     ] {
         let truth = set.frames.iter().enumerate().map(|(frame, known)| [number(frame), of(&known.truth.ptz())]);
-        let taught = set.splits[0].teachers.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
+        let taught =
+            set.splits[0].training_frames.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
         let answers = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
         // A mark at every tenth answer: so many side by side would hide the curve.
         let answers = answers.step_by(options.sized(10, 1));

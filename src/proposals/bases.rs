@@ -28,15 +28,15 @@ pub enum BaseMismatch {
     },
 }
 
-/// Cameras of the document without a base take over the forest's, which `taught` holds.
+/// Cameras of the document without a base take over the forest's, which `of_forest` holds.
 ///
 /// # Errors
 /// A camera has another base: the forest is useless then.
-pub fn adopt_bases(document: &mut Document, taught: &Document, model: &ForestModel) -> Result<(), BaseMismatch> {
+pub fn adopt_bases(document: &mut Document, of_forest: &Document, model: &ForestModel) -> Result<(), BaseMismatch> {
     for forest in &model.cameras {
         let name = || forest.camera.clone();
         let id = forest.camera.as_str().into();
-        let known = taught.camera(&id).and_then(Camera::base);
+        let known = of_forest.camera(&id).and_then(Camera::base);
         let known = known.ok_or_else(|| BaseMismatch::Unknown { camera: name() })?;
         let Some(camera) = document.camera_mut(&id) else { continue };
         match camera.base() {

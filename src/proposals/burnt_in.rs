@@ -1,7 +1,7 @@
 //! Graphics that are burnt into the pictures of references: score bugs, watermarks, black boxes. They stand still on the screen
-//! whatever the camera does, and would teach the forest that they are part of the stadium.
+//! whatever the camera does, and would have the forest learn them as parts of the stadium.
 
-use super::Lesson;
+use super::TrainingSample;
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Document, Extra, MaskSource, RangedMask};
 use crate::features::{Features, burnt_in};
@@ -32,7 +32,8 @@ impl FoundMask {
         let area = &self.mask.pixel_box;
         let name = |index: usize| document.frames.get(index).map(|frame| frame.name()).unwrap_or_default();
         format!(
-            "camera {}: {:.0} × {:.0} px at {:.0}, {:.0} look burnt in from {} to {} ({} features stand still) and do not teach",
+            "camera {}: {:.0} × {:.0} px at {:.0}, {:.0} look burnt in from {} to {} ({} features stand still) and are left out \
+             of the training",
             self.camera,
             area.width,
             area.height,
@@ -45,17 +46,18 @@ impl FoundMask {
     }
 }
 
-/// Finds what is burnt into the pictures of lessons, camera by camera, and takes it out of what they teach.
-pub(super) fn leave_out_burnt_in(document: &Document, lessons: &mut [Lesson]) -> Vec<FoundMask> {
+/// Finds what is burnt into the pictures of training samples, camera by camera, and removes it from them.
+pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [TrainingSample]) -> Vec<FoundMask> {
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let of_camera: Vec<usize> = (0..lessons.len()).filter(|&at| lessons[at].camera == camera.id).collect();
+        let of_camera: Vec<usize> =
+            (0..training_samples.len()).filter(|&at| training_samples[at].camera == camera.id).collect();
         let cameras: Vec<Option<PtzCamera>> =
-            of_camera.iter().map(|&at| camera.pointed(&document.frames[lessons[at].frame])).collect();
-        let pictures: Vec<&Features> = of_camera.iter().map(|&at| &*lessons[at].features).collect();
+            of_camera.iter().map(|&at| camera.pointed(&document.frames[training_samples[at].frame])).collect();
+        let pictures: Vec<&Features> = of_camera.iter().map(|&at| &*training_samples[at].features).collect();
         let least_px = MOVED_PX * camera.image_size.scale_from_1920();
         let burnt = burnt_in(&pictures, &|one, other, point| moved(&cameras, [one, other], point, least_px));
-        let frames: Vec<usize> = of_camera.iter().map(|&at| lessons[at].frame).collect();
+        let frames: Vec<usize> = of_camera.iter().map(|&at| training_samples[at].frame).collect();
         for graphic in &burnt.graphics {
             let ends = [graphic.first, graphic.last];
             let number = |picture: usize, is_end: bool| {
@@ -74,7 +76,7 @@ pub(super) fn leave_out_burnt_in(document: &Document, lessons: &mut [Lesson]) ->
         }
         for (&at, burnt) in of_camera.iter().zip(&burnt.features) {
             let burnt: BTreeSet<u32> = burnt.iter().map(|&feature| feature as u32).collect();
-            lessons[at].taught.retain(|(feature, _)| !burnt.contains(feature));
+            training_samples[at].rays.retain(|(feature, _)| !burnt.contains(feature));
         }
     }
     found

@@ -43,31 +43,31 @@ pub struct Cell {
 }
 
 impl Coverage {
-    /// Where the `teachers` look, for each camera that has any, in the document's order. Cameras
+    /// Where the `training_frames` look, for each camera that has any, in the document's order. Cameras
     /// without a base or a valid field are left out.
     #[must_use]
-    pub fn of_cameras(document: DocumentAt<'_>, teachers: &[usize]) -> Vec<Self> {
-        let teaches = |camera: &Camera| {
-            let mut taught = teachers.iter().filter_map(|&index| document.frames.get(index));
-            taught.any(|frame| frame.camera == camera.id)
+    pub fn of_cameras(document: DocumentAt<'_>, training_frames: &[usize]) -> Vec<Self> {
+        let is_used = |camera: &Camera| {
+            let mut used = training_frames.iter().filter_map(|&index| document.frames.get(index));
+            used.any(|frame| frame.camera == camera.id)
         };
         let of_camera = |camera: &Camera| {
             let field = camera.field.as_ref().unwrap_or(&document.field).model(document.folder).ok()?;
-            Self::of(&document, &field, &camera.id, teachers)
+            Self::of(&document, &field, &camera.id, training_frames)
         };
         let cameras = document.cameras.iter().map(|camera| &**camera);
-        cameras.filter(|camera| teaches(camera)).filter_map(of_camera).collect()
+        cameras.filter(|camera| is_used(camera)).filter_map(of_camera).collect()
     }
 
-    /// Where the `teachers` of a camera look. None where the camera has no base.
+    /// Where the `training_frames` of a camera look. None where the camera has no base.
     #[must_use]
-    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, teachers: &[usize]) -> Option<Self> {
+    pub fn of(document: &Document, field: &FieldModel, camera: &CameraId, training_frames: &[usize]) -> Option<Self> {
         let base = document.camera(camera)?.base()?;
         let outline = outline(field, &base);
         let pan = AngleRange::smallest(outline.iter().map(|ray| ray.pan))?.extended(Angle::from_degrees(MARGIN_DEG));
         let tilts = || outline.iter().map(|ray| ray.tilt.degrees());
         let tilt_deg = tilts().min_by(f64::total_cmp)? - MARGIN_DEG..=tilts().max_by(f64::total_cmp)? + MARGIN_DEG;
-        let seeing: Vec<Sight> = teachers
+        let seeing: Vec<Sight> = training_frames
             .iter()
             .filter_map(|&index| document.frames.get(index).map(|frame| &**frame))
             .filter(|frame| frame.camera == *camera)
@@ -200,9 +200,9 @@ mod tests {
         document
     }
 
-    fn coverage(document: &Document, teachers: &[usize]) -> Coverage {
+    fn coverage(document: &Document, training_frames: &[usize]) -> Coverage {
         let field = builtin("soccer").unwrap().default_model().unwrap();
-        Coverage::of(document, &field, &"main".into(), teachers).unwrap()
+        Coverage::of(document, &field, &"main".into(), training_frames).unwrap()
     }
 
     #[test]

@@ -1,7 +1,7 @@
-//! What references teach, and the forest of it.
+//! From references to training samples, and the forest trained on them.
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
-use super::{FoundMask, FrameFeatures, FramePictures, Lesson, PictureError};
+use super::{FoundMask, FrameFeatures, FramePictures, PictureError, TrainingSample};
 use crate::document::{CameraId, Document, Frame, Frames, WriteError, document_to_string};
 use crate::features::FeatureOptions;
 use crate::media::ReadFrames;
@@ -11,10 +11,10 @@ use std::path::Path;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Why a reference teaches nothing.
+/// Why a reference gives no training sample.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
-pub enum LessonError {
+pub enum TrainingSampleError {
     /// It names a camera that the document lacks.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
@@ -31,7 +31,7 @@ pub enum LessonError {
     #[error("this reference has no `ptz`; run `touchline solve` first")]
     Unsolved,
     /// Its image file is another one by now.
-    #[error("the image changed since it was labelled: the label is kept but does not teach")]
+    #[error("the image changed since it was labelled: the label is kept but not used for training")]
     Changed,
     /// Its picture or features cannot be had.
     #[error(transparent)]
@@ -59,94 +59,101 @@ pub enum LearnError {
     Document(#[from] WriteError),
 }
 
-/// What the references of a document teach.
+/// The training samples of a document's references.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Studied {
-    /// What they teach, in their order.
-    pub lessons: Vec<Lesson>,
-    /// Those that teach nothing, by their places, and why.
-    pub failed: Vec<(usize, LessonError)>,
-    /// Graphics that are burnt into their pictures; what lies in them does not teach.
+    /// The samples, in the order of the references.
+    pub training_samples: Vec<TrainingSample>,
+    /// References that give none, by their places, and why.
+    pub failed: Vec<(usize, TrainingSampleError)>,
+    /// Graphics that are burnt into their pictures; what lies in them is left out.
     pub burnt_in: Vec<FoundMask>,
 }
 
-/// Finds out what references teach, in parallel. `progress` is called after each, from any thread, and may end it: none
-/// then.
+/// Finds the features of references and the rays they show, in parallel. `progress` is called after each, from any thread, and
+/// may end it: none then.
 pub fn study(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
-    teachers: &[usize],
+    training_frames: &[usize],
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Studied> {
-    let lessons = pictures.each(reader, teachers, |index, frame, found| {
-        let lesson = found.map_err(LessonError::from).and_then(|found| lesson(pictures.document, index, frame, &found));
+    let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
+        let sample = found
+            .map_err(TrainingSampleError::from)
+            .and_then(|found| training_sample(pictures.document, index, frame, &found));
         progress()?;
-        ControlFlow::Continue((index, lesson))
+        ControlFlow::Continue((index, sample))
     })?;
     let mut studied = Studied::default();
-    for (index, lesson) in lessons {
-        match lesson {
-            Ok(lesson) => studied.lessons.push(lesson),
+    for (index, sample) in training_samples {
+        match sample {
+            Ok(sample) => studied.training_samples.push(sample),
             Err(error) => studied.failed.push((index, error)),
         }
     }
-    studied.burnt_in = leave_out_burnt_in(pictures.document, &mut studied.lessons);
+    studied.burnt_in = leave_out_burnt_in(pictures.document, &mut studied.training_samples);
     Some(studied)
 }
 
-fn lesson(document: &Document, index: usize, frame: &Frame, found: &FrameFeatures) -> Result<Lesson, LessonError> {
+fn training_sample(
+    document: &Document,
+    index: usize,
+    frame: &Frame,
+    found: &FrameFeatures,
+) -> Result<TrainingSample, TrainingSampleError> {
     let name = || frame.camera.as_str().to_owned();
-    let camera = document.camera_of(frame).ok_or_else(|| LessonError::UnknownCamera { camera: name() })?;
-    camera.base().ok_or_else(|| LessonError::NoBase { camera: name() })?;
-    let pointed = camera.pointed(frame).ok_or(LessonError::Unsolved)?;
+    let camera = document.camera_of(frame).ok_or_else(|| TrainingSampleError::UnknownCamera { camera: name() })?;
+    camera.base().ok_or_else(|| TrainingSampleError::NoBase { camera: name() })?;
+    let pointed = camera.pointed(frame).ok_or(TrainingSampleError::Unsolved)?;
     if found.changed {
-        return Err(LessonError::Changed);
+        return Err(TrainingSampleError::Changed);
     }
     let features = Arc::clone(&found.features);
     let rays = features.keypoints.iter().map(|keypoint| pointed.ray_from_image(keypoint.point));
     // Beyond the fold of a lens a point shows no ray.
-    let taught = (0..).zip(rays).filter_map(|(feature, ray)| Some((feature, ray.ok()?))).collect();
-    Ok(Lesson { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), features, taught })
+    let shown = (0..).zip(rays).filter_map(|(feature, ray)| Some((feature, ray.ok()?))).collect();
+    Ok(TrainingSample { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), features, rays: shown })
 }
 
-/// The forests of what references teach, one for each camera that has any, in the document's order. `progress` is called
+/// The forests trained on references, one for each camera that has any, in the document's order. `progress` is called
 /// now and then from any thread, camera after camera, and may end it.
 ///
 /// # Errors
-/// Nothing was taught, `progress` ended it, or the document's cameras cannot be written down.
+/// There is nothing to learn from, `progress` ended it, or the document's cameras cannot be written down.
 pub fn learn(
     document: &Document,
     studied: &Studied,
     options: &LearnOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<ForestModel, LearnError> {
-    let lessons = &studied.lessons;
+    let training_samples = &studied.training_samples;
     let mut cameras = Vec::new();
     for camera in &document.cameras {
-        let of_camera = lessons.iter().filter(|lesson| lesson.camera == camera.id);
+        let of_camera = training_samples.iter().filter(|sample| sample.camera == camera.id);
         cameras.extend(learn_camera(&camera.id, of_camera, &options.train, progress)?);
     }
     if cameras.is_empty() {
-        return Err(Stopped::NoSamples { frames: lessons.len() }.into());
+        return Err(Stopped::NoSamples { frames: training_samples.len() }.into());
     }
     let document = with_found_masks(without_frames(document), &studied.burnt_in);
     Ok(ForestModel { document: document_to_string(&document)?, features: options.features, cameras })
 }
 
-/// The forest of one camera; none where nothing was taught.
+/// The forest of one camera; none where it has no training sample.
 ///
 /// # Errors
 /// `progress` ended it, or there are too many samples.
 fn learn_camera<'a>(
     camera: &CameraId,
-    lessons: impl Iterator<Item = &'a Lesson>,
+    training_samples: impl Iterator<Item = &'a TrainingSample>,
     options: &TrainOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<Option<CameraForest>, Stopped> {
     let (mut samples, mut seen) = (Samples::new(), Vec::new());
-    for lesson in lessons.filter(|lesson| !lesson.taught.is_empty()) {
-        lesson.add_to(&mut samples);
-        seen.push(lesson.ptz);
+    for sample in training_samples.filter(|sample| !sample.rays.is_empty()) {
+        sample.add_to(&mut samples);
+        seen.push(sample.ptz);
     }
     let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };
     let forest = train(&samples, options, progress)?;

@@ -1,14 +1,14 @@
-//! From a document's references to proposed cameras: what teaches, what is learnt, what is proposed, what still lacks.
+//! From a document's references to proposed cameras: the training set, the forest, what it answers, and where to label next.
 //!
 //! | what | where |
 //! |---|---|
 //! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
-//! | [`Teachers`], [`study`], [`learn`] | the references that teach, what they teach, the forest of it |
+//! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
 //! | [`FoundMask`] | graphics found burnt into the references' pictures |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`LineWitness`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
-//! | `Curriculum` | what a forest was taught |
+//! | `TrainingSet` | what a forest was trained on |
 //! | [`measure`], [`Quality`] | references left out and asked for |
 //! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
 //! | `find_suspects` | references whose labels contradict others |
@@ -21,10 +21,8 @@ mod advice;
 mod bases;
 mod burnt_in;
 mod coverage;
-mod curriculum;
 mod features;
 mod learning;
-mod lesson;
 mod line_witness;
 mod order;
 mod picture;
@@ -33,7 +31,9 @@ mod proposing;
 mod quality;
 mod store;
 mod suspects;
-mod teachers;
+mod training_frames;
+mod training_sample;
+mod training_set;
 mod used_features;
 
 pub(crate) use advice::LabelAdvice;
@@ -41,10 +41,8 @@ pub use advice::{LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
 pub use coverage::{Cell, Coverage};
-pub(crate) use curriculum::Curriculum;
 pub use features::{FrameFeatures, FramePictures};
-pub use learning::{LearnError, LearnOptions, LessonError, Studied, learn, study};
-pub use lesson::Lesson;
+pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_witness::LineWitness;
 pub(crate) use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
@@ -54,5 +52,7 @@ pub use quality::WRONG_PX;
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, measure, overlay_error_px};
 pub use store::{FeatureStore, WorkFolder};
 pub(crate) use suspects::{Suspect, find_suspects};
-pub use teachers::Teachers;
+pub use training_frames::TrainingFrames;
+pub use training_sample::TrainingSample;
+pub(crate) use training_set::TrainingSet;
 pub use used_features::{FeatureUse, UsedFeatures};

@@ -68,7 +68,7 @@ pub enum NoProposal {
     /// The forest does not know.
     #[error(transparent)]
     NotFound(#[from] NotFound),
-    /// Nobody taught the forest this camera.
+    /// The forest has no reference of this camera.
     #[error("the forest has no references of camera {camera:?}")]
     NoReferences {
         /// The camera's name.

@@ -1,8 +1,8 @@
 //! What the forest is worth: a reference is left out together with all others of its shot, and asked for.
 //!
 //! Memory is bounded however many references there are: at most 1000 of them take part, spread over all; of each only what
-//! it teaches is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one forest at
-//! a time and the few pictures' features that are being looked at.
+//! the forest learns from is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one
+//! forest at a time and the few pictures' features that are being looked at.
 
 use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
@@ -26,13 +26,13 @@ const MOST_OF_A_SHOT: usize = 4;
 /// So many references take part, spread over all.
 const MOST_REFERENCES: usize = 1000;
 
-/// So many references' features are held while what they teach is taken from them.
+/// So many references' features are held while their samples are collected.
 const BATCH: usize = 32;
 
 /// An overlay that is off by more is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;
 
-/// What the forest answers for references that it was not taught.
+/// What the forest answers for references left out of its training.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
     /// What is left out together.
@@ -67,7 +67,7 @@ pub struct LeftOut {
     pub found: Option<FoundAgain>,
 }
 
-/// What the forest found for a reference that it was not taught.
+/// What the forest found for a reference left out of its training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundAgain {
     /// How far the overlay is off from the reference's where it is off most, px at 1920 px width.
@@ -95,15 +95,15 @@ impl Quality {
     }
 }
 
-/// What is trained without, and what is then asked for: places among what is taught.
+/// What is left out of a training and what is then asked for: places among the samples.
 struct Group {
     left_out: BTreeSet<usize>,
     asked: Vec<usize>,
 }
 
-/// What the references of a camera teach.
+/// The training samples of one camera, collected.
 #[derive(Default)]
-struct Taught {
+struct Collected {
     samples: Samples,
     /// Their places in the document.
     frames: Vec<usize>,
@@ -116,67 +116,67 @@ struct Taught {
 pub fn measure(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
-    teachers: &[usize],
+    training_frames: &[usize],
     options: &LearnOptions,
     relocalizing: &RelocalizeOptions,
     progress: &(dyn Fn(usize, usize) -> ControlFlow<()> + Sync),
 ) -> Option<Quality> {
     let document = pictures.document;
-    let camera = most_taught(document, teachers)?;
+    let camera = most_used(document, training_frames)?;
     let base = camera.base()?;
     let of_camera: Vec<usize> =
-        teachers.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
-    let taught = Taught::by(pictures, reader, &spread(of_camera, MOST_REFERENCES), &|| progress(0, 0))?;
-    let (left_out_by, mut groups) = groups(document, &taught.frames);
-    groups.retain(|group| group.left_out.len() < taught.frames.len());
+        training_frames.iter().copied().filter(|&index| document.frames[index].camera == camera.id).collect();
+    let collected = Collected::from(pictures, reader, &spread(of_camera, MOST_REFERENCES), &|| progress(0, 0))?;
+    let (left_out_by, mut groups) = groups(document, &collected.frames);
+    groups.retain(|group| group.left_out.len() < collected.frames.len());
     let count = groups.len();
     let groups = spread(groups, MOST_GROUPS);
     let mut asked = Vec::new();
     for (done, group) in groups.iter().enumerate() {
         progress(done, groups.len()).continue_value()?;
         let going_on = |_| progress(done, groups.len());
-        let forest = match train_without(&taught.samples, &group.left_out, &options.train, &going_on) {
+        let forest = match train_without(&collected.samples, &group.left_out, &options.train, &going_on) {
             Ok(forest) => forest,
             Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
             Err(Stopped::Asked) => return None,
         };
-        let Some(seen) = SeenRange::of(&taught.ptz_without(&group.left_out)) else { continue };
-        let frames: Vec<usize> = group.asked.iter().map(|&place| taught.frames[place]).collect();
-        let Studied { lessons, .. } = study(pictures, reader, &frames, &|| progress(done, groups.len()))?;
-        for lesson in lessons {
-            let frame = &document.frames[lesson.frame];
+        let Some(seen) = SeenRange::of(&collected.ptz_without(&group.left_out)) else { continue };
+        let frames: Vec<usize> = group.asked.iter().map(|&place| collected.frames[place]).collect();
+        let Studied { training_samples, .. } = study(pictures, reader, &frames, &|| progress(done, groups.len()))?;
+        for sample in training_samples {
+            let frame = &document.frames[sample.frame];
             let Some(truth) = camera.pointed(frame) else { continue };
-            let answer = relocalize(&lesson.features, &forest, &seen, &base, relocalizing);
+            let answer = relocalize(&sample.features, &forest, &seen, &base, relocalizing);
             let found = answer.pose.ok().map(|pose| FoundAgain {
                 error_px: overlay_error_px(&truth, &PtzCamera::new(base, pose.ptz), frame.image_size),
                 confidence: pose.confidence,
             });
-            let (pan_deg, tilt_deg) = (lesson.ptz.pan.degrees(), lesson.ptz.tilt.degrees());
-            asked.push(LeftOut { frame: lesson.frame, pan_deg, tilt_deg, found });
+            let (pan_deg, tilt_deg) = (sample.ptz.pan.degrees(), sample.ptz.tilt.degrees());
+            asked.push(LeftOut { frame: sample.frame, pan_deg, tilt_deg, found });
         }
     }
     asked.sort_by_key(|asked| asked.frame);
     (!asked.is_empty()).then_some(Quality { left_out_by, groups: count, asked })
 }
 
-impl Taught {
-    /// What some frames teach that teach anything, in their order; none where `progress` ended it.
-    fn by(
+impl Collected {
+    /// The samples of some frames, in their order; none where `progress` ended it.
+    fn from(
         pictures: &FramePictures<'_>,
         reader: &mut dyn ReadFrames,
-        teachers: &[usize],
+        training_frames: &[usize],
         progress: &(dyn Fn() -> ControlFlow<()> + Sync),
     ) -> Option<Self> {
-        let mut taught = Self::default();
-        for few in teachers.chunks(BATCH) {
-            let Studied { lessons, .. } = study(pictures, reader, few, progress)?;
-            for lesson in lessons.iter().filter(|lesson| !lesson.taught.is_empty()) {
-                lesson.add_to(&mut taught.samples);
-                taught.frames.push(lesson.frame);
-                taught.ptz.push(lesson.ptz);
+        let mut collected = Self::default();
+        for few in training_frames.chunks(BATCH) {
+            let Studied { training_samples, .. } = study(pictures, reader, few, progress)?;
+            for sample in training_samples.iter().filter(|sample| !sample.rays.is_empty()) {
+                sample.add_to(&mut collected.samples);
+                collected.frames.push(sample.frame);
+                collected.ptz.push(sample.ptz);
             }
         }
-        Some(taught)
+        Some(collected)
     }
 
     fn ptz_without(&self, left_out: &BTreeSet<usize>) -> Vec<Ptz> {
@@ -186,15 +186,16 @@ impl Taught {
 }
 
 /// The camera with the most references.
-fn most_taught<'a>(document: &'a Document, teachers: &[usize]) -> Option<&'a Camera> {
-    let taught = |camera: &Camera| teachers.iter().filter(|&&index| document.frames[index].camera == camera.id).count();
+fn most_used<'a>(document: &'a Document, training_frames: &[usize]) -> Option<&'a Camera> {
+    let collected =
+        |camera: &Camera| training_frames.iter().filter(|&&index| document.frames[index].camera == camera.id).count();
     let cameras = document.cameras.iter().map(|camera| &**camera);
-    cameras.rev().max_by_key(|camera| taught(camera))
+    cameras.rev().max_by_key(|camera| collected(camera))
 }
 
-fn groups(document: &Document, taught: &[usize]) -> (LeftOutBy, Vec<Group>) {
-    let frame = |place: usize| -> &Frame { &document.frames[taught[place]] };
-    let all = 0..taught.len();
+fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
+    let frame = |place: usize| -> &Frame { &document.frames[collected[place]] };
+    let all = 0..collected.len();
     let clips: BTreeSet<Option<&Clip>> = all.clone().map(|index| frame(index).clip.as_ref()).collect();
     if clips.len() > 1 {
         let of_clip = |clip: Option<&Clip>| {
@@ -260,8 +261,8 @@ mod tests {
     }
 
     fn left_out(document: &Document) -> (LeftOutBy, Vec<Vec<usize>>) {
-        let taught: Vec<usize> = (0..document.frames.len()).collect();
-        let (by, groups) = groups(document, &taught);
+        let collected: Vec<usize> = (0..document.frames.len()).collect();
+        let (by, groups) = groups(document, &collected);
         (by, groups.into_iter().map(|group| group.left_out.into_iter().collect()).collect())
     }
 

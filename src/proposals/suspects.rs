@@ -1,6 +1,6 @@
 //! References whose labels contradict others.
 
-use super::{FramePictures, Lesson, Studied, study};
+use super::{FramePictures, Studied, TrainingSample, study};
 use crate::document::Document;
 use crate::geometry::{Angle, AngleRange};
 use crate::media::ReadFrames;
@@ -21,18 +21,18 @@ pub struct Suspect {
     pub disagreement_px: f64,
 }
 
-/// The teachers to look at, the most contradicted first. `progress` is called now and then from any thread, and may end it:
+/// The training frames to look at, the most contradicted first. `progress` is called now and then from any thread, and may end it:
 /// none then.
 pub fn find_suspects(
     pictures: &FramePictures<'_>,
     reader: &mut dyn ReadFrames,
-    teachers: &[usize],
+    training_frames: &[usize],
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Vec<Suspect>> {
     let document = pictures.document;
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let mut of_camera: Vec<(Angle, usize)> = teachers
+        let mut of_camera: Vec<(Angle, usize)> = training_frames
             .iter()
             .map(|&index| (index, &*document.frames[index]))
             .filter(|(_, frame)| frame.camera == camera.id)
@@ -43,18 +43,18 @@ pub fn find_suspects(
         of_camera.sort_by(|a, b| from_left(a.0).total_cmp(&from_left(b.0)).then(a.1.cmp(&b.1)));
         let of_camera: Vec<usize> = of_camera.into_iter().map(|(_, index)| index).collect();
         for together in of_camera.chunks(TOGETHER) {
-            let Studied { lessons, .. } = study(pictures, reader, together, progress)?;
-            found.extend(suspects_among(document, &lessons));
+            let Studied { training_samples, .. } = study(pictures, reader, together, progress)?;
+            found.extend(suspects_among(document, &training_samples));
         }
     }
     found.sort_by(|a, b| b.contradicted_by.cmp(&a.contradicted_by).then(a.frame.cmp(&b.frame)));
     Some(found)
 }
 
-fn suspects_among(document: &Document, lessons: &[Lesson]) -> Vec<Suspect> {
-    let pointed = lessons.iter().filter_map(|lesson| {
-        let camera = document.pointed(document.frames.get(lesson.frame)?)?;
-        Some((lesson.frame, Reference { features: &lesson.features, camera }))
+fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> Vec<Suspect> {
+    let pointed = training_samples.iter().filter_map(|sample| {
+        let camera = document.pointed(document.frames.get(sample.frame)?)?;
+        Some((sample.frame, Reference { features: &sample.features, camera }))
     });
     let (frames, references): (Vec<usize>, Vec<Reference>) = pointed.unzip();
     let found = contradictions(&references, &ContradictionOptions::default());

@@ -1,6 +1,6 @@
 //! Cameras of frames that nobody clicked.
 //!
-//! References teach a pan-tilt forest ([`train`]) which ray a descriptor shows; a new picture's features get candidate
+//! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]); a new picture's features get candidate
 //! rays from it, and [`pose_from_candidates`] finds the camera that most of them agree on, or says by name why there is
 //! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. References whose labels
 //! do not agree are found by [`contradictions()`].

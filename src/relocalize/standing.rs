@@ -1,6 +1,6 @@
 //! No answer from what stands still on the screen.
 //!
-//! A score bug in a reference teaches rays as the stadium does. In another picture it lies at the same pixels, and all its
+//! The forest learns rays from a score bug as it does from the stadium. In another picture it lies at the same pixels, and all its
 //! features agree that the camera is exactly the reference's. An answer that repeats a reference is therefore believed only if
 //! the picture as a whole repeats it, as when the camera did not move; else what stands still is left out, and the rest is
 //! asked.
@@ -19,7 +19,7 @@ const NEAREST: usize = 12;
 const REPEATED_SHARE: f64 = 0.6;
 
 /// The camera that most features agree on, leaving out those that stand still on the screen while the rest of the picture
-/// moves. `features` are those of the picture, all that were asked for; `references` the cameras that taught the rays.
+/// moves. `features` are those of the picture, all that were asked for; `references` the cameras of the training frames.
 ///
 /// # Errors
 /// By name, why there is none: see [`NotFound`].

@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use touchline::features::extract;
 use touchline::media::{FrameReader, FrameRef};
-use touchline::proposals::{FeatureStore, FramePictures, LearnOptions, Teachers, learn, study};
+use touchline::proposals::{FeatureStore, FramePictures, LearnOptions, TrainingFrames, learn, study};
 use touchline::relocalize::{RelocalizeOptions, relocalize};
 use touchline::store::read;
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pictures =
         FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };
     let mut reader = FrameReader::new();
-    let references = Teachers::of(&document, false).frames;
+    let references = TrainingFrames::of(&document, false).frames;
     let studied = study(&pictures, &mut reader, &references, &|| ControlFlow::Continue(())).ok_or("stopped")?;
     let model = learn(&document, &studied, &options, &|_| ControlFlow::Continue(()))?;
 

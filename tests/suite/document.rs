@@ -230,7 +230,7 @@ fn what_the_schema_names_is_read_typed_checked_and_written() {
     let document = document_from_bytes(json.to_string().as_bytes()).unwrap();
     assert_eq!(document.hand().unwrap().repeats, 40);
     let frame = &document.frames[0];
-    assert!(!frame.use_for_base && frame.gold && !frame.teaches());
+    assert!(!frame.use_for_base && frame.gold && !frame.is_used_for_training());
     assert_eq!(frame.use_for_training, Some(false), "read under its earlier name, too");
     assert_eq!(frame.edited.as_ref().unwrap().extra["tool"], "pen");
     assert_eq!(frame.extra.keys().collect::<Vec<_>>(), ["weather"], "only what nobody knows");

@@ -103,7 +103,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     let accepted = &bench.frames()[1];
     assert_eq!(accepted.status, FrameStatus::Reference);
     assert_eq!(accepted.solution.as_ref().unwrap().source, Some(SolutionSource::Forest));
-    assert!(!accepted.teaches(), "a label, no teacher");
+    assert!(!accepted.is_used_for_training(), "a label, no teacher");
     bench.command(Command::PreviousNeedsMe);
     assert_eq!(bench.app.session.frame, 0);
     bench.act(Action::SetReviewOrder(ReviewOrder::Time));
@@ -177,7 +177,7 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     assert_eq!(bench.frames()[0].ptz, before.ptz);
     bench.command(Command::Undo);
     bench.command(Command::AcceptAndStay);
-    assert!(!bench.frames()[0].teaches(), "one click moves a proposal, but it stays one");
+    assert!(!bench.frames()[0].is_used_for_training(), "one click moves a proposal, but it stays one");
     bench.command(Command::Undo);
     bench.act(Action::DeleteClick(0));
     bench.label("centre_mark");
@@ -185,7 +185,7 @@ fn a_click_corrects_and_taking_it_away_leaves_the_suggestion() {
     let corrected = &bench.frames()[0];
     assert_eq!(corrected.solution.as_ref().unwrap().source, Some(SolutionSource::Clicks));
     bench.command(Command::AcceptAndStay);
-    assert!(bench.frames()[0].teaches(), "clicked by a person");
+    assert!(bench.frames()[0].is_used_for_training(), "clicked by a person");
     for _ in 0..12 {
         bench.command(Command::Undo);
     }
@@ -209,16 +209,16 @@ fn a_rejected_suggestion_comes_back_as_one() {
 fn a_label_teaches_when_a_person_says_so_and_that_is_one_step() {
     let mut bench = Bench::new(suggested(&[Some(0.9)]));
     bench.command(Command::Teaches);
-    assert!(!bench.frames()[0].teaches());
+    assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::SetTeaches { frame: 0, teaches: true });
-    assert!(bench.frames()[0].teaches());
+    bench.act(Action::SetUseForTraining { frame: 0, teaches: true });
+    assert!(bench.frames()[0].is_used_for_training());
     let name = bench.app.open().unwrap().history.next_undo().unwrap().name.clone();
     assert_eq!(name, "Let it teach");
     bench.command(Command::Undo);
-    assert!(!bench.frames()[0].teaches());
+    assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::Teaches);
-    assert!(bench.frames()[0].teaches());
+    assert!(bench.frames()[0].is_used_for_training());
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     let mut document = read(&file);
 
     let (status, proposals) = session(&file, &document);
-    assert_eq!((status.references, status.teachers, status.trouble), (5, 5, None));
+    assert_eq!((status.references, status.training_frames, status.trouble), (5, 5, None));
     let facts = status.forest.unwrap();
     assert_eq!((facts.references, facts.trees), (5, TrainOptions::default().trees as usize));
     assert!(facts.took.is_some() && facts.features > 100 && facts.leaves > 100, "{facts:?}");
@@ -97,7 +97,7 @@ fn suspects(file: &Path, mislabel: impl Fn(&mut Vec<FramePtz>)) -> Vec<usize> {
         (frame.status, frame.ptz) = (FrameStatus::Reference, Some(label));
     }
     let (status, _) = session(file, &document);
-    assert_eq!((status.teachers, status.trouble), (document.frames.len(), None));
+    assert_eq!((status.training_frames, status.trouble), (document.frames.len(), None));
     let mut named: Vec<usize> = status.suspects.iter().map(|suspect| suspect.frame).collect();
     named.sort_unstable();
     named

@@ -115,5 +115,5 @@ fn an_accepted_suggestion_has_a_switch_to_teach() {
     assert_eq!(switch.accesskit_node().toggled(), Some(egui::accesskit::Toggled::False));
     switch.click();
     window.harness.run_steps(2);
-    assert!(window.app().frame().unwrap().teaches());
+    assert!(window.app().frame().unwrap().is_used_for_training());
 }

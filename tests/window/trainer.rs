@@ -32,7 +32,7 @@ fn status() -> TrainerStatus {
     TrainerStatus {
         doing: Doing::Proposing(Share { done: 30, of: 120 }),
         references: 8,
-        teachers: 6,
+        training_frames: 6,
         withheld: 2,
         failed: vec![(2, "the image changed since it was labelled".to_owned())].into(),
         forest: Some(ForestFacts {

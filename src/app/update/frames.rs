@@ -85,7 +85,7 @@ impl App {
             }
             self.commit();
             self.refresh_review();
-            let teaches = self.frame().is_some_and(Frame::teaches);
+            let teaches = self.frame().is_some_and(Frame::is_used_for_training);
             if let Some(open) = &self.open {
                 let text = just_accepted(&open.document, &self.review, teaches);
                 self.session.notify(Level::Info, text);

@@ -68,20 +68,20 @@ impl App {
     /// Has the forest learn from a frame, or not.
     pub(super) fn set_teaches(&mut self, index: usize, teaches: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
-        if frame.teaches() == teaches || frame.status != FrameStatus::Reference {
+        if frame.is_used_for_training() == teaches || frame.status != FrameStatus::Reference {
             return;
         }
         let name = if teaches { "Let it teach" } else { "Let it not teach" };
         if self.begin_step(self.step_at(name, index)) {
             if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
-                frame.set_teaches(teaches);
+                frame.set_use_for_training(teaches);
             }
             self.commit();
         }
     }
 
     pub(super) fn toggle_teaches(&mut self) {
-        match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.teaches())) {
+        match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.is_used_for_training())) {
             Some((true, teaches)) => self.set_teaches(self.session.frame, !teaches),
             _ => self.session.notify(Level::Info, "Only a reference teaches: accept this frame first."),
         }

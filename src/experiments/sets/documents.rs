@@ -136,10 +136,11 @@ fn of_two(
     let asked = gathered.add(test, progress)?;
     let splits = gathered.cameras(asked.clone()).into_iter().map(|camera| Split {
         name: format!("camera {camera}"),
-        teachers: gathered.of_camera(0..taught, camera, |_| true),
+        training_frames: gathered.of_camera(0..taught, camera, |_| true),
         asked: gathered.of_camera(asked.clone(), camera, |_| true),
     });
-    let splits: Vec<Split> = splits.filter(|split| !split.teachers.is_empty() && !split.asked.is_empty()).collect();
+    let splits: Vec<Split> =
+        splits.filter(|split| !split.training_frames.is_empty() && !split.asked.is_empty()).collect();
     if splits.is_empty() {
         return Err(ExperimentError::NothingInCommon);
     }
@@ -171,7 +172,7 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
                 }
                 splits.push(Split {
                     name,
-                    teachers: gathered.of_camera(range.clone(), camera, |other| other != clip),
+                    training_frames: gathered.of_camera(range.clone(), camera, |other| other != clip),
                     asked: gathered.of_camera(range.clone(), camera, |other| other == clip),
                 });
             }

@@ -61,7 +61,7 @@ pub fn highlights(
     let frames_of = |sequence: usize| sequence * frames..(sequence + 1) * frames;
     let split = |sequence: usize| Split {
         name: format!("sequence {}", sequence + 1),
-        teachers: (0..sequences * frames).filter(|frame| !frames_of(sequence).contains(frame)).collect(),
+        training_frames: (0..sequences * frames).filter(|frame| !frames_of(sequence).contains(frame)).collect(),
         asked: frames_of(sequence).collect(),
     };
     Ok(FrameSet {
@@ -112,7 +112,7 @@ pub fn worldcup(options: &ExperimentOptions, progress: &(dyn Fn() + Sync)) -> Re
         let first = set.frames.len();
         set.frames.extend(take(&orders, progress)?);
         let of_game = |parity: usize| (first..first + count).filter(|frame| (frame - first) % 2 == parity).collect();
-        set.splits.push(Split { name: format!("game {}", game + 1), teachers: of_game(0), asked: of_game(1) });
+        set.splits.push(Split { name: format!("game {}", game + 1), training_frames: of_game(0), asked: of_game(1) });
     }
     Ok(set)
 }

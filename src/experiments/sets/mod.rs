@@ -111,7 +111,7 @@ pub struct Split {
     /// Its name: that of what is asked. Splits of one name are told of together.
     pub name: String,
     /// Frames that teach.
-    pub teachers: Vec<usize>,
+    pub training_frames: Vec<usize>,
     /// Frames that are asked.
     pub asked: Vec<usize>,
 }
@@ -123,7 +123,7 @@ impl FrameSet {
     }
 
     /// What some frames teach, and where they looked; none without features.
-    pub fn lessons(&self, frames: &[usize]) -> Option<(Samples, SeenRange)> {
+    pub fn training_samples(&self, frames: &[usize]) -> Option<(Samples, SeenRange)> {
         let mut samples = Samples::new();
         for frame in frames.iter().map(|&frame| &self.frames[frame]) {
             let rays = frame.features.keypoints.iter().map(|keypoint| frame.truth.ray_from_image(keypoint.point));

@@ -140,7 +140,7 @@ pub fn motion(
         teaching: format!("One frame in {every} teaches, all others are asked."),
         splits: vec![Split {
             name: "motion".to_owned(),
-            teachers: (0..frames.len()).filter(teaches).collect(),
+            training_frames: (0..frames.len()).filter(teaches).collect(),
             asked: (0..frames.len()).filter(|index| !teaches(index)).collect(),
         }],
         frames,

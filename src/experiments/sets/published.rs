@@ -106,15 +106,15 @@ fn splits(gathered: &Gathered, range: &Range<usize>, kind: PublishedKind) -> (Ve
         whole &= apart;
         for clip in clips {
             let of_clip = gathered.of_camera(range.clone(), camera, |other| other == clip);
-            let (teachers, asked) = if apart {
+            let (training_frames, asked) = if apart {
                 (gathered.of_camera(range.clone(), camera, |other| other != clip), of_clip)
             } else {
                 (of_clip.iter().copied().step_by(2).collect(), of_clip.iter().copied().skip(1).step_by(2).collect())
             };
-            splits.push(Split { name: clip.to_owned(), teachers, asked });
+            splits.push(Split { name: clip.to_owned(), training_frames, asked });
         }
     }
-    splits.retain(|split: &Split| !split.teachers.is_empty() && !split.asked.is_empty());
+    splits.retain(|split: &Split| !split.training_frames.is_empty() && !split.asked.is_empty());
     (splits, whole)
 }
 
@@ -151,9 +151,9 @@ mod tests {
         let set = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap();
         assert_eq!((set.kind, set.names()), (SetKind::Published, vec!["seq1", "seq2"]));
         assert!(set.title.starts_with("the authors' published data, 6 frames in 2 sequences; field 118 × 70 yards"));
-        assert_eq!((&set.splits[0].teachers[..], &set.splits[0].asked[..]), (&[3, 4, 5][..], &[0, 1, 2][..]));
+        assert_eq!((&set.splits[0].training_frames[..], &set.splits[0].asked[..]), (&[3, 4, 5][..], &[0, 1, 2][..]));
         let set = published(&highlights, PublishedKind::WorldCup, &|_, _| {}).unwrap();
-        assert_eq!((&set.splits[1].teachers[..], &set.splits[1].asked[..]), (&[3, 5][..], &[4][..]));
+        assert_eq!((&set.splits[1].training_frames[..], &set.splits[1].asked[..]), (&[3, 5][..], &[4][..]));
 
         fs::remove_file(highlights.join("seq2/2.png")).unwrap();
         let error = published(&highlights, PublishedKind::Highlights, &|_, _| {}).unwrap_err().to_string();

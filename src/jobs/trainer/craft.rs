@@ -8,8 +8,8 @@ use crate::app::{Doing, Share};
 use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
-    Curriculum, FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality,
-    Studied, Suspect, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
+    FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality, Studied,
+    Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -24,17 +24,17 @@ pub(super) trait Craft {
     ///
     /// # Errors
     /// One line: there is one, but it cannot be used.
-    fn recall(&mut self, curriculum: &Curriculum) -> Result<Option<ForestModel>, String>;
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String>;
 
-    /// A forest of these teachers; none where the watch ended it.
+    /// A forest of these training frames; none where the watch ended it.
     ///
     /// # Errors
     /// One line: why there cannot be one.
     fn learn(
         &mut self,
         document: &Document,
-        teachers: &[usize],
-        curriculum: &Curriculum,
+        training_frames: &[usize],
+        training_set: &TrainingSet,
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, String>;
 
@@ -47,8 +47,8 @@ pub(super) trait Craft {
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
 
-    /// What a forest of these teachers is worth, and which of them contradict others; none where the watch ended it.
-    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Measured>;
+    /// What a forest of these training frames is worth, and which of them contradict others; none where the watch ended it.
+    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
 
     /// What a forest makes of a frame's features; none where the frame cannot be read.
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
@@ -65,7 +65,7 @@ pub(super) struct Learnt {
     pub(super) model: ForestModel,
     /// Features that it was taught.
     pub(super) features: usize,
-    /// Teachers that teach nothing, and why.
+    /// Training frames that teach nothing, and why.
     pub(super) failed: Vec<(usize, String)>,
 }
 
@@ -106,30 +106,30 @@ impl Workshop {
         }
     }
 
-    fn study(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Studied> {
+    fn study(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Studied> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
         let done = AtomicUsize::new(0);
-        study(&pictures, &mut self.reader, teachers, &|| {
+        study(&pictures, &mut self.reader, training_frames, &|| {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-            watch.tell(Doing::Features(Share { done, of: teachers.len() }))
+            watch.tell(Doing::Features(Share { done, of: training_frames.len() }))
         })
     }
 }
 
 impl Craft for Workshop {
-    fn recall(&mut self, curriculum: &Curriculum) -> Result<Option<ForestModel>, String> {
-        kept_forest(&self.place, curriculum, &self.options.features).map_err(|error| error.to_string())
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String> {
+        kept_forest(&self.place, training_set, &self.options.features).map_err(|error| error.to_string())
     }
 
     fn learn(
         &mut self,
         document: &Document,
-        teachers: &[usize],
-        curriculum: &Curriculum,
+        training_frames: &[usize],
+        training_set: &TrainingSet,
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, String> {
-        let Some(studied) = self.study(document, teachers, watch) else { return Ok(None) };
+        let Some(studied) = self.study(document, training_frames, watch) else { return Ok(None) };
         let failed: Vec<(usize, String)> =
             studied.failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
         let learnt = learn(document, &studied, &self.options, &|progress| {
@@ -144,8 +144,8 @@ impl Craft for Workshop {
             }
             Err(error) => return Err(error.to_string()),
         };
-        self.forest_refused = keep_forest(&self.place, &mut model, curriculum).err().map(|error| error.to_string());
-        let features = studied.lessons.iter().map(|lesson| lesson.taught.len()).sum();
+        self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
+        let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
         Ok(Some(Learnt { model, features, failed }))
     }
 
@@ -183,13 +183,13 @@ impl Craft for Workshop {
         made
     }
 
-    fn measure(&mut self, document: &Document, teachers: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+    fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         let pictures =
             FramePictures { document, folder: &self.folder, options: self.options.features, store: &self.store };
         let measuring = |done, of| watch.tell(Doing::Measuring(Share { done, of }));
-        let suspects = find_suspects(&pictures, &mut self.reader, teachers, &|| measuring(0, 0))?;
+        let suspects = find_suspects(&pictures, &mut self.reader, training_frames, &|| measuring(0, 0))?;
         let (options, relocalizing) = (&self.options, &self.relocalizing);
-        let quality = measure(&pictures, &mut self.reader, teachers, options, relocalizing, &measuring);
+        let quality = measure(&pictures, &mut self.reader, training_frames, options, relocalizing, &measuring);
         watch.is_wanted().then_some(Measured { quality, suspects })
     }
 

@@ -3,7 +3,7 @@
 use crate::document::{ReadError, document_from_bytes, document_to_string};
 use crate::features::FeatureOptions;
 use crate::media::read_regular;
-use crate::proposals::{Curriculum, WorkFolder};
+use crate::proposals::{TrainingSet, WorkFolder};
 use crate::relocalize::{ForestFileError, ForestModel};
 use crate::store::write_atomically;
 use serde_json::Value;
@@ -31,9 +31,9 @@ pub(super) enum KeptForestError {
 ///
 /// # Errors
 /// The folder cannot be made or written to. Nothing depends on it: the forest is made again.
-pub(super) fn keep_forest(place: &WorkFolder, model: &mut ForestModel, curriculum: &Curriculum) -> io::Result<()> {
+pub(super) fn keep_forest(place: &WorkFolder, model: &mut ForestModel, training_set: &TrainingSet) -> io::Result<()> {
     let mut document = document_from_bytes(model.document.as_bytes()).map_err(io::Error::other)?;
-    document.extra.insert(TAUGHT.to_owned(), Value::String(curriculum.fingerprint()));
+    document.extra.insert(TAUGHT.to_owned(), Value::String(training_set.fingerprint()));
     model.document = document_to_string(&document).map_err(io::Error::other)?;
     place.refuse_links()?;
     std::fs::create_dir_all(place.path())?;
@@ -46,7 +46,7 @@ pub(super) fn keep_forest(place: &WorkFolder, model: &mut ForestModel, curriculu
 /// There is one, but it is damaged or cannot be read.
 pub(super) fn kept_forest(
     place: &WorkFolder,
-    curriculum: &Curriculum,
+    training_set: &TrainingSet,
     features: &FeatureOptions,
 ) -> Result<Option<ForestModel>, KeptForestError> {
     let bytes = match read_regular(&place.forest()) {
@@ -57,6 +57,6 @@ pub(super) fn kept_forest(
     let model = ForestModel::from_bytes(&bytes)?;
     let document = document_from_bytes(model.document.as_bytes())?;
     let taught = document.extra.get(TAUGHT).and_then(Value::as_str);
-    let fits = taught == Some(&curriculum.fingerprint()) && model.features == *features;
+    let fits = taught == Some(&training_set.fingerprint()) && model.features == *features;
     Ok(fits.then_some(model))
 }

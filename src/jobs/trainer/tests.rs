@@ -10,7 +10,7 @@ use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus}
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::proposals::{
-    Answer, Asked, Curriculum, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, UsedFeatures,
+    Answer, Asked, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
 };
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
 use std::ops::ControlFlow;
@@ -69,7 +69,7 @@ fn model() -> ForestModel {
 }
 
 impl Craft for StandIn {
-    fn recall(&mut self, _: &Curriculum) -> Result<Option<ForestModel>, String> {
+    fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, String> {
         match self.begin(Begun::Recall) {
             Let::Well => Ok(Some(model())),
             Let::Fail => Err("the forest is damaged".to_owned()),
@@ -80,11 +80,11 @@ impl Craft for StandIn {
     fn learn(
         &mut self,
         _: &Document,
-        teachers: &[usize],
-        _: &Curriculum,
+        training_frames: &[usize],
+        _: &TrainingSet,
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, String> {
-        match self.begin(Begun::Learn(teachers.to_vec())) {
+        match self.begin(Begun::Learn(training_frames.to_vec())) {
             Let::Well => Ok(Some(Learnt { model: model(), features: 1, failed: Vec::new() })),
             Let::Fail => Err("no features".to_owned()),
             Let::Panic => panic!("the saw broke"),
@@ -261,7 +261,7 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
         hand.expect(&Begun::Propose(far.collect()), Let::Well);
     }
     hand.until_idle();
-    assert_eq!((hand.status.references, hand.status.teachers, hand.status.answered), (2, 2, 28));
+    assert_eq!((hand.status.references, hand.status.training_frames, hand.status.answered), (2, 2, 28));
     assert_eq!(hand.status.forest.unwrap().generation, 1);
     assert!(hand.status.quality.is_some());
     assert_eq!(hand.status.suspects[0].frame, 0);
@@ -384,13 +384,13 @@ fn references_wait_for_the_base_of_their_camera() {
     all.cameras[0].position_m = None;
     hand.document(&all);
     hand.until(|status| status.references == 2);
-    assert_eq!((hand.status.teachers, &hand.status.trouble), (0, &None));
+    assert_eq!((hand.status.training_frames, &hand.status.trouble), (0, &None));
     hand.nothing_begun();
     hand.document(&known);
     hand.expect(&Begun::Recall, Let::Well);
     hand.expect(&Begun::Measure, Let::Well);
     hand.until_idle();
-    assert_eq!(hand.status.teachers, 2);
+    assert_eq!(hand.status.training_frames, 2);
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::desk::Desk;
 use crate::app::{Doing, TrainerStatus};
-use crate::proposals::{Curriculum, Teachers};
+use crate::proposals::{TrainingFrames, TrainingSet};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
@@ -20,9 +20,9 @@ pub(super) enum Until {
     /// Nothing.
     Done,
     /// Something of this is not taught any more: added references may wait.
-    Unlearnt(Curriculum),
+    Unlearnt(TrainingSet),
     /// Something else is taught.
-    Changed(Curriculum),
+    Changed(TrainingSet),
 }
 
 impl<'a> Watch<'a> {
@@ -46,7 +46,7 @@ impl<'a> Watch<'a> {
         let Some(Some((edition, document))) = news else { return false };
         *looked_at = edition;
         let Some(document) = document else { return true };
-        let taught = || Curriculum::of(&document, &Teachers::of_solved(&document).frames);
+        let taught = || TrainingSet::of(&document, &TrainingFrames::of_solved(&document).frames);
         let wanted = match &self.until {
             Until::Done => true,
             Until::Unlearnt(learning) => taught().contains(learning),

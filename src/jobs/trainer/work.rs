@@ -7,7 +7,7 @@ use super::desk::{Desk, Orders};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
 use crate::document::Document;
-use crate::proposals::{AskingOrder, Coverage, Curriculum, NoProposal, Proposal, Teachers};
+use crate::proposals::{AskingOrder, Coverage, NoProposal, Proposal, TrainingFrames, TrainingSet};
 use crate::relocalize::ForestModel;
 use std::any::Any;
 use std::collections::VecDeque;
@@ -31,16 +31,16 @@ pub(super) struct Work<C> {
     options: TrainerOptions,
     orders: Orders,
     document: Document,
-    teachers: Teachers,
-    curriculum: Curriculum,
-    /// When the curriculum changed last.
+    training_frames: TrainingFrames,
+    training_set: TrainingSet,
+    /// When the training set changed last.
     changed: Instant,
     forest: Option<Forest>,
     generation: u64,
     /// The disk was looked at for a forest.
     recalled: bool,
     /// There can be no forest of this.
-    hopeless: Option<Curriculum>,
+    failed: Option<TrainingSet>,
     /// Until then proposals have their turn.
     turn_until: Instant,
     book: Book,
@@ -56,7 +56,7 @@ pub(super) struct Work<C> {
 /// The forest that answers.
 struct Forest {
     model: Arc<ForestModel>,
-    curriculum: Curriculum,
+    training_set: TrainingSet,
 }
 
 /// Frames to ask for, and what the queue was made for.
@@ -87,13 +87,13 @@ impl<C: Craft> Work<C> {
             options,
             orders: Orders::default(),
             document: Document::new(crate::document::FieldSpec::new("")),
-            teachers: Teachers::default(),
-            curriculum: Curriculum::default(),
+            training_frames: TrainingFrames::default(),
+            training_set: TrainingSet::default(),
             changed: now,
             forest: None,
             generation: 0,
             recalled: false,
-            hopeless: None,
+            failed: None,
             turn_until: now,
             book: Book::default(),
             queue: Queue::default(),
@@ -130,21 +130,21 @@ impl<C: Craft> Work<C> {
     fn take_in(&mut self, orders: Orders) {
         if self.orders.paused && !orders.paused {
             // Pausing and going on is how somebody asks to try again.
-            self.hopeless = None;
+            self.failed = None;
         }
         if orders.edition != self.orders.edition
             && let Some(document) = &orders.document
         {
             self.document = document.clone();
-            self.teachers = Teachers::of_solved(document);
-            let curriculum = Curriculum::of(document, &self.teachers.frames);
-            if curriculum != self.curriculum {
-                self.curriculum = curriculum;
+            self.training_frames = TrainingFrames::of_solved(document);
+            let training_set = TrainingSet::of(document, &self.training_frames.frames);
+            if training_set != self.training_set {
+                self.training_set = training_set;
                 self.changed = Instant::now();
             }
             self.book.look_at(document);
-            let Teachers { frames, references, withheld } = &self.teachers;
-            (self.status.references, self.status.teachers, self.status.withheld) =
+            let TrainingFrames { frames, references, withheld } = &self.training_frames;
+            (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
             self.count();
         }
@@ -158,15 +158,15 @@ impl<C: Craft> Work<C> {
         if self.orders.paused {
             return Step::Wait(Doing::Paused, None);
         }
-        if self.curriculum.is_empty() {
+        if self.training_set.is_empty() {
             self.forget();
             return Step::Wait(Doing::Nothing, None);
         }
-        let taught = self.forest.as_ref().map(|forest| &forest.curriculum);
-        let is_taught = taught == Some(&self.curriculum);
+        let taught = self.forest.as_ref().map(|forest| &forest.training_set);
+        let is_taught = taught == Some(&self.training_set);
         // A forest that has learnt what was withdrawn answers nobody any more.
-        let serves = taught.is_some_and(|taught| self.curriculum.contains(taught));
-        let is_due = !is_taught && self.hopeless.as_ref() != Some(&self.curriculum);
+        let serves = taught.is_some_and(|taught| self.training_set.contains(taught));
+        let is_due = !is_taught && self.failed.as_ref() != Some(&self.training_set);
         let mut due = None;
         if is_due {
             if !self.recalled {
@@ -213,10 +213,10 @@ impl<C: Craft> Work<C> {
 
     fn recall(&mut self) {
         self.recalled = true;
-        match self.craft.recall(&self.curriculum) {
+        match self.craft.recall(&self.training_set) {
             Ok(Some(model)) => {
-                let facts = ForestFacts { references: self.teachers.frames.len(), ..facts(&model) };
-                self.take_forest(model, self.curriculum.clone(), facts);
+                let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
+                self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
             // It is made again, which mends it.
@@ -226,17 +226,17 @@ impl<C: Craft> Work<C> {
 
     fn learn(&mut self) {
         let begun = Instant::now();
-        let (document, teachers) = (self.document.clone(), self.teachers.frames.clone());
-        let curriculum = self.curriculum.clone();
-        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Unlearnt(curriculum.clone()));
+        let (document, training_frames) = (self.document.clone(), self.training_frames.frames.clone());
+        let training_set = self.training_set.clone();
+        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
         let craft = &mut self.craft;
-        let learnt = catch_unwind(AssertUnwindSafe(|| craft.learn(&document, &teachers, &curriculum, &watch)));
+        let learnt = catch_unwind(AssertUnwindSafe(|| craft.learn(&document, &training_frames, &training_set, &watch)));
         match learnt {
             Ok(Ok(None)) => {}
             Ok(Ok(Some(Learnt { model, features, failed }))) => {
                 let took = begun.elapsed();
                 let facts = ForestFacts {
-                    references: teachers.len() - failed.len(),
+                    references: training_frames.len() - failed.len(),
                     features,
                     took: Some(took),
                     ..facts(&model)
@@ -244,27 +244,27 @@ impl<C: Craft> Work<C> {
                 self.status.failed = failed.into();
                 self.status.trouble = None;
                 self.turn_until = Instant::now() + took.min(LONGEST_TURN);
-                self.take_forest(model, curriculum, facts);
+                self.take_forest(model, training_set, facts);
             }
             Ok(Err(reason)) => {
                 self.status.trouble = Some(reason);
-                self.hopeless = Some(curriculum);
+                self.failed = Some(training_set);
             }
             Err(panic) => {
                 self.status.trouble = Some(broke_down("learning", panic.as_ref()));
-                self.hopeless = Some(curriculum);
+                self.failed = Some(training_set);
             }
         }
         self.status.not_kept = self.craft.not_kept();
     }
 
-    fn take_forest(&mut self, model: ForestModel, curriculum: Curriculum, facts: ForestFacts) {
+    fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
         self.generation += 1;
-        if self.forest.as_ref().is_some_and(|before| !curriculum.contains(&before.curriculum)) {
+        if self.forest.as_ref().is_some_and(|before| !training_set.contains(&before.training_set)) {
             self.book.trust_from(self.generation);
         }
         self.status.forest = Some(ForestFacts { generation: self.generation, ..facts });
-        self.forest = Some(Forest { model: Arc::new(model), curriculum });
+        self.forest = Some(Forest { model: Arc::new(model), training_set });
         self.survey();
     }
 
@@ -331,10 +331,11 @@ impl<C: Craft> Work<C> {
 
     fn measure(&mut self) {
         let document = self.document.clone();
-        let teachers = &self.teachers.frames;
-        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Changed(self.curriculum.clone()));
+        let training_frames = &self.training_frames.frames;
+        let watch =
+            Watch::new(&self.desk, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
         let craft = &mut self.craft;
-        let measured = catch_unwind(AssertUnwindSafe(|| craft.measure(&document, teachers, &watch)));
+        let measured = catch_unwind(AssertUnwindSafe(|| craft.measure(&document, training_frames, &watch)));
         // What was ended is begun again.
         match measured {
             Ok(None) => return,
@@ -349,8 +350,8 @@ impl<C: Craft> Work<C> {
 
     /// Draws the maps of what references see.
     fn survey(&mut self) {
-        let teachers = &self.teachers.frames;
-        self.status.coverage = Coverage::of_cameras(self.document.at(self.craft.folder()), teachers).into();
+        let training_frames = &self.training_frames.frames;
+        self.status.coverage = Coverage::of_cameras(self.document.at(self.craft.folder()), training_frames).into();
     }
 
     /// The next frames of a part of the queue.

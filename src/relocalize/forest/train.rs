@@ -72,14 +72,14 @@ pub fn train_without(
     if samples.len() >= MAX_ITEMS {
         return Err(Stopped::TooMany { samples: samples.len() });
     }
-    let taught: Vec<usize> = (0..samples.frames())
+    let used: Vec<usize> = (0..samples.frames())
         .filter(|frame| !left_out.contains(frame) && !samples.of_frame(*frame).is_empty())
         .collect();
-    if taught.is_empty() {
+    if used.is_empty() {
         return Err(Stopped::NoSamples { frames: samples.frames() });
     }
     let drawn: Vec<Vec<u32>> =
-        (0..options.trees.max(1)).map(|tree| draw(samples, taught.clone(), options, tree)).collect();
+        (0..options.trees.max(1)).map(|tree| draw(samples, used.clone(), options, tree)).collect();
     let total = drawn.iter().map(Vec::len).sum();
     let watch = Watch { placed: AtomicUsize::new(0), total, stopped: AtomicBool::new(false), progress };
     let trees: Option<Vec<Tree>> = drawn

@@ -67,12 +67,12 @@ fn proposal(app: &App, ui: &mut Ui) {
 /// Whether an accepted proposal teaches.
 fn teaching(panel: &mut Panel<'_>, ui: &mut Ui) {
     let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
-    let Some(before) = panel.app.frame().filter(accepted).map(Frame::teaches) else { return };
+    let Some(before) = panel.app.frame().filter(accepted).map(Frame::is_used_for_training) else { return };
     let mut teaches = before;
     let switch = ui.checkbox(&mut teaches, "Teaches the forest");
     switch.on_hover_text("An accepted proposal is a label. Let it teach where no clicked reference looks.");
     if teaches != before {
-        panel.actions.push(Action::SetTeaches { frame: panel.app.session.frame, teaches });
+        panel.actions.push(Action::SetUseForTraining { frame: panel.app.session.frame, teaches });
     }
 }
 

@@ -14,7 +14,7 @@ use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 
-/// Teachers that teach nothing are listed up to so many.
+/// Training frames that teach nothing are listed up to so many.
 const FAILED_SHOWN: usize = 5;
 
 /// Shows the panel.
@@ -30,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         inside.show(ui, |ui| {
             ui.set_width(ui.available_width());
             doing(panel, ui, &status);
-            teachers(panel, ui, &status);
+            training_frames(panel, ui, &status);
             if let Some(facts) = status.forest {
                 forest(ui, facts);
                 proposals(panel, ui, &status);
@@ -93,13 +93,13 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 }
 
 /// The references, and which of them teach.
-fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
+fn training_frames(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "LEARNS FROM");
     let count =
         |count: usize, one: &str, more: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {more}") };
-    let teach = count(status.teachers, "reference teaches.", "references teach.");
+    let teach = count(status.training_frames, "reference teaches.", "references teach.");
     ui.label(teach);
-    let waiting = status.references.saturating_sub(status.teachers + status.withheld);
+    let waiting = status.references.saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
         let text = count(waiting, "reference waits for its camera's base.", "references wait for their camera's base.");
         ui.add(Label::new(RichText::new(text).color(theme::CAUTION)).wrap());
@@ -114,12 +114,12 @@ fn teachers(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let shown = panel.app.session.frame;
     let reference = panel.app.frame().filter(|frame| frame.status == crate::document::FrameStatus::Reference);
     if let Some(frame) = reference {
-        let before = frame.teaches();
+        let before = frame.is_used_for_training();
         let mut teaches = before;
         let tip = panel.app.settings.keys.tooltip(Command::Teaches);
         ui.add(Checkbox::new(&mut teaches, "The shown frame teaches")).on_hover_text(tip);
         if teaches != before {
-            panel.actions.push(Action::SetTeaches { frame: shown, teaches });
+            panel.actions.push(Action::SetUseForTraining { frame: shown, teaches });
         }
     }
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {

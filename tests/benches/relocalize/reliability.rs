@@ -118,11 +118,11 @@ fn real(data: &Path) -> Vec<Example> {
             clips.sort();
             clips.dedup();
             for clip in clips {
-                let (asked, mut teachers): (Vec<usize>, Vec<usize>) =
+                let (asked, mut training_frames): (Vec<usize>, Vec<usize>) =
                     usable.iter().copied().partition(|&i| set.document.frames[i].clip == clip);
-                teachers.shuffle(&mut rng);
-                teachers.truncate(references);
-                let (samples, seen) = set.samples(&teachers, usize::MAX);
+                training_frames.shuffle(&mut rng);
+                training_frames.truncate(references);
+                let (samples, seen) = set.samples(&training_frames, usize::MAX);
                 let forest = grown(&samples, &TrainOptions::default());
                 for frame in asked {
                     let found = answer(&set, frame, (&forest, &seen), &field, &unsure());

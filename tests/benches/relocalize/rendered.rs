@@ -19,8 +19,8 @@ fn sets(data: &Path) -> (Set, Set) {
 
 /// Rays and cameras, and what they cost, by forest and leaves examined.
 pub fn accuracy(data: &Path) {
-    let (teachers, tests) = sets(data);
-    let (samples, seen) = teachers.samples(&teachers.all(), usize::MAX);
+    let (training_frames, tests) = sets(data);
+    let (samples, seen) = training_frames.samples(&training_frames.all(), usize::MAX);
     println!("\n## rendered: {} references, {} samples\n", samples.frames(), samples.len());
     println!(
         "| forest | leaves per tree | rays within 0.5° of all / of gated | predict + pose, ms | found | rotation error \
@@ -83,7 +83,7 @@ fn rays_within(forest: &Forest, tests: &Set, options: &PredictOptions) -> String
 
 /// Training, and the file of a forest, by the clock.
 pub fn training(data: &Path) {
-    let (teachers, _) = sets(data);
+    let (training_frames, _) = sets(data);
     println!("\n## training, by the clock\n");
     println!(
         "| forest | samples per tree | one thread, s | both cores, s | leaves | means | file MB | write ms | read ms |"
@@ -95,7 +95,7 @@ pub fn training(data: &Path) {
         ("5 trees of 30 references, 485 features each", five, 485),
         ("default", TrainOptions::default(), usize::MAX),
     ] {
-        let (samples, seen) = teachers.samples(&teachers.all(), features);
+        let (samples, seen) = training_frames.samples(&training_frames.all(), features);
         let timed = |count: usize| {
             let runs = (0..3).map(|_| {
                 let start = Instant::now();
@@ -127,8 +127,8 @@ pub fn training(data: &Path) {
 
 /// From the JPEG file to the camera with both cores busy, beside the features alone.
 pub fn whole_frames(data: &Path) {
-    let (teachers, tests) = sets(data);
-    let (samples, seen) = teachers.samples(&teachers.all(), usize::MAX);
+    let (training_frames, tests) = sets(data);
+    let (samples, seen) = training_frames.samples(&training_frames.all(), usize::MAX);
     let forest = grown(&samples, &TrainOptions::default());
     let options = FeatureOptions::default();
     let paths: Vec<_> =

@@ -56,9 +56,9 @@ pub fn answers(set: &Set, field: &FieldModel, train: &TrainOptions, ask: &Reloca
     clips.dedup();
     let mut answers = Vec::new();
     for clip in clips {
-        let (asked, teachers): (Vec<usize>, Vec<usize>) =
+        let (asked, training_frames): (Vec<usize>, Vec<usize>) =
             usable.iter().copied().partition(|&i| set.document.frames[i].clip == clip);
-        let (samples, seen) = set.samples(&teachers, usize::MAX);
+        let (samples, seen) = set.samples(&training_frames, usize::MAX);
         let forest = grown(&samples, train);
         answers.extend(asked.into_iter().map(|frame| answer(set, frame, (&forest, &seen), field, ask)));
     }

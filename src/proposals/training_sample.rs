@@ -1,4 +1,4 @@
-//! What one reference teaches.
+//! One reference as the forest learns from it.
 
 use crate::camera::{PanTilt, Ptz};
 use crate::document::CameraId;
@@ -6,9 +6,9 @@ use crate::features::Features;
 use crate::relocalize::Samples;
 use std::sync::Arc;
 
-/// What one reference teaches: what its features look like and which rays they show.
+/// One reference as the forest learns from it: what its features look like and which rays they show.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lesson {
+pub struct TrainingSample {
     /// The reference's place in the document.
     pub frame: usize,
     /// Its camera.
@@ -18,13 +18,13 @@ pub struct Lesson {
     /// Its features.
     pub features: Arc<Features>,
     /// Which of them show a ray, and which ray in `base`.
-    pub taught: Vec<(u32, PanTilt)>,
+    pub rays: Vec<(u32, PanTilt)>,
 }
 
-impl Lesson {
-    /// Adds what it teaches as one frame.
+impl TrainingSample {
+    /// Adds it as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
         let descriptor = |feature: u32| self.features.descriptors[feature as usize];
-        samples.add_frame(self.taught.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
+        samples.add_frame(self.rays.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
     }
 }

@@ -1,4 +1,4 @@
-//! What a forest was, or is to be, taught: by which it is known whether it has to be taught again.
+//! What a forest is trained on: it tells whether the forest has to be trained again.
 
 use crate::document::{CameraId, Document};
 use crate::geometry::hex;
@@ -6,48 +6,48 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Everything that decides what the references of a document teach: their pictures, masks and cameras.
+/// Everything about the references that the forest depends on: their pictures, masks and cameras.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Curriculum {
-    lessons: BTreeSet<[u8; 16]>,
+pub struct TrainingSet {
+    training_samples: BTreeSet<[u8; 16]>,
 }
 
-impl Curriculum {
-    /// What some frames of a document teach.
+impl TrainingSet {
+    /// The training set that some frames of a document make.
     #[must_use]
-    pub fn of(document: &Document, teachers: &[usize]) -> Self {
+    pub fn of(document: &Document, training_frames: &[usize]) -> Self {
         let mut cameras = BTreeMap::<&CameraId, String>::new();
-        let mut lessons = BTreeSet::new();
-        for frame in teachers.iter().filter_map(|&index| document.frames.get(index)) {
+        let mut training_samples = BTreeSet::new();
+        for frame in training_frames.iter().filter_map(|&index| document.frames.get(index)) {
             let camera = cameras.entry(&frame.camera).or_insert_with(|| {
                 document.camera_of(frame).and_then(|camera| serde_json::to_string(camera).ok()).unwrap_or_default()
             });
             let masks: Vec<[f64; 4]> = frame.masks.iter().map(|m| [m.x, m.y, m.width, m.height]).collect();
-            let lesson = json!([frame.image, frame.video, frame.sha256, masks, frame.ptz, camera]);
-            let digest = Sha256::digest(lesson.to_string());
-            lessons.extend(digest.first_chunk::<16>());
+            let sample = json!([frame.image, frame.video, frame.sha256, masks, frame.ptz, camera]);
+            let digest = Sha256::digest(sample.to_string());
+            training_samples.extend(digest.first_chunk::<16>());
         }
-        Self { lessons }
+        Self { training_samples }
     }
 
-    /// Whether nothing is taught.
+    /// Whether it is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.lessons.is_empty()
+        self.training_samples.is_empty()
     }
 
-    /// Whether all of `other` is taught here as well: then nothing has to be unlearnt.
+    /// Whether all of `other` is in it: then a forest of `other` still holds nothing wrong.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
-        self.lessons.is_superset(&other.lessons)
+        self.training_samples.is_superset(&other.training_samples)
     }
 
     /// A name for exactly this, 32 hexadecimal digits.
     #[must_use]
     pub fn fingerprint(&self) -> String {
         let mut digest = Sha256::new();
-        for lesson in &self.lessons {
-            digest.update(lesson);
+        for sample in &self.training_samples {
+            digest.update(sample);
         }
         hex(&digest.finalize()[..16])
     }
@@ -75,11 +75,11 @@ mod tests {
     #[test]
     fn more_contains_less_and_any_change_is_another() {
         let document = document();
-        let (two, three) = (Curriculum::of(&document, &[0, 1]), Curriculum::of(&document, &[1, 0, 2]));
+        let (two, three) = (TrainingSet::of(&document, &[0, 1]), TrainingSet::of(&document, &[1, 0, 2]));
         assert!(three.contains(&two) && !two.contains(&three));
-        assert_eq!(Curriculum::of(&document, &[1, 0]).fingerprint(), two.fingerprint());
+        assert_eq!(TrainingSet::of(&document, &[1, 0]).fingerprint(), two.fingerprint());
         assert_ne!(three.fingerprint(), two.fingerprint());
-        assert!(Curriculum::of(&document, &[7]).is_empty());
+        assert!(TrainingSet::of(&document, &[7]).is_empty());
 
         let changes: [fn(&mut Document); 4] = [
             |document| document.frames[0].ptz.as_mut().unwrap().pan_deg += 1e-9,
@@ -90,10 +90,10 @@ mod tests {
         for change in changes {
             let mut changed = document.clone();
             change(&mut changed);
-            assert!(!Curriculum::of(&changed, &[0, 1, 2]).contains(&two));
+            assert!(!TrainingSet::of(&changed, &[0, 1, 2]).contains(&two));
         }
         let mut commented = document.clone();
         commented.frames[0].comment = Some("rain".to_owned());
-        assert_eq!(Curriculum::of(&commented, &[0, 1]), two);
+        assert_eq!(TrainingSet::of(&commented, &[0, 1]), two);
     }
 }

@@ -1,20 +1,20 @@
-//! The references that teach.
+//! The references that the forest learns from.
 
 use crate::document::{Document, FrameStatus};
 
-/// The references of a document, and which of them teach: see [`crate::document::Frame::teaches`].
+/// The references of a document, and which of them are used for training: see [`crate::document::Frame::is_used_for_training`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Teachers {
-    /// The frames that teach, by their places.
+pub struct TrainingFrames {
+    /// The frames used for training, by their places.
     pub frames: Vec<usize>,
     /// All references.
     pub references: usize,
-    /// References that do not teach: accepted suggestions, and those that a person excluded.
+    /// References not used for training: accepted suggestions, and those that a person excluded.
     pub withheld: usize,
 }
 
-impl Teachers {
-    /// Those of a document; `all_references` has accepted suggestions teach, too.
+impl TrainingFrames {
+    /// Those of a document; `all_references` takes accepted suggestions, too.
     #[must_use]
     pub fn of(document: &Document, all_references: bool) -> Self {
         let mut found = Self::default();
@@ -23,7 +23,7 @@ impl Teachers {
                 continue;
             }
             found.references += 1;
-            if frame.teaches() || all_references && frame.is_suggestion() {
+            if frame.is_used_for_training() || all_references && frame.is_suggestion() {
                 found.frames.push(index);
             } else {
                 found.withheld += 1;
@@ -32,7 +32,7 @@ impl Teachers {
         found
     }
 
-    /// Those of a document that can teach by now: their camera's base is known and they are solved.
+    /// Those of a document that can be used by now: their camera's base is known and they are solved.
     #[must_use]
     pub fn of_solved(document: &Document) -> Self {
         let mut found = Self::of(document, false);
