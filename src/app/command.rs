@@ -222,7 +222,7 @@ rows! {
     ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: the points of the gold frames are asked for one after another, their labels and lines hidden. Labels stay as they are.", [];
     SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
     UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
-    UseUsualNoise, "use_usual_noise", Frame, "Weigh points by everybody's click noise", "The field template's click noise is used again; yours stays in the project.", [];
+    UseUsualNoise, "use_usual_noise", Frame, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];

@@ -2,14 +2,16 @@
 
 use super::Versioned;
 use crate::calibrate::{BetterCamera, CalibrationError, FrameLookup, better_camera, calibrate};
-use crate::document::{Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, Hand, History, Shared, Step};
+use crate::document::{
+    ClickNoise, Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, History, Shared, Step,
+};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 /// What a field with its click noise follows from.
-type FieldKey = (FieldSpec, Option<Hand>);
+type FieldKey = (FieldSpec, Option<ClickNoise>);
 
 /// The document that is open.
 #[derive(Debug)]
@@ -30,7 +32,7 @@ pub struct OpenProject {
     pub(super) forest_generation: u64,
     /// The document as the journal has it.
     pub(super) journalled: Document,
-    fields: Option<(Vec<FieldSpec>, Option<Hand>, Arc<Fields>)>,
+    fields: Option<(Vec<FieldSpec>, Option<ClickNoise>, Arc<Fields>)>,
     model: Option<(FieldKey, Result<Arc<FieldModel>, FieldError>)>,
     /// What calibrating looks up in the document, in the version that stands beside it.
     lookup: (FrameLookup, Option<u64>),
@@ -84,20 +86,20 @@ impl OpenProject {
     /// # Errors
     /// There is no such template, or it does not take a parameter or its value.
     pub fn field_of(&mut self, index: usize) -> Result<Arc<FieldModel>, FieldError> {
-        let hand = self.document.hand_in_use();
+        let noise = self.document.click_noise_in_use();
         let spec = match self.document.frames.get(index) {
             Some(frame) => self.document.field_of(frame),
             None => &self.document.field,
         };
-        if let Some(((known, known_hand), model)) = &self.model
+        if let Some(((known, known_noise), model)) = &self.model
             && known == spec
-            && *known_hand == hand
+            && *known_noise == noise
         {
             return model.clone();
         }
         let spec = spec.clone();
         let model = self.at().model_of(&spec).map(Arc::new);
-        self.model = Some(((spec, hand), model.clone()));
+        self.model = Some(((spec, noise), model.clone()));
         model
     }
 
@@ -108,15 +110,15 @@ impl OpenProject {
     pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
         let own = self.document.cameras.iter().filter_map(|camera| camera.field.as_ref());
         let specs: Vec<FieldSpec> = own.chain([&self.document.field]).cloned().collect();
-        let hand = self.document.hand_in_use();
-        if let Some((known, known_hand, fields)) = &self.fields
+        let noise = self.document.click_noise_in_use();
+        if let Some((known, known_noise, fields)) = &self.fields
             && *known == specs
-            && *known_hand == hand
+            && *known_noise == noise
         {
             return Ok(Arc::clone(fields));
         }
         let fields = Arc::new(Fields::of(self.at())?);
-        self.fields = Some((specs, hand, Arc::clone(&fields)));
+        self.fields = Some((specs, noise, Arc::clone(&fields)));
         Ok(fields)
     }
 

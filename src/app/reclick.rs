@@ -100,7 +100,7 @@ pub struct GoldWork {
     pub frames: usize,
     /// The program could make more references gold.
     pub can_choose: bool,
-    /// What the repeats say of the annotator's hand.
+    /// What the repeats say about the annotator's click noise.
     pub own: OwnNoise,
 }
 

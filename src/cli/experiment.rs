@@ -4,7 +4,7 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, Workshop};
+use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs};
 use crate::report::Report;
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
@@ -80,12 +80,12 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     }
     let own = own_documents(args, messages)?;
     let has_own = own.is_some();
-    let workshop = Workshop::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own, args.data.as_deref());
-    let (chosen, left_out) = chosen(args, &workshop, has_own)?;
+    let inputs = SharedInputs::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own, args.data.as_deref());
+    let (chosen, left_out) = chosen(args, &inputs, has_own)?;
     let mut reports = Vec::new();
     for experiment in chosen {
         let bar = messages.progress(1, experiment.name());
-        let report = experiment.run(&workshop, &|done, total| {
+        let report = experiment.run(&inputs, &|done, total| {
             bar.set_length(total as u64);
             bar.set_position(done as u64);
         });
@@ -105,7 +105,7 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
 /// What is to be run, and what of all experiments is left out for want of data.
 fn chosen(
     args: &ExperimentArgs,
-    workshop: &Workshop,
+    inputs: &SharedInputs,
     has_own: bool,
 ) -> anyhow::Result<(Vec<Experiment>, Vec<Experiment>)> {
     if let [one] = args.experiments.0[..] {
@@ -114,7 +114,7 @@ fn chosen(
             "this experiment does not look at frames of your own; leave --train and --test away"
         );
         if one.needs_data() || (args.data.is_some() && !has_own) {
-            workshop.given_for(one)?;
+            inputs.given_for(one)?;
         }
         return Ok((vec![one], Vec::new()));
     }
@@ -125,7 +125,7 @@ fn chosen(
         experiment => !has_own || experiment.takes_frames(),
     };
     let all = args.experiments.0.iter().copied().filter(wanted);
-    Ok(all.partition(|experiment| !experiment.needs_data() || workshop.given_for(*experiment).is_ok()))
+    Ok(all.partition(|experiment| !experiment.needs_data() || inputs.given_for(*experiment).is_ok()))
 }
 
 /// Writes the files of a report into a folder, which is made.

@@ -66,8 +66,8 @@ fn crown(text: &str) -> Result<Crown, String> {
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
-    if let Some(hand) = document.hand_in_use() {
-        messages.note(&hand.describe());
+    if let Some(noise) = document.click_noise_in_use() {
+        messages.note(&noise.describe());
     }
     let options = BaseOptions {
         lens: match args.distortion {

@@ -28,8 +28,8 @@ pub struct SolveArgs {
 pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
-    if let Some(hand) = document.hand_in_use() {
-        messages.note(&hand.describe());
+    if let Some(noise) = document.click_noise_in_use() {
+        messages.note(&noise.describe());
     }
     let bar = messages.progress(document.frames.len(), "Solving");
     let outcomes = solve_document(&mut document, location.folder(), &|| bar.inc(1))?;

@@ -30,7 +30,7 @@ impl DocumentAt<'_> {
     /// There is no such template, or it does not take a parameter or its value.
     pub fn model_of(self, spec: &FieldSpec) -> Result<FieldModel, FieldError> {
         let mut field = spec.model(self.folder)?;
-        self.document.weigh_clicks(&mut field);
+        self.document.weight_clicks(&mut field);
         Ok(field)
     }
 

@@ -5,25 +5,30 @@ use crate::field::FieldModel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The hand's share of a template's `σ²`.
-pub(crate) const HAND_SHARE: f64 = 0.5;
+/// The share of a template's `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own noise).
+pub(crate) const CLICKING_SHARE: f64 = 0.5;
 
-/// A hand's factor is within these, or something else is wrong.
+/// Factors outside this range are not believed.
 const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
-/// An annotator's hand as a document keeps it (`click_noise`).
+/// An annotator's own click noise as a document keeps it (`click_noise`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[allow(clippy::struct_field_names, reason = "the fields are named as the document's keys are")]
-pub struct Hand {
+
+pub struct ClickNoise {
     /// The solve uses it.
     #[serde(rename = "use")]
     pub in_use: bool,
-    /// Its scatter as a multiple of the usual hand's.
-    #[serde(with = "adapters::positive")]
-    pub hand_factor: f64,
+    /// The annotator's scatter as a multiple of the usual one.
+    #[serde(rename = "hand_factor", with = "adapters::positive")]
+    pub factor: f64,
     /// The same for single landmarks.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty", with = "adapters::numbers_by_name")]
-    pub hand_factor_by_landmark: BTreeMap<String, f64>,
+    #[serde(
+        rename = "hand_factor_by_landmark",
+        default,
+        skip_serializing_if = "BTreeMap::is_empty",
+        with = "adapters::numbers_by_name"
+    )]
+    pub factor_by_landmark: BTreeMap<String, f64>,
     /// 1-σ of a click in each direction, px at 1920 px width, for people.
     #[serde(with = "adapters::positive")]
     pub sigma_px: f64,
@@ -39,53 +44,53 @@ pub struct Hand {
 /// What a document keeps of the scatter of its clicks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum ClickNoise {
+pub enum StoredClickNoise {
     /// An annotator's own.
-    Own(Hand),
-    /// Something that is no click noise; it is kept, weighs nothing, and `check` names it.
+    Own(ClickNoise),
+    /// A value that is not readable as click noise; it is kept unused, and `check` reports it.
     Unreadable(serde_json::Value),
 }
 
-impl From<serde_json::Value> for ClickNoise {
+impl From<serde_json::Value> for StoredClickNoise {
     fn from(value: serde_json::Value) -> Self {
-        Hand::deserialize(&value).map_or(Self::Unreadable(value), Self::Own)
+        ClickNoise::deserialize(&value).map_or(Self::Unreadable(value), Self::Own)
     }
 }
 
-impl ClickNoise {
-    /// Why it weighs nothing; none if it can.
+impl StoredClickNoise {
+    /// Why it cannot be used; none if it can.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         match self {
-            Self::Own(hand) if hand.is_plausible() => None,
-            Self::Own(_) => Some("no hand is that much steadier or shakier than others".to_owned()),
-            Self::Unreadable(value) => Hand::deserialize(value).err().map(|error| error.to_string()),
+            Self::Own(noise) if noise.is_plausible() => None,
+            Self::Own(_) => Some("click noise 20 times larger or smaller than usual is not plausible".to_owned()),
+            Self::Unreadable(value) => ClickNoise::deserialize(value).err().map(|error| error.to_string()),
         }
     }
 }
 
-impl Hand {
+impl ClickNoise {
     /// The 1-σ of a click, px at 1920 px width, from what the template states.
     fn sigma_px(&self, stated_px: f64, landmark: Option<&str>) -> f64 {
-        let own = landmark.and_then(|landmark| self.hand_factor_by_landmark.get(landmark)).copied();
-        let factor = own.unwrap_or(self.hand_factor);
-        stated_px * (1.0 - HAND_SHARE + HAND_SHARE * factor * factor).sqrt()
+        let own = landmark.and_then(|landmark| self.factor_by_landmark.get(landmark)).copied();
+        let factor = own.unwrap_or(self.factor);
+        stated_px * (1.0 - CLICKING_SHARE + CLICKING_SHARE * factor * factor).sqrt()
     }
 
-    /// What the clicks are weighed by, in a sentence.
+    /// One sentence for the user: which click noise weights the clicks.
     #[must_use]
     pub fn describe(&self) -> String {
         let [low, high] = self.sigma_interval_95_px;
         format!(
-            "points are weighed by their annotator's own click noise: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks",
+            "points are weighted by their annotator's own click noise: {:.2} px (95 %: {low:.2} to {high:.2}) from {} blind clicks",
             self.sigma_px, self.repeats
         )
     }
 
-    /// Whether its factors can be those of a hand.
+    /// Whether all factors are within the plausible range.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
-        let mut factors = self.hand_factor_by_landmark.values().chain([&self.hand_factor]);
+        let mut factors = self.factor_by_landmark.values().chain([&self.factor]);
         factors.all(|factor| PLAUSIBLE_FACTOR.contains(factor))
     }
 
@@ -98,35 +103,35 @@ impl Hand {
 }
 
 impl Document {
-    /// The hand that it keeps, whether it is in use or not.
+    /// The annotator's own click noise, whether it is in use or not.
     #[must_use]
-    pub const fn hand(&self) -> Option<&Hand> {
+    pub const fn own_click_noise(&self) -> Option<&ClickNoise> {
         match &self.click_noise {
-            Some(ClickNoise::Own(hand)) => Some(hand),
-            Some(ClickNoise::Unreadable(_)) | None => None,
+            Some(StoredClickNoise::Own(noise)) => Some(noise),
+            Some(StoredClickNoise::Unreadable(_)) | None => None,
         }
     }
 
-    /// The hand whose noise its clicks are weighed by; none: everybody's.
+    /// The click noise that weights its clicks; none: the template's.
     #[must_use]
-    pub fn hand_in_use(&self) -> Option<Hand> {
-        self.hand().filter(|hand| hand.in_use && hand.is_plausible()).cloned()
+    pub fn click_noise_in_use(&self) -> Option<ClickNoise> {
+        self.own_click_noise().filter(|noise| noise.in_use && noise.is_plausible()).cloned()
     }
 
-    /// Keeps a hand.
+    /// Stores the annotator's own click noise.
     ///
     /// # Errors
-    /// A number of it is not finite.
-    pub fn set_hand(&mut self, hand: &Hand) -> Result<(), serde_json::Error> {
-        serde_json::to_value(hand)?;
-        self.click_noise = Some(ClickNoise::Own(hand.clone()));
+    /// One of its numbers is not finite.
+    pub fn set_click_noise(&mut self, noise: &ClickNoise) -> Result<(), serde_json::Error> {
+        serde_json::to_value(noise)?;
+        self.click_noise = Some(StoredClickNoise::Own(noise.clone()));
         Ok(())
     }
 
     /// Gives a field the click noise that the document uses.
-    pub(super) fn weigh_clicks(&self, field: &mut FieldModel) {
-        if let Some(hand) = self.hand_in_use() {
-            hand.apply(field);
+    pub(super) fn weight_clicks(&self, field: &mut FieldModel) {
+        if let Some(noise) = self.click_noise_in_use() {
+            noise.apply(field);
         }
     }
 }

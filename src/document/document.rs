@@ -1,6 +1,6 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, ClickNoise, Extra, FieldSize, Frame, Frames, Shared, Shot, adapters};
+use super::{Camera, CameraId, Extra, FieldSize, Frame, Frames, Shared, Shot, StoredClickNoise, adapters};
 use crate::camera::PtzCamera;
 use crate::field::{FieldError, FieldModel, Template, template_named};
 use serde::{Deserialize, Serialize};
@@ -38,7 +38,7 @@ pub struct Document {
     /// The frames, in the order in which a person steps through them.
     pub frames: Frames,
     /// What its clicks scatter by.
-    pub click_noise: Option<ClickNoise>,
+    pub click_noise: Option<StoredClickNoise>,
     /// The shots of its videos, where somebody or the program marked them.
     pub shots: Vec<Shot>,
     /// Unknown keys.

@@ -1,7 +1,7 @@
 //! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
 
 use super::old_edit::OldChange;
-use super::{Camera, ClickNoise, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot};
+use super::{Camera, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -50,7 +50,7 @@ pub enum Change {
         conventions: Map<String, Value>,
         /// What its clicks scatter by.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        click_noise: Option<ClickNoise>,
+        click_noise: Option<StoredClickNoise>,
         /// Its shots.
         #[serde(default, skip_serializing_if = "Vec::is_empty")]
         shots: Vec<Shot>,
@@ -186,7 +186,7 @@ impl Change {
             Self::Field(field) => document.field = field,
             Self::Rest { conventions, click_noise, shots, mut extra } => {
                 // Journals of earlier versions have it among the unknown keys.
-                let among_unknown = extra.shift_remove("click_noise").map(ClickNoise::from);
+                let among_unknown = extra.shift_remove("click_noise").map(StoredClickNoise::from);
                 document.conventions = conventions;
                 document.click_noise = click_noise.or(among_unknown);
                 document.shots = shots;

@@ -3,7 +3,8 @@
 use super::document::conventions;
 use super::frames::DuplicateId;
 use super::{
-    Camera, ClickNoise, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
+    Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
+    StoredClickNoise,
 };
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -112,7 +113,7 @@ struct DocumentJson {
     cameras: Vec<Shared<Camera>>,
     frames: Vec<Shared<Frame>>,
     #[serde(default)]
-    click_noise: Option<ClickNoise>,
+    click_noise: Option<StoredClickNoise>,
     #[serde(default)]
     shots: Vec<Shot>,
     #[serde(flatten)]

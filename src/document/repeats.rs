@@ -1,4 +1,4 @@
-//! Gold frames: labelled frames whose landmarks are clicked again, blind, to learn how far the annotator's hand scatters.
+//! Gold frames: labelled frames whose landmarks are clicked again, blind, to measure the annotator's click noise.
 //!
 //! A frame is gold because somebody marked it or the program chose it (`calibrate::choose_gold`). Blind clicks are kept in the frame
 //! ([`Repeat`]) and never change its label.

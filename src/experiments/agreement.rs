@@ -2,7 +2,7 @@
 
 use crate::evaluate::{Agreement, FrameAgreement};
 use crate::report::Table;
-use crate::score::ClickNoise;
+use crate::score::ClickScatter;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -16,7 +16,7 @@ pub fn agreement_by_landmark(agreement: &Agreement) -> Table {
         ("p90_px", "90 % (px)"),
         ("offset_x_px", "median x (px)"),
         ("offset_y_px", "median y (px)"),
-        ("sigma_px", "one hand σ (px)"),
+        ("sigma_px", "one annotator σ (px)"),
     ]);
     for landmark in &agreement.landmarks {
         table.push(vec![
@@ -134,16 +134,16 @@ pub fn agreement_json(agreement: &Agreement) -> Value {
         "copies": agreement.copies,
         "median_px": agreement.distances.map(|distances| distances.median),
         "p90_px": agreement.distances.map(|distances| distances.p90),
-        "one_hand": agreement.noise.as_ref().map(described),
-        "one_hand_x": right,
-        "one_hand_y": down,
+        "one_annotator": agreement.noise.as_ref().map(described),
+        "one_annotator_x": right,
+        "one_annotator_y": down,
         "names_differ": agreement.frames.iter().flat_map(disputes).collect::<Vec<_>>(),
         "only_first": lone(true),
         "only_second": lone(false),
     })
 }
 
-fn described(noise: &ClickNoise) -> Value {
+fn described(noise: &ClickScatter) -> Value {
     json!({
         "sigma_px": noise.sigma,
         "interval_95_px": noise.interval_95,

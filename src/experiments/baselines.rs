@@ -6,7 +6,7 @@ use super::progress::Progress;
 use super::ransac::{Match, by_four_points, through};
 use super::sets::FrameSet;
 use super::setting::rng;
-use super::{ExperimentError, Workshop};
+use super::{ExperimentError, SharedInputs};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::features::Descriptor;
 use crate::geometry::{Angle, ImagePoint, Vec3};
@@ -35,16 +35,16 @@ const METHODS: [&str; 3] = ["nearest reference, homography", "nearest neighbours
 ///
 /// # Errors
 /// The frames cannot be had.
-pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
+pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
     let mut report = Report::new("baselines", &set.heading("Baselines: over the number of references"));
     let most = set.splits.iter().map(|split| split.training_frames.len()).max().unwrap_or(0);
-    let wanted: &[usize] = if workshop.options.quick { &[3, 10] } else { &[5, 10, 20, 40, 87] };
+    let wanted: &[usize] = if inputs.options.quick { &[3, 10] } else { &[5, 10, 20, 40, 87] };
     let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(most)).collect();
     counts.dedup();
-    let stride = workshop.options.sized(4, 2);
+    let stride = inputs.options.sized(4, 2);
     report.text(&format!(
-        "Frames: {}. References are drawn at random from the training_frames of a sequence; one frame in {stride} is asked. \
+        "Frames: {}. References are drawn at random from the training frames of a sequence; one frame in {stride} is asked. \
          The first method is the one that the paper compares with: the reference with most matches (ratio test), four-point \
          RANSAC, a homography, and the camera of it; it does not use the base. The second takes each feature's nearest \
          neighbour among all references as its ray.",
@@ -56,7 +56,7 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
     for &count in &counts {
         let mut methods: [Vec<AskedFrame>; 3] = [const { Vec::new() }; 3];
         for number in 0..set.splits.len() {
-            let asked = ask_split(set, number, count, stride, workshop.options.seed);
+            let asked = ask_split(set, number, count, stride, inputs.options.seed);
             for (all, asked) in methods.iter_mut().zip(asked) {
                 all.extend(asked);
             }

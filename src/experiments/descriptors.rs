@@ -3,7 +3,7 @@
 use super::answers::{AskedFrame, FoundCamera, Tally, tally_table};
 use super::progress::Progress;
 use super::sets::{FrameSet, KnownFrame, Split, as_picture};
-use super::{ExperimentError, Workshop};
+use super::{ExperimentError, SharedInputs};
 use crate::camera::{Ptz, PtzCamera};
 use crate::features::{BinaryDescriptor, BinaryKind, Descriptor, Keypoint, MAX_SQUARED_DISTANCE, extract_binary};
 use crate::media::FrameReader;
@@ -34,25 +34,25 @@ struct Described<D> {
 ///
 /// # Errors
 /// The frames or their pictures cannot be had.
-pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
+pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
     let mut report = Report::new("descriptors", &set.heading("Descriptors: SIFT, ORB, AKAZE"));
     report.text(&format!(
         "Frames: {}. At most {MOST_FEATURES} features a picture, OpenCV's own settings; every feature's nearest neighbour among \
          all references' features is its ray, then the pose from two points. No forest: a forest splits numbers, not bits.",
         set.title
     ));
-    let stride = workshop.options.sized(4, 2);
+    let stride = inputs.options.sized(4, 2);
     let sift = Described {
         frames: set.frames.iter().map(|f| (f.features.keypoints.clone(), f.features.descriptors.clone())).collect(),
         distance: |a: &Descriptor, b| a.squared_distance(b) / MAX_SQUARED_DISTANCE,
         gate: GATE,
     };
-    let mut tallies: Vec<(Cell, Tally)> = vec![("SIFT".into(), ask(set, &sift, stride, workshop.options.seed))];
+    let mut tallies: Vec<(Cell, Tally)> = vec![("SIFT".into(), ask(set, &sift, stride, inputs.options.seed))];
     progress(1, 3);
     for (done, (name, kind)) in [("ORB", BinaryKind::Orb), ("AKAZE", BinaryKind::Akaze)].into_iter().enumerate() {
         let described = binary(set, kind)?;
-        tallies.push((name.into(), ask(set, &described, stride, workshop.options.seed)));
+        tallies.push((name.into(), ask(set, &described, stride, inputs.options.seed)));
         progress(done + 2, 3);
     }
     report.table("kinds", "By kind of features.", tally_table(("features", "features"), &tallies));

@@ -2,7 +2,7 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the experiments | [`Experiment`], [`Workshop`] |
+//! | the experiments | [`Experiment`], [`SharedInputs`] |
 //! | two annotators' agreement | [`agreement_tables`], [`agreement_json`] |
 //! | an evaluation for people | [`evaluation_report`], [`evaluation_tables`] |
 //!
@@ -17,6 +17,7 @@ mod error;
 mod evaluation;
 mod given;
 mod homographies;
+mod inputs;
 mod motion;
 mod options;
 mod pose;
@@ -27,12 +28,11 @@ mod run;
 mod sets;
 mod setting;
 mod synthetic;
-mod workshop;
 
 pub use agreement::{agreement_by_frame, agreement_by_landmark, agreement_json, agreement_tables};
 pub use error::ExperimentError;
 pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
+pub use inputs::SharedInputs;
 pub use options::{Experiment, ExperimentOptions, UnknownExperiment};
 pub use progress::Progress;
 pub use sets::{OwnDocument, OwnDocuments};
-pub use workshop::Workshop;

@@ -3,7 +3,7 @@
 use super::answers::{Tally, ask, tally_table};
 use super::progress::Progress;
 use super::sets::SetKind;
-use super::{ExperimentError, Workshop};
+use super::{ExperimentError, SharedInputs};
 use crate::camera::{CameraBase, FocalCurve, PtzCamera};
 use crate::relocalize::{RelocalizeOptions, TrainOptions};
 use crate::report::{Cell, Report};
@@ -12,8 +12,8 @@ use crate::report::{Cell, Report};
 ///
 /// # Errors
 /// The frames cannot be had.
-pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.distorted(progress)?;
+pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.distorted(progress)?;
     let mut report = Report::new("pose", &set.heading("Pose: with and without k1"));
     let lens = match set.kind {
         SetKind::Drawn => {
@@ -25,9 +25,9 @@ pub fn run(workshop: &Workshop, progress: Progress) -> Result<Report, Experiment
         "Frames: {}. {lens} The rays that the forest has learnt are right in both cases; only the optimisation differs.",
         set.title
     ));
-    let training = TrainOptions { seed: workshop.options.seed, ..TrainOptions::default() };
+    let training = TrainOptions { seed: inputs.options.seed, ..TrainOptions::default() };
     let mut asking = RelocalizeOptions::default();
-    asking.pose.seed = workshop.options.seed;
+    asking.pose.seed = inputs.options.seed;
     let without = |truth: &PtzCamera| CameraBase { distortion: FocalCurve::NONE, ..*truth.base() };
     let tallies: [(Cell, Tally); 2] = [
         ("with k1".into(), Tally::of(ask(set, &training, &asking, &|truth| *truth.base()).iter())),

@@ -3,7 +3,7 @@
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, by_name, tally_table};
 use super::progress::Progress;
 use super::sets::{FrameSet, SetKind};
-use super::{ExperimentError, Workshop};
+use super::{ExperimentError, SharedInputs};
 use crate::geometry::AngleRange;
 use crate::media::FrameReader;
 use crate::proposals::overlay_error_px;
@@ -25,18 +25,18 @@ const WORST_SHOWN: usize = 5;
 /// Errors of the overlay within which frames are counted, px at 1920 px width.
 const OVERLAY_PX: [f64; 4] = [2.0, 5.0, 10.0, 20.0];
 
-fn training(workshop: &Workshop) -> TrainOptions {
-    TrainOptions { seed: workshop.options.seed, ..TrainOptions::default() }
+fn training(inputs: &SharedInputs) -> TrainOptions {
+    TrainOptions { seed: inputs.options.seed, ..TrainOptions::default() }
 }
 
-fn asking(workshop: &Workshop) -> RelocalizeOptions {
+fn asking(inputs: &SharedInputs) -> RelocalizeOptions {
     let mut options = RelocalizeOptions::default();
-    options.pose.seed = workshop.options.seed;
+    options.pose.seed = inputs.options.seed;
     options
 }
 
-fn ask_set(workshop: &Workshop, set: &FrameSet) -> Vec<AskedFrame> {
-    ask_plainly(set, &training(workshop), &asking(workshop))
+fn ask_set(inputs: &SharedInputs, set: &FrameSet) -> Vec<AskedFrame> {
+    ask_plainly(set, &training(inputs), &asking(inputs))
 }
 
 /// Says what the frames are.
@@ -50,8 +50,8 @@ const PAPERS_SETS: &str = "The paper's own sets (its table 2) are four sequences
     focal length 1917 to 4228 px.";
 
 /// Four sequences of 29 frames, each asked of the other three (the paper's `highlights`).
-pub fn highlights(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
+pub fn highlights(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
     let own = set.kind == SetKind::Own;
     let heading = if own { "Sequences: asked of other sequences" } else { "Highlights: sequences of one match" };
     let mut report = Report::new("highlights", &set.heading(heading));
@@ -59,21 +59,21 @@ pub fn highlights(workshop: &Workshop, progress: Progress) -> Result<Report, Exp
     if !own {
         report.text(PAPERS_SETS);
     }
-    sequences(&mut report, workshop, set)?;
+    sequences(&mut report, inputs, set)?;
     Ok(report)
 }
 
 /// Two games of 42 and 33 frames, half of them for training (the paper's `worldcup`).
-pub fn worldcup(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.worldcup(progress)?;
+pub fn worldcup(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.worldcup(progress)?;
     let mut report = Report::new("worldcup", &set.heading("World Cup: games"));
     introduce(&mut report, set, "");
-    sequences(&mut report, workshop, set)?;
+    sequences(&mut report, inputs, set)?;
     Ok(report)
 }
 
-fn sequences(report: &mut Report, workshop: &Workshop, set: &FrameSet) -> Result<(), ExperimentError> {
-    let asked = ask_set(workshop, set);
+fn sequences(report: &mut Report, inputs: &SharedInputs, set: &FrameSet) -> Result<(), ExperimentError> {
+    let asked = ask_set(inputs, set);
     let parts = by_name(set, &asked);
     let tallies: Vec<(Cell, Tally)> =
         parts.iter().map(|(name, asked)| ((*name).into(), Tally::of(asked.iter().copied()))).collect();
@@ -219,8 +219,8 @@ fn view_distribution(asked: &[AskedFrame]) -> Figure {
 }
 
 /// The distribution of rotation and focal length errors.
-pub fn errors(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let (one, two) = (workshop.highlights(progress)?, workshop.worldcup(progress)?);
+pub fn errors(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let (one, two) = (inputs.highlights(progress)?, inputs.worldcup(progress)?);
     let mut report = Report::new("errors", &one.heading("Errors: cumulative distributions"));
     let sets = match (one.kind, two.kind) {
         (SetKind::Own, _) => vec![("own frames", one)],
@@ -228,7 +228,7 @@ pub fn errors(workshop: &Workshop, progress: Progress) -> Result<Report, Experim
         // Published and drawn frames share no diagram.
         _ => vec![("highlights", one)],
     };
-    let asked: Vec<(&str, Vec<AskedFrame>)> = sets.iter().map(|(name, set)| (*name, ask_set(workshop, set))).collect();
+    let asked: Vec<(&str, Vec<AskedFrame>)> = sets.iter().map(|(name, set)| (*name, ask_set(inputs, set))).collect();
     for (name, set) in &sets {
         introduce(&mut report, set, &format!("Below: {name}."));
     }
@@ -255,8 +255,8 @@ pub fn errors(workshop: &Workshop, progress: Progress) -> Result<Report, Experim
 }
 
 /// The gate on descriptors' distances (the paper's table 4).
-pub fn threshold(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
+pub fn threshold(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
     let mut report = Report::new("threshold", &set.heading("Threshold: the gate on descriptors' distances"));
     introduce(&mut report, set, "A leaf farther than the gate (squared distance of unit descriptors) is no match.");
     let tallies: Vec<(Cell, Tally)> = GATES
@@ -264,8 +264,8 @@ pub fn threshold(workshop: &Workshop, progress: Progress) -> Result<Report, Expe
         .enumerate()
         .map(|(done, gate)| {
             let predict = PredictOptions { max_squared_distance: gate, ..PredictOptions::default() };
-            let options = RelocalizeOptions { predict, ..asking(workshop) };
-            let asked = ask_plainly(set, &training(workshop), &options);
+            let options = RelocalizeOptions { predict, ..asking(inputs) };
+            let asked = ask_plainly(set, &training(inputs), &options);
             progress(done + 1, GATES.len());
             (Cell::Number((f64::from(gate) * 1e6).round() / 1e6), Tally::of(asked.iter()))
         })
@@ -286,12 +286,12 @@ pub fn threshold(workshop: &Workshop, progress: Progress) -> Result<Report, Expe
 }
 
 /// One to ten trees: the share of frames within an error.
-pub fn trees(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
+pub fn trees(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
     let mut report = Report::new("trees", &set.heading("Trees: how many are needed"));
     introduce(&mut report, set, "Each tree learns from all teachers.");
     let bounds = if set.kind == SetKind::Drawn { WITHIN_DEG } else { WITHIN_FITTED_DEG };
-    let counts: Vec<u32> = if workshop.options.quick { vec![1, 2, 5] } else { (1..=10).collect() };
+    let counts: Vec<u32> = if inputs.options.quick { vec![1, 2, 5] } else { (1..=10).collect() };
     let mut table = Table::new(&[("trees", "trees")]);
     for within in bounds {
         table.columns.push(Column::new(&format!("within_{within}_deg"), &format!("within {within}°")));
@@ -299,7 +299,7 @@ pub fn trees(workshop: &Workshop, progress: Progress) -> Result<Report, Experime
     table.columns.push(Column::new("found", "found"));
     let mut curves: Vec<Vec<[f64; 2]>> = vec![Vec::new(); bounds.len()];
     for (done, &trees) in counts.iter().enumerate() {
-        let asked = ask_plainly(set, &TrainOptions { trees, ..training(workshop) }, &asking(workshop));
+        let asked = ask_plainly(set, &TrainOptions { trees, ..training(inputs) }, &asking(inputs));
         let share = |of: &dyn Fn(&FoundCamera) -> bool| {
             asked.iter().filter_map(|asked| asked.found.as_ref()).filter(|found| of(found)).count() as f64
                 / asked.len().max(1) as f64
@@ -325,9 +325,9 @@ pub fn trees(workshop: &Workshop, progress: Progress) -> Result<Report, Experime
 }
 
 /// `IoU` over the field of view, failures marked.
-pub fn fov(workshop: &Workshop, progress: Progress) -> Result<Report, ExperimentError> {
-    let set = workshop.highlights(progress)?;
-    let asked = ask_set(workshop, set);
+pub fn fov(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let set = inputs.highlights(progress)?;
+    let asked = ask_set(inputs, set);
     let mut report = Report::new("fov", &set.heading("Field of view: where it fails"));
     introduce(&mut report, set, "A frame that was not found is marked at zero.");
     let point = |asked: &AskedFrame| asked.found.map(|found| [asked.view_deg, found.iou.unwrap_or(f64::NAN)]);

@@ -9,10 +9,10 @@
 //! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
 //! | whether stated sigmas keep their word | [`SigmaCoverage`] |
 //! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
-//! | how far a hand misses, from clicks on the same spots | [`ClickNoise`] |
+//! | how far clicks on the same spots scatter | [`ClickScatter`] |
 
 mod camera_error;
-mod click_noise;
+mod click_scatter;
 mod coverage;
 mod distribution;
 mod ground;
@@ -25,7 +25,7 @@ mod statistics;
 mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
-pub use click_noise::ClickNoise;
+pub use click_scatter::ClickScatter;
 pub use coverage::SigmaCoverage;
 pub(crate) use coverage::squared_sigmas;
 pub(crate) use distribution::{chi_squared_quantile, median_normal_size, median_rayleigh, rayleigh_share};

@@ -1,4 +1,4 @@
-//! Two annotators on the same frames, and one annotator twice: what is said of their hands is what was put in.
+//! Two annotators on the same frames, and one annotator twice: the reported click noise is the simulated one.
 
 use crate::program::touchline;
 use crate::seeded::{normal, rng};
@@ -30,7 +30,7 @@ fn base() -> CameraBase {
     CameraBase::new(Vec3::new(1.0, -60.0, 18.0), angles.base_from_world(), SIZE.centre())
 }
 
-/// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, moved by a hand of this sigma.
+/// Frames of a wide pan, each with up to five landmarks clicked where the truth has them, with click noise of this sigma.
 fn clicked(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
     let field = field();
     let mut document = Document::new(FieldSpec::new("soccer"));
@@ -58,7 +58,7 @@ fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
     ImagePoint::new(at.x + sigma_px * normal(rng), at.y + sigma_px * normal(rng))
 }
 
-/// The same document labelled by somebody else, whose hand has this sigma about the same spots.
+/// The same document labelled by somebody else, with this click noise about the same spots.
 fn by_another(document: &Document, truth: &Document, sigma_px: f64, rng: &mut Pcg64Mcg) -> Document {
     let mut other = document.clone();
     for (frame, exact) in other.frames.iter_mut().zip(&truth.frames) {
@@ -74,8 +74,8 @@ fn agreed(first: &Document, second: &Document) -> Agreement {
 }
 
 #[test]
-fn the_noise_of_one_hand_comes_out_of_the_differences_of_two() {
-    let mut rng = rng("the_noise_of_one_hand_comes_out_of_the_differences_of_two");
+fn click_noise_is_recovered_from_two_annotators() {
+    let mut rng = rng("click_noise_is_recovered_from_two_annotators");
     let truth = clicked(40, 0.0, &mut rng);
     for sigma_px in [0.4, 1.5] {
         let one = by_another(&truth, &truth, sigma_px, &mut rng);
@@ -93,8 +93,8 @@ fn the_noise_of_one_hand_comes_out_of_the_differences_of_two() {
 }
 
 #[test]
-fn other_names_lone_frames_and_copies_are_told() {
-    let mut rng = rng("other_names_lone_frames_and_copies_are_told");
+fn agreement_reports_name_disputes_lone_frames_and_copies() {
+    let mut rng = rng("agreement_reports_name_disputes_lone_frames_and_copies");
     let truth = clicked(12, 0.0, &mut rng);
     let copies: usize = truth.frames.iter().map(|frame| frame.clicks.len()).sum();
     let found = agreed(&truth, &truth);
@@ -149,16 +149,20 @@ fn evaluate_says_how_two_annotators_agree() {
     let ran = touchline(folder.path(), "evaluate a.json b.json");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let report: Value = serde_json::from_str(&ran.stdout).unwrap();
-    let hand = &report["agreement"]["one_hand"];
-    let ends: Vec<f64> = hand["interval_95_px"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect();
-    assert!(ends[0] < 2.0 && 2.0 < ends[1], "{hand}");
+    let noise = &report["agreement"]["one_annotator"];
+    let ends: Vec<f64> = noise["interval_95_px"].as_array().unwrap().iter().map(|end| end.as_f64().unwrap()).collect();
+    assert!(ends[0] < 2.0 && 2.0 < ends[1], "{noise}");
     let ran = touchline(folder.path(), "evaluate a.json b.json --table");
-    assert!(ran.stdout.contains("Two annotators:") && ran.stdout.contains("One hand scatters by"), "{}", ran.stdout);
+    assert!(
+        ran.stdout.contains("Two annotators:") && ran.stdout.contains("Click noise of one annotator:"),
+        "{}",
+        ran.stdout
+    );
     let ran = touchline(folder.path(), "evaluate exact.json exact.json");
     assert!(!ran.stdout.contains("agreement"), "copies are no second annotator");
 }
 
-/// Every landmark of the first frames clicked again, blind, by a hand of this sigma about the true spots.
+/// Every landmark of the first frames clicked again, blind, with this click noise about the true spots.
 fn repeat(document: &mut Document, truth: &Document, frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) {
     let round = document.next_round();
     for (frame, exact) in document.frames.iter_mut().zip(&truth.frames).take(frames) {
@@ -174,15 +178,15 @@ fn own(document: &Document) -> OwnNoise {
 }
 
 #[test]
-fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
-    let mut rng = rng("repeats_tell_the_hand_and_a_usual_hand_changes_nothing");
+fn repeats_give_the_click_noise_and_a_usual_one_changes_nothing() {
+    let mut rng = rng("repeats_give_the_click_noise_and_a_usual_one_changes_nothing");
     let truth = clicked(40, 0.0, &mut rng);
     assert_eq!(own(&truth), OwnNoise::default());
     let sigma_px = 0.6;
     let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
     repeat(&mut document, &truth, 2, sigma_px, &mut rng);
     let few = own(&document);
-    assert!(few.repeats < ENOUGH_REPEATS && few.hand.is_none() && few.missing() > 0, "{few:?}");
+    assert!(few.repeats < ENOUGH_REPEATS && few.click_noise.is_none() && few.missing() > 0, "{few:?}");
     repeat(&mut document, &truth, 40, sigma_px, &mut rng);
     repeat(&mut document, &truth, 40, sigma_px, &mut rng);
     let found = own(&document);
@@ -190,7 +194,7 @@ fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
     let [low, high] = noise.interval_95;
     assert!(low < 1.2 && 1.2 < high && high < 1.25 * low, "{noise:?}");
 
-    // The usual hand: half of the template's variance.
+    // The usual click noise: half of the template's variance.
     let stated: BTreeMap<String, f64> =
         field().landmarks.iter().map(|landmark| (landmark.id.to_string(), landmark.click_sigma_px)).collect();
     let mut usual = truth.clone();
@@ -206,10 +210,10 @@ fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
     for frame in &mut usual.frames {
         frame.clicks.clear();
     }
-    let hand = own(&usual).hand.unwrap();
-    assert!((hand.hand_factor - 1.0).abs() < 0.08, "{hand:?}");
-    assert!(hand.hand_factor_by_landmark.values().all(|factor| (factor - 1.0).abs() < 0.35), "{hand:?}");
-    usual.set_hand(&hand).unwrap();
+    let noise = own(&usual).click_noise.unwrap();
+    assert!((noise.factor - 1.0).abs() < 0.08, "{noise:?}");
+    assert!(noise.factor_by_landmark.values().all(|factor| (factor - 1.0).abs() < 0.35), "{noise:?}");
+    usual.set_click_noise(&noise).unwrap();
     let weighed = Fields::of(usual.at(Path::new("."))).unwrap();
     let weighed = weighed.of_frame(&usual, &usual.frames[0]);
     let changed = weighed.landmarks.iter().zip(field().landmarks).map(|(a, b)| a.click_sigma_px / b.click_sigma_px);
@@ -217,8 +221,8 @@ fn repeats_tell_the_hand_and_a_usual_hand_changes_nothing() {
 }
 
 #[test]
-fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
-    let mut rng = rng("a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it");
+fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
+    let mut rng = rng("low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it");
     let truth = clicked(10, 0.0, &mut rng);
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 10, 0.2, &mut rng);
@@ -229,16 +233,16 @@ fn a_steady_hand_makes_the_solve_surer_and_the_document_keeps_it() {
         calibrate(document, &FrameLookup::of(document), frame, field, 4).unwrap().worst_corner_sigma_px
     };
     let before = sigma(&document);
-    let mut hand = own(&document).hand.unwrap();
-    document.set_hand(&hand).unwrap();
+    let mut noise = own(&document).click_noise.unwrap();
+    document.set_click_noise(&noise).unwrap();
     let steady = sigma(&document);
     // What the place is worth stays: half of the variance.
     assert!((0.70..0.85).contains(&(steady / before)), "{steady} of {before}");
     let text = document_to_string(&document.to_dataset()).unwrap();
     let read = document_from_bytes(text.as_bytes()).unwrap();
-    assert_eq!((read.hand(), &read.frames[0].repeats), (Some(&hand), &document.frames[0].repeats));
-    hand.in_use = false;
-    document.set_hand(&hand).unwrap();
+    assert_eq!((read.own_click_noise(), &read.frames[0].repeats), (Some(&noise), &document.frames[0].repeats));
+    noise.in_use = false;
+    document.set_click_noise(&noise).unwrap();
     assert_eq!(sigma(&document), before);
 }
 
@@ -252,7 +256,7 @@ fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
         let mut document = by_another(&truth, &truth, sigma_px, &mut rng);
         repeat(&mut document, &truth, 5, sigma_px, &mut rng);
         let found = own(&document);
-        assert!(found.repeats >= ENOUGH_REPEATS && found.hand.is_some(), "{found:?}");
+        assert!(found.repeats >= ENOUGH_REPEATS && found.click_noise.is_some(), "{found:?}");
         let [low, high] = found.noise.unwrap().interval_95;
         held += usize::from(low <= 2.0 * sigma_px && 2.0 * sigma_px <= high);
     }
@@ -261,8 +265,8 @@ fn the_interval_of_a_round_holds_the_truth_as_often_as_it_says() {
 }
 
 #[test]
-fn the_commands_weigh_clicks_as_the_document_says() {
-    let mut rng = rng("the_commands_weigh_clicks_as_the_document_says");
+fn the_commands_weight_clicks_as_the_document_says() {
+    let mut rng = rng("the_commands_weight_clicks_as_the_document_says");
     let truth = clicked(8, 0.0, &mut rng);
     let mut document = by_another(&truth, &truth, 0.2, &mut rng);
     repeat(&mut document, &truth, 8, 0.2, &mut rng);
@@ -271,7 +275,7 @@ fn the_commands_weigh_clicks_as_the_document_says() {
         write_document(&Location::for_new_document(&folder.path().join(name)).unwrap(), document, false).unwrap();
     };
     write("usual.json", &document);
-    document.set_hand(&own(&document).hand.unwrap()).unwrap();
+    document.set_click_noise(&own(&document).click_noise.unwrap()).unwrap();
     write("own.json", &document);
     for command in ["solve", "refine-base --distortion none --crown 0"] {
         let sigma = |name: &str| {
@@ -286,8 +290,8 @@ fn the_commands_weigh_clicks_as_the_document_says() {
 }
 
 #[test]
-fn check_names_what_is_wrong_with_repeats_and_hand() {
-    let mut rng = rng("check_names_what_is_wrong_with_repeats_and_hand");
+fn check_reports_faults_in_repeats_and_click_noise() {
+    let mut rng = rng("check_reports_faults_in_repeats_and_click_noise");
     let mut document = clicked(2, 0.0, &mut rng);
     assert_eq!(check_values(document.at(Path::new("."))), []);
     document.frames[0].repeats.push(Repeat::new("centre_spot".into(), ImagePoint::new(5.0, 5.0), 1));
@@ -296,5 +300,5 @@ fn check_names_what_is_wrong_with_repeats_and_hand() {
     let codes: Vec<&str> =
         check_values(document.at(Path::new("."))).iter().map(|problem| problem.fault.code()).collect();
     assert_eq!(codes, ["click_noise", "unknown_landmark_again", "repeat_outside"]);
-    assert_eq!(document.hand_in_use(), None, "what is no hand weighs nothing");
+    assert_eq!(document.click_noise_in_use(), None, "unreadable click noise is not used");
 }

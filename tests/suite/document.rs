@@ -228,7 +228,7 @@ fn what_the_schema_names_is_read_typed_checked_and_written() {
     frame["solution"]["timings_ms"] = serde_json::json!({ "features": 80.0, "predict": 1.5, "pose": 3.0 });
     json["frames"][1]["sha256"] = "abc".into();
     let document = document_from_bytes(json.to_string().as_bytes()).unwrap();
-    assert_eq!(document.hand().unwrap().repeats, 40);
+    assert_eq!(document.own_click_noise().unwrap().repeats, 40);
     let frame = &document.frames[0];
     assert!(!frame.use_for_base && frame.gold && !frame.is_used_for_training());
     assert_eq!(frame.use_for_training, Some(false), "read under its earlier name, too");

@@ -1,4 +1,4 @@
-//! Gold frames in the application: chosen, clicked again blind, undone, journalled; the hand that shows, and its use.
+//! Gold frames in the application: chosen, clicked again blind, undone, journalled; the resulting click noise and its use.
 
 use crate::bench::{Bench, SIZE, base, landmark_in, uncounted};
 use crate::seeded::{normal, rng};
@@ -21,7 +21,7 @@ fn moved(at: ImagePoint, sigma_px: f64, rng: &mut Pcg64Mcg) -> ImagePoint {
     at.moved(Vec2::new(normal(rng), normal(rng)) * sigma_px)
 }
 
-/// Accepted frames with three points each, clicked by a hand of this sigma.
+/// Accepted frames with three points each, with click noise of this sigma.
 fn accepted(frames: usize, sigma_px: f64, rng: &mut Pcg64Mcg) -> Bench {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
@@ -48,7 +48,7 @@ impl Bench {
         &self.app.open().unwrap().document
     }
 
-    /// Answers the round with a hand of this sigma.
+    /// Answers the round with click noise of this sigma.
     fn answer(&mut self, sigma_px: f64, rng: &mut Pcg64Mcg) {
         while let Some(asked) = self.app.round().and_then(|round| round.asked().cloned()) {
             assert_eq!(self.app.session.frame, asked.frame);
@@ -163,7 +163,7 @@ fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
     assert!(bench.app.gold().own.repeats >= ENOUGH_REPEATS);
     let noise = bench.app.gold().own.noise.unwrap();
     assert!(noise.interval_95[0] < 0.5 && 0.5 < noise.interval_95[1], "{noise:?}");
-    assert!(bench.last_notice().contains("Your hand scatters by"), "{}", bench.last_notice());
+    assert!(bench.last_notice().contains("Your click noise is"), "{}", bench.last_notice());
 
     let sigma = |bench: &Bench| {
         let solution = bench.document().frames[2].solution.as_ref().unwrap();
@@ -177,7 +177,7 @@ fn enough_blind_clicks_weigh_the_points_until_that_is_undone() {
     assert!(bench.app.why_not(Command::UseOwnNoise).is_some(), "it is in use");
     bench.command(Command::UseUsualNoise);
     assert!((sigma(&bench).0 - usual).abs() < 1e-9);
-    assert!(bench.document().hand().is_some(), "kept for later");
+    assert!(bench.document().own_click_noise().is_some(), "kept for later");
     bench.command(Command::Undo);
     assert!((sigma(&bench).0 - own).abs() < 1e-12);
     bench.command(Command::Undo);

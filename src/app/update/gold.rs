@@ -1,11 +1,11 @@
-//! Gold frames: marked, chosen, clicked again without a look at the label, and the hand that shows.
+//! Gold frames: marked, chosen, clicked again blind, and the click noise that follows.
 
 use super::App;
 use crate::app::reclick::{Asked, GoldWork, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
 use crate::calibrate::{ENOUGH_REPEATS, choose_gold};
-use crate::document::{Hand, Repeat, Step};
+use crate::document::{ClickNoise, Repeat, Step};
 use crate::geometry::ImagePoint;
 
 /// What is said of everything that would show the label, or lead away from it.
@@ -52,7 +52,7 @@ impl App {
             self.session.notify(Level::Info, reason);
             return;
         }
-        let step = if gold { "Mark as gold" } else { "Take the gold mark away" };
+        let step = if gold { "Mark as gold" } else { "Remove the gold mark" };
         if self.begin(step) {
             if let Some(frame) = self.frame_mut() {
                 frame.gold = gold;
@@ -65,7 +65,7 @@ impl App {
     pub(super) fn choose_gold(&mut self) {
         let Some(open) = &self.open else { return };
         let chosen = choose_gold(&open.document);
-        let told = match chosen.len() {
+        let count = match chosen.len() {
             1 => "1 frame is gold now".to_owned(),
             count => format!("{count} frames are gold now"),
         };
@@ -78,7 +78,8 @@ impl App {
                 }
             }
             self.commit();
-            let text = format!("{told}. Click them again when the labels are no longer in your mind: tomorrow, say.");
+            let text =
+                format!("{count}. Click them again once you no longer remember the labels, tomorrow for example.");
             self.session.notify_with(Level::Info, text, Some(("Click again", Command::ClickAgain)));
         }
     }
@@ -214,60 +215,60 @@ impl App {
             clicked => format!("{clicked} blind clicks are kept"),
         };
         match &own.noise {
-            Some(noise) if own.hand.is_some() => {
+            Some(noise) if own.click_noise.is_some() => {
                 let [low, high] = noise.interval_95;
                 let text =
-                    format!("{clicked}. Your hand scatters by {:.2} px (95 %: {low:.2} to {high:.2}).", noise.sigma);
+                    format!("{clicked}. Your click noise is {:.2} px (95 %: {low:.2} to {high:.2}).", noise.sigma);
                 let offer = self.why_not(Command::UseOwnNoise).is_none();
                 (text, offer.then_some(("Use it", Command::UseOwnNoise)))
             }
-            _ => (format!("{clicked}; {} more and your click noise can be used.", own.missing().max(1)), None),
+            _ => (format!("{clicked}; after {} more your click noise can be used.", own.missing().max(1)), None),
         }
     }
 
-    /// The hand whose noise the document uses.
-    fn hand_in_use(&self) -> Option<Hand> {
-        self.open.as_ref().and_then(|open| open.document.hand_in_use())
+    /// The click noise that the document uses.
+    fn click_noise_in_use(&self) -> Option<ClickNoise> {
+        self.open.as_ref().and_then(|open| open.document.click_noise_in_use())
     }
 
     pub(super) fn why_not_own_noise(&self) -> Option<&'static str> {
-        /// Said while the repeats are too few.
+        /// Shown while the repeats are too few.
         const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
-        const { assert!(ENOUGH_REPEATS == 12, "the words say how many") };
-        match &self.gold.own.hand {
+        const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
+        match &self.gold.own.click_noise {
             None => Some(TOO_FEW),
-            Some(hand) if self.hand_in_use().as_ref() == Some(hand) => Some("The clicks are weighed by it already."),
+            Some(noise) if self.click_noise_in_use().as_ref() == Some(noise) => Some("Your points already use it."),
             Some(_) => None,
         }
     }
 
     pub(super) fn why_not_usual_noise(&self) -> Option<&'static str> {
-        self.hand_in_use().is_none().then_some("The clicks are weighed by everybody's click noise already.")
+        self.click_noise_in_use().is_none().then_some("Your points already use the usual click noise.")
     }
 
-    /// The annotator's own click noise weighs the clicks from now on, as the repeats show it now.
+    /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show it now.
     pub(super) fn use_own_noise(&mut self) {
-        if let Some(hand) = self.gold.own.hand.clone() {
-            self.weigh_clicks("Use my click noise", &hand);
+        if let Some(noise) = self.gold.own.click_noise.clone() {
+            self.weight_clicks("Use my click noise", &noise);
         }
     }
 
-    /// Everybody's click noise weighs the clicks again; the annotator's stays in the document.
+    /// The clicks are weighted by the usual click noise again; the annotator's stays in the document.
     pub(super) fn use_usual_noise(&mut self) {
-        if let Some(hand) = self.hand_in_use() {
-            self.weigh_clicks("Use everybody's click noise", &Hand { in_use: false, ..hand });
+        if let Some(noise) = self.click_noise_in_use() {
+            self.weight_clicks("Use the usual click noise", &ClickNoise { in_use: false, ..noise });
         }
     }
 
     /// One step of undo: every frame that clicks solved is solved again.
-    fn weigh_clicks(&mut self, step: &'static str, hand: &Hand) {
+    fn weight_clicks(&mut self, step: &'static str, noise: &ClickNoise) {
         if !self.begin_step(Step::on_document(step)) {
             return;
         }
         let Some(open) = &mut self.open else { return };
-        if let Err(error) = open.document.set_hand(hand) {
+        if let Err(error) = open.document.set_click_noise(noise) {
             self.abort();
-            self.session.notify(Level::Warning, format!("The click noise cannot be kept: {error}."));
+            self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
             return;
         }
         self.solve_by_clicks();

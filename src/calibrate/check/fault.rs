@@ -178,7 +178,7 @@ pub enum Fault {
         /// The picture's size.
         picture: ImageSize,
     },
-    /// What the document says of its click noise is nothing that a hand can have.
+    /// The document's click noise is not readable or not plausible.
     #[error("click_noise: {message}; click the gold frames again or remove it")]
     ClickNoise {
         /// What is wrong with it.

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, Problem};
 use super::place_of;
-use crate::document::{Camera, ClickNoise, Document, DocumentAt, FieldSpec, Frame, FrameStatus, ShotEnd, Target};
+use crate::document::{Camera, Document, DocumentAt, FieldSpec, Frame, FrameStatus, ShotEnd, StoredClickNoise, Target};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
 use serde_json::Value;
@@ -19,7 +19,7 @@ pub fn check_values(document: DocumentAt<'_>) -> Vec<Problem> {
     if let Err(message) = fields.model(&document.field) {
         problem("field".to_owned(), Fault::Field { message });
     }
-    if let Some(message) = document.click_noise.as_ref().and_then(ClickNoise::fault) {
+    if let Some(message) = document.click_noise.as_ref().and_then(StoredClickNoise::fault) {
         problem("click_noise".to_owned(), Fault::ClickNoise { message });
     }
     for (index, shot) in document.shots.iter().enumerate() {

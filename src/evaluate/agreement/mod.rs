@@ -12,7 +12,7 @@ use super::matching::matched;
 use crate::document::{DocumentAt, Fields, Frame, FrameStatus};
 use crate::field::{FieldError, LandmarkId};
 use crate::geometry::Vec2;
-use crate::score::{ClickNoise, Summary, quantile};
+use crate::score::{ClickScatter, Summary, quantile};
 use frame::{Seen, frame_agreement};
 use std::collections::BTreeMap;
 
@@ -27,11 +27,11 @@ pub struct Agreement {
     pub landmarks: Vec<LandmarkAgreement>,
     /// The distances of the clicks on the same landmarks, px; none without any.
     pub distances: Option<Summary>,
-    /// What one of the two hands scatters by, if both scatter alike, px; none where the clicks are too few to tell. A spot that
+    /// The click noise of either annotator, if both scatter alike, px; none where the clicks are too few to tell. A spot that
     /// the two understand differently counts as scatter.
-    pub noise: Option<ClickNoise>,
+    pub noise: Option<ClickScatter>,
     /// The same to the right and downwards.
-    pub noise_by_axis: [Option<ClickNoise>; 2],
+    pub noise_by_axis: [Option<ClickScatter>; 2],
     /// Clicks that lie at the same place to the last digit: one document took them from the other. They take no part in
     /// distances and noise.
     pub copies: usize,
@@ -63,31 +63,31 @@ pub struct LandmarkAgreement {
     pub p90_px: f64,
     /// The median way from the first to the second, px: a spot that the two understand differently.
     pub offset_px: Vec2,
-    /// What one hand scatters by, px; none where the frames are too few to tell.
-    pub noise: Option<ClickNoise>,
+    /// One annotator's click noise, px; none where the frames are too few to tell.
+    pub noise: Option<ClickScatter>,
 }
 
 impl Agreement {
-    /// What one hand scatters by, in a sentence.
+    /// One annotator's click noise, in a sentence.
     #[must_use]
     pub fn describe_noise(&self) -> String {
         let copies = match self.copies {
             0 => String::new(),
-            1 => " 1 click is a copy and takes no part.".to_owned(),
-            copies => format!(" {copies} clicks are copies and take no part."),
+            1 => " 1 click is a copy and is not counted.".to_owned(),
+            copies => format!(" {copies} clicks are copies and are not counted."),
         };
         let Some(noise) = &self.noise else {
-            return format!("Too few clicks on the same landmarks to tell what one hand scatters by.{copies}");
+            return format!("Too few clicks on the same landmarks to estimate the click noise.{copies}");
         };
         let [low, high] = noise.interval_95;
         let aside = match noise.set_aside {
             0 => String::new(),
-            1 => " 1 pair lies too far apart for scatter and is left out.".to_owned(),
-            pairs => format!(" {pairs} pairs lie too far apart for scatter and are left out."),
+            1 => " 1 pair lies too far apart to be noise and is left out.".to_owned(),
+            pairs => format!(" {pairs} pairs lie too far apart to be noise and are left out."),
         };
         format!(
-            "One hand scatters by {:.2} px in each direction (95 %: {low:.2} to {high:.2}; {} pairs), if both scatter \
-             alike.{aside}{copies}",
+            "Click noise of one annotator: {:.2} px in each direction (95 %: {low:.2} to {high:.2}; {} pairs), if both \
+             click equally well.{aside}{copies}",
             noise.sigma, noise.pairs
         )
     }
@@ -165,8 +165,8 @@ fn summed_up(frames: Vec<FrameAgreement>, lone: Vec<LoneFrame>) -> Agreement {
     Agreement {
         landmarks,
         distances: Summary::of(&distances, 0),
-        noise: ClickNoise::of(&differences),
-        noise_by_axis: [0, 1].map(|axis| ClickNoise::along(differences.iter().map(|difference| difference[axis]))),
+        noise: ClickScatter::of(&differences),
+        noise_by_axis: [0, 1].map(|axis| ClickScatter::along(differences.iter().map(|difference| difference[axis]))),
         copies: pairs().filter(|pair| pair.is_copy()).count(),
         frames,
         lone,
@@ -190,6 +190,6 @@ fn landmark_agreement(landmark: &LandmarkId, pairs: &[&ClickPair]) -> LandmarkAg
             quantile(&sorted(&|pair| pair.offset_px.x), 0.5),
             quantile(&sorted(&|pair| pair.offset_px.y), 0.5),
         ),
-        noise: ClickNoise::of(&differences),
+        noise: ClickScatter::of(&differences),
     }
 }

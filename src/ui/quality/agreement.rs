@@ -14,14 +14,14 @@ use std::sync::Arc;
 
 /// More rows than this are not listed.
 const SHOWN: usize = 9;
-/// A frame farther apart than so many times the median stands out.
-const STANDS_OUT: f64 = 4.0;
+/// Bars end at this multiple of the median, so that one outlier does not flatten all others.
+const BAR_LIMIT: f64 = 4.0;
 /// The width of a column, points.
 const COLUMN: f32 = 330.0;
 
-/// What stands there before a comparison.
-const NOTHING: &str = "Choose another annotator's document of the same frames: distances by landmark, points that the two call \
-                       differently, how their cameras differ, and what one hand scatters by.";
+/// Shown before a comparison.
+const NOTHING: &str = "Choose another annotator's document of the same frames to see distances by landmark, points that were \
+                       named differently, how the cameras differ, and the click noise.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -96,7 +96,7 @@ fn describe(ui: &mut Ui, agreement: &Agreement) {
     let mut text = String::new();
     if let Some(distances) = &agreement.distances {
         text = format!(
-            "{} points of {} frames lie {:.2} px apart, median (90 %: {:.2}). ",
+            "{} points in {} frames, median distance {:.2} px (90 %: {:.2} px). ",
             distances.count,
             agreement.frames.len(),
             distances.median,
@@ -111,7 +111,7 @@ fn describe(ui: &mut Ui, agreement: &Agreement) {
         let _ = write!(text, " Frames labelled only here: {here}, only there: {there}.");
     }
     ui.add(Label::new(text).wrap())
-        .on_hover_text("px at 1920 px width. The rings are one and two σ of the way between the two.");
+        .on_hover_text("px at 1920 px width. The rings are one and two σ of the distance between the two clicks.");
 }
 
 /// The landmarks that lie farthest apart.
@@ -128,22 +128,21 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let value = format!("{:.1} px", landmark.median_px);
         let share = landmark.median_px / largest;
         let (_, response) = Bar { name: &name, value: &value, share, ..Bar::default() }.show(ui);
-        let hand =
-            landmark.noise.map(|noise| format!(" One hand scatters by {:.2} px.", noise.sigma)).unwrap_or_default();
+        let noise = landmark.noise.map(|noise| format!(" Click noise {:.2} px.", noise.sigma)).unwrap_or_default();
         response.on_hover_text(format!(
-            "{name}: {} frames, 90 % within {:.1} px; the other lies ({:+.1}, {:+.1}) px off, median.{hand}",
+            "{name}: {} frames, 90 % within {:.1} px; median offset of the other ({:+.1}, {:+.1}) px.{noise}",
             landmark.pairs, landmark.p90_px, landmark.offset_px.x, landmark.offset_px.y
         ));
     }
 }
 
-/// Points that the two call differently, a row a frame.
+/// Points that the two named differently, one row per frame.
 fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let count: usize = agreement.frames.iter().map(|frame| frame.names.len()).sum();
     if count == 0 {
         return;
     }
-    theme::title(ui, &format!("CALLED DIFFERENTLY  {count}"));
+    theme::title(ui, &format!("NAMED DIFFERENTLY  {count}"));
     for frame in agreement.frames.iter().filter(|frame| !frame.names.is_empty()).take(SHOWN) {
         let said = |dispute: &NameDispute| {
             let [here, there] = dispute.names.clone().map(|id| panel.app.label(&Target::Landmark(id)));
@@ -174,9 +173,8 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
     let by_camera = sorted.iter().any(|frame| frame.cameras.is_some());
     theme::title(ui, if by_camera { "FRAMES, WORST CORNER" } else { "FRAMES, FARTHEST CLICK" });
     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
-    // What stands out does not make all others look alike.
     let usual = apart(sorted[sorted.len() / 2]);
-    let largest = apart(sorted[0]).min(STANDS_OUT * usual).max(1e-9);
+    let largest = apart(sorted[0]).min(BAR_LIMIT * usual).max(1e-9);
     for frame in sorted.into_iter().take(SHOWN) {
         let name = file_name(&frame.name);
         let px = apart(frame);

@@ -1,10 +1,10 @@
-//! The annotator's own hand: gold frames clicked again without a look at the label, and what the clicks are weighed by.
+//! The annotator's own click noise: gold frames clicked again blind, and what the clicks are weighted by.
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
 use crate::app::{Action, Command};
 use crate::calibrate::OwnNoise;
-use crate::document::{Hand, Target};
+use crate::document::{ClickNoise, Target};
 use crate::ui::bar::Bar;
 use crate::ui::{Panel, theme};
 use egui::{Button, Label, RichText, Ui, vec2};
@@ -14,13 +14,13 @@ const LANDMARKS_SHOWN: usize = 9;
 /// The width of the column beside the plot, points.
 const COLUMN: f32 = 330.0;
 
-/// What stands there before the first blind click.
-const NOTHING: &str = "How far does your own hand scatter? Mark accepted frames as gold, or let the program choose a few, and click \
-                       their points again without seeing the labels. From 12 blind clicks on your click noise can weigh your points.";
+/// Shown before the first blind click.
+const NOTHING: &str = "How precisely do you click? Mark accepted frames as gold, or let the program choose a few, and click their \
+                       points again without seeing the labels. After 12 blind clicks your own click noise can weight your points.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    card(panel, ui, "YOUR HAND: GOLD FRAMES", beside, |panel, ui| {
+    card(panel, ui, "YOUR CLICK NOISE: GOLD FRAMES", beside, |panel, ui| {
         let app = panel.app;
         let own = &app.gold().own;
         if own.repeats == 0 {
@@ -55,13 +55,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// What can be done, from the right.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
-    let in_use = app.open().is_some_and(|open| open.document.hand_in_use().is_some());
+    let in_use = app.open().is_some_and(|open| open.document.click_noise_in_use().is_some());
     let mut commands = vec![("Click again…", Command::ClickAgain), ("Choose frames", Command::ChooseGold)];
     if app.why_not(Command::UseOwnNoise).is_none() {
         commands.push((if in_use { "Update" } else { "Use it for my points" }, Command::UseOwnNoise));
     }
     if in_use {
-        commands.push(("Use everybody's", Command::UseUsualNoise));
+        commands.push(("Use the usual", Command::UseUsualNoise));
     }
     for (says, command) in commands {
         let why_not = app.why_not(command);
@@ -80,45 +80,44 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let said = match &own.noise {
         Some(noise) => {
             let [low, high] = noise.interval_95;
-            format!("You scatter by {:.2} px in each direction (95 %: {low:.2} to {high:.2})", noise.sigma)
+            format!("Your click noise: {:.2} px in each direction (95 %: {low:.2} to {high:.2})", noise.sigma)
         }
-        None => "Too few blind clicks to tell how far you scatter".to_owned(),
+        None => "Too few blind clicks to estimate your click noise".to_owned(),
     };
     ui.add(Label::new(RichText::new(said).color(theme::STRONG)).wrap()).on_hover_text(
-        "1-σ of a single click at 1920 px width. The rings are one and two σ of the way between two clicks.",
+        "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
     let [right, down] = own.noise_by_axis.map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
     let axes = right.zip(down).map(|(right, down)| format!(" across {right}, down {down}.")).unwrap_or_default();
     let aside = match own.noise.map_or(0, |noise| noise.set_aside) {
         0 => String::new(),
-        1 => " One lies too far off for scatter and is left out.".to_owned(),
-        count => format!(" {count} lie too far off for scatter and are left out."),
+        1 => " One is too far off to be noise and is left out.".to_owned(),
+        count => format!(" {count} are too far off to be noise and are left out."),
     };
     let frames = if own.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", own.frames) };
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
     ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(theme::TEXT)).wrap());
-    let used = panel.app.open().and_then(|open| open.document.hand_in_use());
-    let text = match (&used, &own.hand) {
-        (None, None) => format!("{} more, and it can weigh your points.", own.missing().max(1)),
-        (None, Some(hand)) => format!("Your points are weighed by everybody's click noise. {}", compared(hand)),
+    let used = panel.app.open().and_then(|open| open.document.click_noise_in_use());
+    let text = match (&used, &own.click_noise) {
+        (None, None) => format!("After {} more it can weight your points.", own.missing().max(1)),
+        (None, Some(noise)) => format!("Your points are weighted by the usual click noise. {}", compared(noise)),
         (Some(used), _) => format!(
-            "Your points are weighed by your own click noise, from {} blind clicks. {}",
+            "Your points are weighted by your own click noise, from {} blind clicks. {}",
             used.repeats,
             compared(used)
         ),
     };
-    let tip = "Half of what a field template states for a landmark is the hand, half the place: paint is wide, and nobody paints to \
-               the centimetre. Your blind clicks replace the hand's half.";
+    let tip = "Half of the variance that a field template states for a landmark comes from clicking, half from the place: paint \
+               is wide, and no field is painted to the centimetre. Your blind clicks replace the first half.";
     ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap()).on_hover_text(tip);
 }
 
-/// A hand against the usual one, in words.
-fn compared(hand: &Hand) -> String {
-    let percent = 100.0 * hand.hand_factor;
-    format!("Your hand: {percent:.0} % of the usual scatter.")
+/// An annotator's click noise compared with the usual one, in a sentence.
+fn compared(noise: &ClickNoise) -> String {
+    format!("Yours is {:.0} % of the usual noise.", 100.0 * noise.factor)
 }
 
-/// Each landmark's sigma as a bar where it is known, those asked most often first.
+/// Each landmark's sigma as a bar where it is known, the most often repeated first.
 fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     let mut sorted: Vec<_> = own.landmarks.iter().collect();
     sorted.sort_by_key(|landmark| std::cmp::Reverse(landmark.repeats));
@@ -139,7 +138,7 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
                     noise.sigma, noise.pairs
                 )
             }
-            None => format!("{name}: {} blind clicks say too little by themselves.", landmark.repeats),
+            None => format!("{name}: {} blind clicks, too few for a value of its own.", landmark.repeats),
         };
         response.on_hover_text(tip);
     }

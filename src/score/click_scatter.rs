@@ -1,23 +1,23 @@
-//! How far a hand misses, from clicks on the same spots made independently.
+//! How far an annotator's clicks scatter, from independent clicks on the same spots.
 //!
-//! What comes in are differences that are already scaled so that each coordinate has the variance σ² of a single click: of
-//! two clicks a and b that is (a − b) / √2. Their mean is taken to be 0.
+//! The input is differences scaled so that each coordinate has the variance σ² of a single click: for two clicks a and b,
+//! (a − b) / √2. Their mean is assumed to be 0.
 //!
-//! 1. A first scale from the median of |d| (the MAD about 0). A pair that lies farther out than 5 of it, its own uncertainty
-//!    allowed for, shows another spot, not noise: it is set aside and counted.
+//! 1. A first scale from the median of |d| (the MAD about 0). A pair farther out than 5 times this scale (its uncertainty
+//!    allowed for) shows another spot, not noise: it is set aside and counted.
 //! 2. Huber's M-estimate of scale ("proposal 2" with a known centre): mean of min(d² / σ², 4) = 0.9205, what a normal
 //!    distribution has. Its efficiency on normal noise is 89 %, where the MAD's is 37 %: the same interval needs less than
 //!    half the clicks.
-//! 3. The interval is that of a χ² variable with as many degrees of freedom as the estimate is worth: n / (2 V), where V is
-//!    the larger of what normal noise gives and what the pairs themselves show, both coordinates of a pair together.
+//! 3. The interval is that of a χ² variable with n / (2 V) degrees of freedom, where V is the larger of the variance for
+//!    normal noise and the variance that the pairs show, both coordinates of a pair together.
 
 use super::{chi_squared_quantile, median_normal_size, quantile};
 use crate::geometry::Vec2;
 use serde::Serialize;
 
-/// Below so many pairs nothing is said: an interval would span a factor of three and more.
+/// No estimate from fewer pairs: the interval would span a factor of three or more.
 const MIN_PAIRS: usize = 5;
-/// A pair farther out than so many first scales shows another spot.
+/// A pair farther out than this multiple of the first scale shows another spot.
 const ANOTHER_SPOT: f64 = 5.0;
 /// √n times two relative 1-σ of the first scale, on normal noise.
 const FIRST_SCALE_2_SIGMA: f64 = 2.33;
@@ -27,12 +27,12 @@ const BEND: f64 = 2.0;
 const EXPECTED: f64 = 0.920_536_925_636_323;
 /// n times the variance of the estimate over σ², on normal noise.
 const NORMAL_VARIANCE: f64 = 0.564_855_397_115_199;
-/// No estimate is taken to be worth less: intervals are a factor of seven wide.
-const LEAST_WORTH: f64 = 3.0;
+/// The fewest degrees of freedom assumed for any estimate: intervals are then a factor of seven wide.
+const LEAST_FREEDOM: f64 = 3.0;
 
-/// A hand's click noise.
+/// How far an annotator's clicks scatter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ClickNoise {
+pub struct ClickScatter {
     /// 1-σ of one click in each direction, in the unit of the differences.
     pub sigma: f64,
     /// The 95 % interval of σ.
@@ -41,11 +41,12 @@ pub struct ClickNoise {
     pub pairs: usize,
     /// Pairs that show another spot.
     pub set_aside: usize,
-    /// Degrees of freedom: what the estimate is worth in normal differences.
-    pub worth: f64,
+    /// The estimate's degrees of freedom.
+    #[serde(rename = "worth")]
+    pub freedom: f64,
 }
 
-impl ClickNoise {
+impl ClickScatter {
     /// The noise that differences show, x and y together; none from fewer than five pairs, and where half of the
     /// differences and more are exactly 0 (copies, not clicks).
     #[must_use]
@@ -77,15 +78,15 @@ impl ClickNoise {
             return None;
         }
         let sigma = scale(&kept, first);
-        let worth = (kept.len() * N) as f64 / (2.0 * variance(&kept, sigma).max(NORMAL_VARIANCE));
-        let worth = worth.max(LEAST_WORTH);
-        let end = |share: f64| sigma * (worth / chi_squared_quantile(worth, share)).sqrt();
+        let freedom = (kept.len() * N) as f64 / (2.0 * variance(&kept, sigma).max(NORMAL_VARIANCE));
+        let freedom = freedom.max(LEAST_FREEDOM);
+        let end = |share: f64| sigma * (freedom / chi_squared_quantile(freedom, share)).sqrt();
         Some(Self {
             sigma,
             interval_95: [end(0.975), end(0.025)],
             pairs: kept.len(),
             set_aside: all.len() - kept.len(),
-            worth,
+            freedom,
         })
     }
 }
@@ -151,7 +152,7 @@ mod tests {
         for pairs in [5, 12, 40] {
             let (mut held, mut logs, mut silent) = (0, 0.0, 0);
             for _ in 0..2000 {
-                let Some(found) = ClickNoise::of(&drawn(&mut rng, pairs, 1.3)) else {
+                let Some(found) = ClickScatter::of(&drawn(&mut rng, pairs, 1.3)) else {
                     silent += 1;
                     continue;
                 };
@@ -170,24 +171,24 @@ mod tests {
     fn wrong_spots_are_set_aside_and_fat_tails_widen_the_interval() {
         let mut rng = Pcg64Mcg::seed_from_u64(6);
         let mut differences = drawn(&mut rng, 45, 1.0);
-        let clean = ClickNoise::of(&differences).unwrap();
+        let clean = ClickScatter::of(&differences).unwrap();
         differences.extend((0..5).map(|index| Vec2::new(30.0 + f64::from(index), -200.0)));
-        let found = ClickNoise::of(&differences).unwrap();
+        let found = ClickScatter::of(&differences).unwrap();
         assert_eq!((found.pairs, found.set_aside), (45, 5));
         assert!((found.sigma - clean.sigma).abs() < 1e-9);
         let fat = StudentT::new(3.0).unwrap();
         let tails: Vec<Vec2> = (0..200).map(|_| Vec2::from_fn(|_, _| rng.sample(fat))).collect();
-        let found = ClickNoise::of(&tails).unwrap();
-        assert!(found.worth < 0.8 * clean.worth / 45.0 * found.pairs as f64, "{found:?}");
+        let found = ClickScatter::of(&tails).unwrap();
+        assert!(found.freedom < 0.8 * clean.freedom / 45.0 * found.pairs as f64, "{found:?}");
     }
 
     #[test]
     fn copies_and_too_few_say_nothing() {
         let one = Vec2::new(1.0, 0.5);
-        assert_eq!(ClickNoise::of(&[one; 4]), None);
-        assert_eq!(ClickNoise::of(&[Vec2::zeros(); 9]), None);
-        assert_eq!(ClickNoise::of(&[Vec2::new(f64::NAN, 0.0); 9]), None);
-        assert!(ClickNoise::of(&[one; 5]).is_some());
-        assert!(ClickNoise::along([1.0, -1.0, 0.5, 0.3, 2.0].into_iter()).is_some());
+        assert_eq!(ClickScatter::of(&[one; 4]), None);
+        assert_eq!(ClickScatter::of(&[Vec2::zeros(); 9]), None);
+        assert_eq!(ClickScatter::of(&[Vec2::new(f64::NAN, 0.0); 9]), None);
+        assert!(ClickScatter::of(&[one; 5]).is_some());
+        assert!(ClickScatter::along([1.0, -1.0, 0.5, 0.3, 2.0].into_iter()).is_some());
     }
 }

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 
 /// How experiments are run, and what they share: frames are drawn or read, and their features found, once.
 #[derive(Debug, Default)]
-pub struct Workshop {
+pub struct SharedInputs {
     /// How they are run.
     pub options: ExperimentOptions,
     /// A user's own frames in place of drawn ones.
@@ -25,8 +25,8 @@ pub struct Workshop {
     worldcup: OnceLock<FrameSet>,
 }
 
-impl Workshop {
-    /// A workshop for these options, with a user's own frames and a folder of published data if they are given.
+impl SharedInputs {
+    /// A inputs for these options, with a user's own frames and a folder of published data if they are given.
     #[must_use]
     pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>, data: Option<&Path>) -> Self {
         Self { options, own, data: data.map(Path::to_path_buf), ..Self::default() }
