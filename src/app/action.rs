@@ -162,7 +162,7 @@ pub enum Action {
         /// Which frame.
         frame: usize,
         /// It learns.
-        teaches: bool,
+        used: bool,
     },
 
     /// The quality page speaks of this camera.

@@ -1,8 +1,8 @@
 //! What a user can ask for: the menu, the keys and the palette all list the same commands.
 //!
-//! A command is a wish without details ("undo", "next frame"); [`super::Action`] is what changes state. Every command
-//! has a name, a sentence for its tooltip, a group and default keys; whether it makes sense right now is decided by
-//! [`super::App::why_not`], so that a greyed-out entry can say why.
+//! A command carries no details ("undo", "next frame"); an [`super::Action`] changes state. Every command has a name, a
+//! sentence for its tooltip, a group and default keys. [`super::App::why_not`] decides whether it is available and gives
+//! the reason if it is not.
 
 /// Something a user can ask for by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -38,7 +38,7 @@ pub enum Command {
     Accept,
     AcceptAndStay,
     AcceptAllAbove,
-    Teaches,
+    UseForTraining,
     MarkGold,
     ChooseGold,
     ClickAgain,
@@ -82,7 +82,7 @@ pub enum Command {
     About,
 }
 
-/// Where a command stands in the menu.
+/// The menu that lists a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[allow(missing_docs, reason = "the menu's own titles")]
 pub enum MenuGroup {
@@ -112,23 +112,23 @@ impl MenuGroup {
     }
 }
 
-/// What a command acts on: whether it may be asked for while something else has the window follows from it.
+/// What a command acts on. It decides whether the command is available during a blind round or behind another page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CommandKind {
-    /// The application itself: it shows no label and changes none.
+    /// The application itself: shows and changes no label.
     Application,
-    /// The scale of what is shown: the picture, or the time axis of the quality page.
+    /// The zoom: of the picture, or of the quality page's time axis.
     Zoom,
     /// A blind round.
     Round,
-    /// The shown picture, or what is selected in it: not while another page hides it.
+    /// The shown picture or the selection in it: not available while another page hides it.
     Picture,
     /// The document as a whole, another frame, a panel.
     Document,
 }
 
 impl CommandKind {
-    /// Whether it may be asked for during a blind round: it neither shows the label nor leads away from the round.
+    /// Whether it is available during a blind round: it neither shows the label nor leaves the round.
     #[must_use]
     pub const fn is_blind(self) -> bool {
         matches!(self, Self::Application | Self::Zoom | Self::Round)
@@ -155,73 +155,73 @@ macro_rules! rows {
 
 rows! {
     OpenProject, "open_project", File, "Open project…", "Open a project folder, a project.json or a dataset file.", ["Ctrl+O"];
-    OpenFolder, "open_folder", File, "Open folder of frames…", "Start a project from a folder of images, or go on with it.", ["Ctrl+Shift+O"];
-    OpenVideo, "open_video", File, "Open video…", "Start a project from a video, or go on with it.", ["Ctrl+Alt+O"];
-    OpenDemo, "open_demo", File, "Try the demo match", "Open a drawn match to try the two clicks on (2 minutes).", [];
+    OpenFolder, "open_folder", File, "Open folder of frames…", "Start a project from a folder of images, or continue it.", ["Ctrl+Shift+O"];
+    OpenVideo, "open_video", File, "Open video…", "Start a project from a video, or continue it.", ["Ctrl+Alt+O"];
+    OpenDemo, "open_demo", File, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
     Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
-    SaveAs, "save_as", File, "Save a copy…", "Write the project into another folder; file paths keep pointing at the same files.", ["Ctrl+Shift+S"];
+    SaveAs, "save_as", File, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
     Export, "export", File, "Export dataset…", "Write the labelled frames as one JSON file.", ["Ctrl+E"];
-    Orphans, "orphans", File, "Edits set aside…", "Edits made to another version of this document: take them in, or keep them as a document of their own.", [];
+    Orphans, "orphans", File, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
     Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
-    Undo, "undo", Edit, "Undo", "Take back the last change; one on another frame is gone to first.", ["Ctrl+Z"];
-    Redo, "redo", Edit, "Redo", "Do again what was taken back.", ["Ctrl+Shift+Z", "Ctrl+Y"];
+    Undo, "undo", Edit, "Undo", "Undo the last change. If it is on another frame, the first press goes to its frame first.", ["Ctrl+Z"];
+    Redo, "redo", Edit, "Redo", "Redo the last change that was undone.", ["Ctrl+Shift+Z", "Ctrl+Y"];
     DeleteClick, "delete_click", Edit, "Delete point", "Delete the selected point.", ["Delete"];
     RenameClick, "rename_click", Edit, "Name point…", "Give the selected point another name.", ["C"];
-    PlaceOnLine, "place_on_line", Edit, "Point on a line", "The next or the selected point lies on a line of the field, not on a landmark.", ["L"];
-    ToggleCheck, "toggle_check", Edit, "Check point", "Hold the selected point out of the solve; its error is shown instead.", ["K"];
+    PlaceOnLine, "place_on_line", Edit, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
+    ToggleCheck, "toggle_check", Edit, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
     NextClick, "next_click", Edit, "Next point", "Select the next point of this frame.", ["Tab"];
     PreviousClick, "previous_click", Edit, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
-    Cancel, "cancel", Edit, "Cancel", "Leave what is begun; then deselect.", ["Escape"];
-    NextFrame, "next_frame", Frame, "Next frame", "Step one frame; held down it plays.", ["Period"];
-    PreviousFrame, "previous_frame", Frame, "Previous frame", "Step one frame back.", ["Comma"];
-    NextTenFrames, "next_ten_frames", Frame, "Ten frames on", "Step ten frames.", ["Shift+Period"];
-    PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Step ten frames back.", ["Shift+Comma"];
-    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that somebody has to look at; along the list while the review panel is open.", ["N"];
-    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that somebody has to look at.", ["Shift+N"];
-    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label helps most of those without an answer, or without a sure one.", [];
+    Cancel, "cancel", Edit, "Cancel", "Cancel the current action, or deselect.", ["Escape"];
+    NextFrame, "next_frame", Frame, "Next frame", "Go one frame forward; hold to play.", ["Period"];
+    PreviousFrame, "previous_frame", Frame, "Previous frame", "Go one frame back.", ["Comma"];
+    NextTenFrames, "next_ten_frames", Frame, "Ten frames forward", "Go ten frames forward.", ["Shift+Period"];
+    PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Go ten frames back.", ["Shift+Comma"];
+    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that has to be looked at; in the order of the list while the review panel is open.", ["N"];
+    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that has to be looked at.", ["Shift+N"];
+    NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label would help most frames without a confident proposal.", [];
     NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
-    AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion that is certain enough, after a look at what they are; one step of undo.", ["Ctrl+Enter"];
-    Teaches, "teaches", Frame, "This reference teaches", "The forest learns from this reference. Accepted suggestions do not teach unless you say so.", [];
+    AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
+    UseForTraining, "use_for_training", Frame, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
     RejectShot, "reject_shot", Frame, "Whole shot not calibratable…", "Mark every frame of this shot as not calibratable, with the reason (1–6).", ["Shift+X"];
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
-    MendNames, "mend_names", Frame, "Take the names that fit", "Where other names fit the points better, or as well: swap, exchange or rename them.", [];
+    MendNames, "mend_names", Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
     ZoomToClick, "zoom_to_click", View, "Zoom to the point", "Show the selected point at 800 %.", ["Z"];
-    HideOverlay, "hide_overlay", View, "Hide overlay (hold)", "While held down the overlay is hidden.", ["H"];
+    HideOverlay, "hide_overlay", View, "Hide overlay (hold)", "Hide the overlay while the key is held.", ["H"];
     OverlayStyle, "overlay_style", View, "Overlay style…", "Colour, width and opacity of the field's lines.", ["O"];
-    ShowMasks, "show_masks", View, "Masks", "Show the boxes whose pixels give no features, and draw new ones.", ["M"];
-    ShowFieldMap, "show_field_map", View, "Field map", "Show or fold the field map.", ["G"];
-    Compare, "compare", View, "Compare (hold)", "While held down the other solution is drawn dashed: the other focal length, or the camera under other names.", ["B"];
-    Uncertainty, "uncertainty", View, "Uncertainty", "How far the lines are to be trusted: a 1-σ band around them, a heat map, off.", ["U"];
+    ShowMasks, "show_masks", View, "Masks", "Show the boxes that are excluded from feature detection, and draw new ones.", ["M"];
+    ShowFieldMap, "show_field_map", View, "Field map", "Show or hide the field map.", ["G"];
+    Compare, "compare", View, "Compare (hold)", "Draw the other solution dashed while the key is held: the other focal length, or the camera with other names.", ["B"];
+    Uncertainty, "uncertainty", View, "Uncertainty", "How precise the lines are: a 1-σ band around them, a heat map, or nothing.", ["U"];
     CameraPanel, "camera_panel", Camera, "Camera panel", "Position, base rotation, lens and masks of this frame's camera.", ["F2"];
-    TrainerPanel, "trainer_panel", View, "Trainer panel", "What the forest learns from, what it is worth, and where a reference is missing.", ["F3"];
-    PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "No training and no proposals in the background until it is resumed.", [];
+    TrainerPanel, "trainer_panel", View, "Trainer panel", "What the forest is trained on, how accurate it is, and where references are missing.", ["F3"];
+    PauseTrainer, "pause_trainer", Frame, "Pause the trainer", "Stop training and proposing in the background until you resume it.", [];
     ShowFeatures, "show_features", View, "Features", "Show the features of this frame: those that look like the references, and those that agree on its camera.", [];
-    ReviewPanel, "review_panel", View, "Review panel", "What is proposed, by confidence, by disagreement between neighbours or by time.", ["F4"];
-    QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where references look.", ["F5"];
-    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and see on the quality page how far you agree.", [];
-    EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Find out where the camera stands from the points of all its frames.", [];
-    UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Take the estimated base over and solve every frame with it.", [];
-    DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the base as it is, or stop the estimation.", [];
-    UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "This frame's points take no part in the estimation of the base, or take part again.", [];
-    LoadCamera, "load_camera", Camera, "Load a camera…", "Take the camera base from another project or dataset.", [];
-    GiveToCamera, "give_to_camera", Camera, "Give frames to a camera…", "Say which camera took this frame, the selected frames, the shot, or all from here on.", [];
-    NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "Where somebody moved the camera, the frames from there on get a camera of their own.", [];
-    ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Length and width are right; until then they are assumed, and the dataset says so.", [];
-    FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Find length and width together with the base, within what the rules allow; with few frames they are unsure.", [];
-    SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot; Shift or Ctrl and a click on the filmstrip select single ones.", [];
-    MarkGold, "mark_gold", Frame, "Gold frame", "This reference is clicked again later, without a look at its label: that shows how far your hand scatters.", [];
-    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Make a few references gold, spread over pan and landmarks; one step of undo.", [];
-    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: the points of the gold frames are asked for one after another, their labels and lines hidden. Labels stay as they are.", [];
-    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "It cannot be seen well enough; the round goes on with the next.", ["Shift+S"];
-    UseOwnNoise, "use_own_noise", Frame, "Weigh points by my click noise", "What your blind clicks show takes the place of everybody's click noise wherever points are solved; one step of undo.", [];
+    ReviewPanel, "review_panel", View, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
+    QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
+    CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
+    EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
+    UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
+    DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
+    UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
+    LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
+    GiveToCamera, "give_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
+    NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
+    ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
+    FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
+    SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot. Shift-click or Ctrl-click on the filmstrip selects single frames.", [];
+    MarkGold, "mark_gold", Frame, "Gold frame", "Click this reference again later without seeing its label, to measure your click noise.", [];
+    ChooseGold, "choose_gold", Frame, "Choose gold frames", "Mark a few references as gold, spread over pan and landmarks. One step of undo.", [];
+    ClickAgain, "click_again", Frame, "Click gold frames again…", "A blind round: click the points of the gold frames again, one after another, with labels and lines hidden. Labels stay as they are.", [];
+    SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "Skip a point that cannot be seen well enough and go on with the next.", ["Shift+S"];
+    UseOwnNoise, "use_own_noise", Frame, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
     UseUsualNoise, "use_usual_noise", Frame, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
@@ -235,7 +235,7 @@ impl Command {
     }
 
     fn row(self) -> &'static Row {
-        // The table's order need not be the enum's; it is short.
+        // The table is short and may be in another order than the enum.
         ROWS.iter().find(|row| row.command == self).unwrap_or(&ROWS[0])
     }
 
@@ -263,7 +263,7 @@ impl Command {
         self.row().about
     }
 
-    /// The menu it stands in.
+    /// The menu that lists it.
     #[must_use]
     pub fn group(self) -> MenuGroup {
         self.row().group
@@ -298,7 +298,7 @@ impl Command {
             | Self::Accept
             | Self::AcceptAndStay
             | Self::AcceptAllAbove
-            | Self::Teaches
+            | Self::UseForTraining
             | Self::MarkGold
             | Self::Reject
             | Self::RejectShot
@@ -351,7 +351,7 @@ impl Command {
         }
     }
 
-    /// Acts for as long as its key is held down.
+    /// Whether it acts while its key is held down.
     #[must_use]
     pub const fn is_held(self) -> bool {
         matches!(self, Self::HideOverlay | Self::Compare)
@@ -364,7 +364,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     #[test]
-    fn every_command_has_one_row_an_id_and_words() {
+    fn every_command_has_one_row_an_id_a_name_and_a_description() {
         let ids: BTreeSet<_> = Command::all().map(Command::id).collect();
         assert_eq!(ids.len(), Command::all().count());
         for command in Command::all() {

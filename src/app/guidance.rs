@@ -98,13 +98,13 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
     let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let training_frames = open.document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
-    let missing = WIDE_FRAMES.saturating_sub(training_frames);
+    let references = open.document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+    let missing = WIDE_FRAMES.saturating_sub(references);
     let label =
         app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
     match (left, missing) {
         (0, _) => nothing_needs_you(app.review()),
-        _ if label => format!("Accepted, a label that does not teach. N goes to the next of {left} that need you."),
+        _ if label => format!("Accepted (not used for training). N goes to the next of {left} that need you."),
         (_, 0) => format!("Reference. N goes to the next of {left} that need you; a click here changes it."),
         (_, missing) => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")

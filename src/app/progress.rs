@@ -8,14 +8,14 @@ use crate::document::Document;
 
 /// What is said when a frame has just been accepted.
 #[must_use]
-pub fn just_accepted(document: &Document, review: &Review, teaches: bool) -> String {
+pub fn just_accepted(document: &Document, review: &Review, used_for_training: bool) -> String {
     let left = document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let training_frames = document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
-    let plural = if training_frames == 1 { "" } else { "s" };
-    match (left, WIDE_FRAMES.saturating_sub(training_frames)) {
+    let references = document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+    let plural = if references == 1 { "" } else { "s" };
+    match (left, WIDE_FRAMES.saturating_sub(references)) {
         (0, _) => nothing_needs_you(review),
-        _ if !teaches => format!("Accepted as a label, {left} left."),
-        (_, 0) => format!("Reference saved: {training_frames} reference{plural}, {left} left."),
+        _ if !used_for_training => format!("Accepted (not used for training), {left} left."),
+        (_, 0) => format!("Reference saved: {references} reference{plural}, {left} left."),
         (_, missing) => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
         }

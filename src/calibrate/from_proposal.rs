@@ -61,7 +61,7 @@ mod tests {
         let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!((corrected.pan - truth.ptz().pan).abs().degrees() < 0.05, "{corrected:?}");
         assert!((corrected.focal_px - 2310.0).abs() < 5.0, "the focal length is the proposal's: {corrected:?}");
-        assert!(document.frames[0].is_suggestion(), "one click alone does not teach");
+        assert!(document.frames[0].is_suggestion(), "one click does not make it the annotator's own");
         assert_eq!(document.frames[0].proposed(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
         let two = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();

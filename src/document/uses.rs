@@ -3,14 +3,14 @@
 use super::{Frame, FrameStatus, SolutionSource, Target};
 
 impl Frame {
-    /// Whether its camera was proposed by the program, and not clicked, snapped, imported or set by hand.
+    /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set manually.
     #[must_use]
     pub fn is_suggestion(&self) -> bool {
         let source = self.solution.as_ref().and_then(|solution| solution.source);
         self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
-    /// How far it has come while nobody has accepted or rejected it.
+    /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided(&self) -> FrameStatus {
         match (self.clicks.is_empty(), self.ptz.is_some()) {
@@ -20,26 +20,25 @@ impl Frame {
         }
     }
 
-    /// Whether the forest learns from it: a reference does, an accepted suggestion is only a label, and a person may say
-    /// otherwise of either.
+    /// Whether the forest is trained with it. By default references are used and accepted suggestions are not; the user can
+    /// override both.
     #[must_use]
     pub fn is_used_for_training(&self) -> bool {
         self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(!self.is_suggestion())
     }
 
-    /// Says whether the forest shall learn from it once it is a reference.
+    /// Sets whether the forest is trained with it once it is a reference.
     pub fn set_use_for_training(&mut self, used: bool) {
         self.use_for_training = (used == self.is_suggestion()).then_some(used);
     }
 
-    /// Whether its clicks take part when the base of its camera is estimated: they do unless the frame is marked as not
-    /// calibratable or was left out.
+    /// Whether its clicks are used to estimate its camera's base: not if the frame is rejected or was left out.
     #[must_use]
     pub fn is_used_for_base(&self) -> bool {
         self.status != FrameStatus::Rejected && self.use_for_base
     }
 
-    /// How many of its clicks name a landmark and take part.
+    /// The number of clicks that name a landmark and are not check points.
     #[must_use]
     pub fn landmark_clicks(&self) -> usize {
         let landmarks = |target: &Option<Target>| matches!(target, Some(Target::Landmark(_)));
@@ -77,7 +76,7 @@ mod tests {
             frame.set_use_for_training(!by_itself);
             assert_eq!(frame.is_used_for_training(), !by_itself, "{source:?}");
             frame.set_use_for_training(by_itself);
-            assert_eq!(frame, before, "what goes without saying leaves no key");
+            assert_eq!(frame, before, "a default leaves no key");
             frame.status = FrameStatus::Suggested;
             assert!(!frame.is_used_for_training(), "nobody has accepted it");
         }

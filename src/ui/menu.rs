@@ -97,7 +97,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowFeatures => app.session.trainer.show_features,
         Command::ReviewPanel => app.session.panel == RightPanel::Review,
         Command::QualityPage => app.session.quality.open,
-        Command::Teaches => app.frame().is_some_and(crate::document::Frame::is_used_for_training),
+        Command::UseForTraining => app.frame().is_some_and(crate::document::Frame::is_used_for_training),
         Command::PlaceOnLine => app.session.next_on_line,
         Command::Uncertainty => app.session.uncertainty != crate::scene::uncertainty::UncertaintyView::Off,
         Command::UseForBase => app.frame().is_some_and(|frame| !frame.use_for_base),

@@ -317,7 +317,7 @@ fn frames_drawn_from_every_side_are_found_again() {
 }
 
 #[test]
-fn a_projects_coverage_is_told_for_each_camera() {
+fn coverage_is_reported_for_each_camera() {
     let [main, far, ..] = Place::all();
     let mut document = main.document();
     let mut second = Camera::new("far".into(), SIZE);

@@ -1,4 +1,4 @@
-//! Score bugs, logos and lower thirds neither teach nor answer, with no mask drawn.
+//! Score bugs, logos and lower thirds are neither trained on nor matched, with no mask drawn.
 
 use crate::seeded::rng;
 use rand::RngExt;
@@ -171,13 +171,13 @@ mod drawn {
             extract(&Picture::new(SIZE, rgba).unwrap(), &[], &FeatureOptions::default()).unwrap()
         }
 
-        /// A forest of references with all graphics; what is burnt in teaches only where `all_teaches`.
-        fn forest(&self, pans_deg: &[f64], all_teaches: bool) -> (Forest, SeenRange) {
+        /// A forest of references with all graphics; what is burnt in is used only if `with_graphics`.
+        fn forest(&self, pans_deg: &[f64], with_graphics: bool) -> (Forest, SeenRange) {
             let cameras: Vec<PtzCamera> = pans_deg.iter().map(|&pan_deg| self.camera(pan_deg)).collect();
             let pictures: Vec<Features> =
                 (0_u8..).zip(pans_deg).map(|(i, &pan_deg)| self.features(pan_deg, 3.0 * f64::from(i), ALL)).collect();
             let mut burnt = burnt_in(&pictures.iter().collect::<Vec<_>>(), &|_, _, _| true).features;
-            if all_teaches {
+            if with_graphics {
                 burnt.iter_mut().for_each(Vec::clear);
             }
             let mut samples = Samples::new();
@@ -223,7 +223,7 @@ mod drawn {
     }
 
     #[test]
-    fn a_graphic_in_two_references_teaches_nothing() {
+    fn a_graphic_in_two_references_is_not_trained_on() {
         let game = Match::new();
         let (taught, seen) = game.forest(&[-16.0, 4.0], false);
         let elsewhere = game.features(36.0, 20.0, ALL);

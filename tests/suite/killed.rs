@@ -98,7 +98,7 @@ fn what_was_accepted_survives_a_kill_and_the_forest_is_read_or_made_again() {
         headless.wait_until("the forest", is_done);
         let status = &headless.app.session.trainer.status;
         assert_eq!((status.trouble.as_ref(), status.training_frames), (None, 5), "killed after {said:?}");
-        assert_eq!(status.withheld, acknowledged.len(), "labels do not teach");
+        assert_eq!(status.withheld, acknowledged.len(), "accepted suggestions are not used for training");
         if round > 0 {
             assert_eq!(status.forest.unwrap().took, None, "the forest of an earlier session serves");
         }

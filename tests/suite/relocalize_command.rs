@@ -17,16 +17,16 @@ fn write(path: &Path, document: &Document) {
     fs::write(path, document_to_string(document).unwrap()).unwrap();
 }
 
-/// A drawn match: every second frame is a reference in `teach.json`, the others are new in `ask.json`; `truth.json` has
+/// A drawn match: every second frame is a reference in `references.json`, the others are new in `ask.json`; `truth.json` has
 /// all.
 pub fn drawn_match(folder: &Path) {
     let drawn = touchline(folder, "synth -o match --frames 10 --seed 3 --size 640x360 --preset easy");
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
     let folder = folder.join("match");
     let truth = document(&folder.join("truth.json"));
-    let (mut teach, mut ask) = (truth.clone(), truth);
-    for index in 0..teach.frames.len() {
-        let (reference, asked) = (&mut *teach.frames[index], &mut *ask.frames[index]);
+    let (mut references, mut ask) = (truth.clone(), truth);
+    for index in 0..references.frames.len() {
+        let (reference, asked) = (&mut *references.frames[index], &mut *ask.frames[index]);
         reference.status = if index % 2 == 0 { FrameStatus::Reference } else { FrameStatus::New };
         asked.clicks.clear();
         if index % 2 == 1 {
@@ -37,28 +37,28 @@ pub fn drawn_match(folder: &Path) {
             asked.status = FrameStatus::Reference;
         }
     }
-    write(&folder.join("teach.json"), &teach);
+    write(&folder.join("references.json"), &references);
     write(&folder.join("ask.json"), &ask);
 }
 
 #[test]
-fn references_teach_and_the_other_frames_are_answered() {
+fn a_forest_of_the_references_answers_the_other_frames() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let folder = place.path().join("match");
-    let trained = touchline(&folder, "train teach.json -o forest.tlf");
+    let trained = touchline(&folder, "train references.json -o forest.tlf");
     assert_eq!(trained.code, 0, "{}", trained.stderr);
     assert!(trained.stderr.contains("forest.tlf: 5 references, "), "{}", trained.stderr);
     let bytes = fs::read(folder.join("forest.tlf")).unwrap();
-    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf").code, 2, "it exists");
-    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --force").code, 0);
+    assert_eq!(touchline(&folder, "train references.json -o forest.tlf").code, 2, "it exists");
+    assert_eq!(touchline(&folder, "train references.json -o forest.tlf --force").code, 0);
     assert!(fs::read(folder.join("forest.tlf")).unwrap() == bytes, "same input, same bytes");
     let trees = |name: &str| {
         let model = ForestModel::from_bytes(&fs::read(folder.join(name)).unwrap()).unwrap();
         model.cameras[0].forest.trees()
     };
-    assert_eq!(touchline(&folder, "train teach.json -o paper.tlf --published").code, 0);
-    assert_eq!(touchline(&folder, "train teach.json -o two.tlf --published --trees 2").code, 0);
+    assert_eq!(touchline(&folder, "train references.json -o paper.tlf --published").code, 0);
+    assert_eq!(touchline(&folder, "train references.json -o two.tlf --published --trees 2").code, 0);
     assert_eq!([trees("forest.tlf"), trees("paper.tlf"), trees("two.tlf")], [3, 5, 2]);
 
     let kept = || fs::read_dir(folder.join(".touchline/features")).unwrap().count();
@@ -102,7 +102,7 @@ fn images_alone_are_answered_and_a_damaged_one_is_skipped() {
     let place = tempfile::tempdir().unwrap();
     drawn_match(place.path());
     let folder = place.path().join("match");
-    assert_eq!(touchline(&folder, "train teach.json -o forest.tlf --no-cache").code, 0);
+    assert_eq!(touchline(&folder, "train references.json -o forest.tlf --no-cache").code, 0);
     assert!(!folder.join(".touchline").exists());
     fs::create_dir(folder.join("some")).unwrap();
     fs::copy(folder.join("images/0001.jpg"), folder.join("some/1.jpg")).unwrap();
@@ -123,7 +123,7 @@ fn what_does_not_fit_is_one_line_and_exit_two() {
     let folder = place.path().join("match");
     let none = touchline(&folder, "train ask.json -o none.tlf --features 10");
     assert_eq!(none.code, 2, "too few features are refused");
-    let mut suggestions = document(&folder.join("teach.json"));
+    let mut suggestions = document(&folder.join("references.json"));
     for frame in &mut suggestions.frames {
         frame.solution.get_or_insert_default().source = Some(SolutionSource::Forest);
     }

@@ -103,7 +103,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     let accepted = &bench.frames()[1];
     assert_eq!(accepted.status, FrameStatus::Reference);
     assert_eq!(accepted.solution.as_ref().unwrap().source, Some(SolutionSource::Forest));
-    assert!(!accepted.is_used_for_training(), "a label, no teacher");
+    assert!(!accepted.is_used_for_training(), "a label that is not used for training");
     bench.command(Command::PreviousNeedsMe);
     assert_eq!(bench.app.session.frame, 0);
     bench.act(Action::SetReviewOrder(ReviewOrder::Time));
@@ -206,18 +206,18 @@ fn a_rejected_suggestion_comes_back_as_one() {
 }
 
 #[test]
-fn a_label_teaches_when_a_person_says_so_and_that_is_one_step() {
+fn using_an_accepted_suggestion_for_training_is_one_step() {
     let mut bench = Bench::new(suggested(&[Some(0.9)]));
-    bench.command(Command::Teaches);
+    bench.command(Command::UseForTraining);
     assert!(!bench.frames()[0].is_used_for_training());
     bench.command(Command::AcceptAndStay);
-    bench.act(Action::SetUseForTraining { frame: 0, teaches: true });
+    bench.act(Action::SetUseForTraining { frame: 0, used: true });
     assert!(bench.frames()[0].is_used_for_training());
     let name = bench.app.open().unwrap().history.next_undo().unwrap().name.clone();
-    assert_eq!(name, "Let it teach");
+    assert_eq!(name, "Use for training");
     bench.command(Command::Undo);
     assert!(!bench.frames()[0].is_used_for_training());
-    bench.command(Command::Teaches);
+    bench.command(Command::UseForTraining);
     assert!(bench.frames()[0].is_used_for_training());
 }
 

@@ -14,7 +14,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] under_the_pointer_no_row_moves;
     [Adapter] the_panel_and_the_filmstrip_look_like_this;
     [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
-    [Adapter] an_accepted_suggestion_has_a_switch_to_teach;
+    [Adapter] an_accepted_suggestion_can_be_used_for_training;
 ];
 
 const SIZE: [f32; 2] = [1280.0, 720.0];
@@ -106,12 +106,12 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     assert_eq!(statuses(&window), [Suggested; 3]);
 }
 
-fn an_accepted_suggestion_has_a_switch_to_teach() {
+fn an_accepted_suggestion_can_be_used_for_training() {
     let mut window = Window::open_suggested(&[Some(0.97)], SIZE);
     window.harness.get_by_label("Proposed: right with probability 97 %. Nobody has looked at it yet.");
-    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Teaches the forest").is_none());
+    assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Use for training").is_none());
     window.key(Key::Enter);
-    let switch = window.harness.get_by_role_and_label(Role::CheckBox, "Teaches the forest");
+    let switch = window.harness.get_by_role_and_label(Role::CheckBox, "Use for training");
     assert_eq!(switch.accesskit_node().toggled(), Some(egui::accesskit::Toggled::False));
     switch.click();
     window.harness.run_steps(2);

@@ -70,12 +70,12 @@ impl App {
             }
             C::UseOwnNoise => self.why_not_own_noise(),
             C::UseUsualNoise => self.why_not_usual_noise(),
-            C::AcceptAllAbove if self.review.rows.is_empty() => Some("No suggestion waits."),
-            C::NextUnanswered if self.review.advice.next.is_none() => Some("No frame waits for a label."),
-            C::Teaches if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
-                Some("Only a reference teaches.")
+            C::AcceptAllAbove if self.review.rows.is_empty() => Some("There are no suggestions."),
+            C::NextUnanswered if self.review.advice.next.is_none() => Some("No frame needs a label."),
+            C::UseForTraining if self.frame().is_some_and(|frame| frame.status != FrameStatus::Reference) => {
+                Some("Only references are used for training.")
             }
-            C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all of its frames."),
+            C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all its frames."),
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is known.")
             }
@@ -170,7 +170,7 @@ impl App {
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),
             C::AcceptAllAbove => self.ask_accept_all(),
-            C::Teaches => self.toggle_teaches(),
+            C::UseForTraining => self.toggle_use_for_training(),
             C::MarkGold => self.toggle_gold(),
             C::ChooseGold => self.choose_gold(),
             C::ClickAgain => self.click_again(),

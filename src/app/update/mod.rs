@@ -154,7 +154,7 @@ impl App {
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
             Action::AcceptAll => self.accept_all(),
-            Action::SetUseForTraining { frame, teaches } => self.set_teaches(frame, teaches),
+            Action::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
             Action::SetQualityCamera(camera) => self.set_quality_camera(camera),
             Action::SetTimeAxis(axis) => self.set_time_axis(axis),
             Action::ShowSpan(span) => self.show_span(span),

@@ -1,4 +1,4 @@
-//! Looking through what is proposed: the order, several accepted together, what teaches.
+//! Reviewing proposals: the order, accepting several together, what is used for training.
 
 use super::App;
 use crate::app::progress::nothing_needs_you;
@@ -65,25 +65,25 @@ impl App {
         self.session.notify(Level::Info, format!("{count} accepted. {undo} takes all of it back."));
     }
 
-    /// Has the forest learn from a frame, or not.
-    pub(super) fn set_teaches(&mut self, index: usize, teaches: bool) {
+    /// Sets whether the forest is trained with a frame.
+    pub(super) fn set_use_for_training(&mut self, index: usize, used: bool) {
         let Some(frame) = self.open.as_ref().and_then(|open| open.frame(index)) else { return };
-        if frame.is_used_for_training() == teaches || frame.status != FrameStatus::Reference {
+        if frame.is_used_for_training() == used || frame.status != FrameStatus::Reference {
             return;
         }
-        let name = if teaches { "Let it teach" } else { "Let it not teach" };
+        let name = if used { "Use for training" } else { "Do not use for training" };
         if self.begin_step(self.step_at(name, index)) {
             if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(index)) {
-                frame.set_use_for_training(teaches);
+                frame.set_use_for_training(used);
             }
             self.commit();
         }
     }
 
-    pub(super) fn toggle_teaches(&mut self) {
+    pub(super) fn toggle_use_for_training(&mut self) {
         match self.frame().map(|frame| (frame.status == FrameStatus::Reference, frame.is_used_for_training())) {
-            Some((true, teaches)) => self.set_teaches(self.session.frame, !teaches),
-            _ => self.session.notify(Level::Info, "Only a reference teaches: accept this frame first."),
+            Some((true, used)) => self.set_use_for_training(self.session.frame, !used),
+            _ => self.session.notify(Level::Info, "Only references are used for training: accept this frame first."),
         }
     }
 }

@@ -126,6 +126,6 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
     if ui.button("Cancel").on_hover_text("Leave them as suggestions. (Esc)").clicked() {
         panel.actions.push(Action::CloseDialog);
     }
-    let said = format!("They become labels that do not teach the forest. {undo} takes all of it back.");
+    let said = format!("They become labels that are not used for training. {undo} undoes all of it.");
     ui.add(Label::new(RichText::new(said).small().color(theme::WEAK)).truncate());
 }

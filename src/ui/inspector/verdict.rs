@@ -45,7 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             (None, _) => said(ui, "No verdict before there is a solution."),
         }
-        teaching(panel, ui);
+        training_switch(panel, ui);
     });
 }
 
@@ -64,15 +64,17 @@ fn proposal(app: &App, ui: &mut Ui) {
     said(ui, &format!("Proposed{}. {state}", certain.unwrap_or_default()));
 }
 
-/// Whether an accepted proposal teaches.
-fn teaching(panel: &mut Panel<'_>, ui: &mut Ui) {
+/// The switch for using an accepted proposal for training.
+fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let accepted = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.is_suggestion();
     let Some(before) = panel.app.frame().filter(accepted).map(Frame::is_used_for_training) else { return };
-    let mut teaches = before;
-    let switch = ui.checkbox(&mut teaches, "Teaches the forest");
-    switch.on_hover_text("An accepted proposal is a label. Let it teach where no clicked reference looks.");
-    if teaches != before {
-        panel.actions.push(Action::SetUseForTraining { frame: panel.app.session.frame, teaches });
+    let mut used = before;
+    let switch = ui.checkbox(&mut used, "Use for training");
+    switch.on_hover_text(
+        "By default the forest is not trained with accepted proposals. Use them where no clicked reference looks.",
+    );
+    if used != before {
+        panel.actions.push(Action::SetUseForTraining { frame: panel.app.session.frame, used });
     }
 }
 

@@ -14,7 +14,7 @@ use egui::{
     Align, Button, Checkbox, Color32, Frame, Grid, Label, Layout, Margin, ProgressBar, RichText, ScrollArea, Ui,
 };
 
-/// Training frames that teach nothing are listed up to so many.
+/// The most unusable references that are listed.
 const FAILED_SHOWN: usize = 5;
 
 /// Shows the panel.
@@ -30,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         inside.show(ui, |ui| {
             ui.set_width(ui.available_width());
             doing(panel, ui, &status);
-            training_frames(panel, ui, &status);
+            references(panel, ui, &status);
             if let Some(facts) = status.forest {
                 forest(ui, facts);
                 proposals(panel, ui, &status);
@@ -92,34 +92,37 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
 }
 
-/// The references, and which of them teach.
-fn training_frames(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
-    section(ui, "LEARNS FROM");
+/// The references, and which of them are used for training.
+fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
+    section(ui, "TRAINED ON");
     let count =
         |count: usize, one: &str, more: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {more}") };
-    let teach = count(status.training_frames, "reference teaches.", "references teach.");
-    ui.label(teach);
+    ui.label(count(status.training_frames, "reference used for training.", "references used for training."));
     let waiting = status.references.saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
         let text = count(waiting, "reference waits for its camera's base.", "references wait for their camera's base.");
         ui.add(Label::new(RichText::new(text).color(theme::CAUTION)).wrap());
     }
     if status.withheld > 0 {
-        let text = count(status.withheld, "accepted suggestion does not teach.", "accepted suggestions do not teach.");
+        let text = count(
+            status.withheld,
+            "accepted suggestion not used for training.",
+            "accepted suggestions not used for training.",
+        );
         ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(
-            "What the forest proposed itself teaches it nothing new, and would teach it its own mistakes. A frame's switch \
-             says otherwise.",
+            "Training with the forest's own proposals would add nothing new and repeat its mistakes. The switch of a frame \
+             overrides this.",
         );
     }
     let shown = panel.app.session.frame;
     let reference = panel.app.frame().filter(|frame| frame.status == crate::document::FrameStatus::Reference);
     if let Some(frame) = reference {
         let before = frame.is_used_for_training();
-        let mut teaches = before;
-        let tip = panel.app.settings.keys.tooltip(Command::Teaches);
-        ui.add(Checkbox::new(&mut teaches, "The shown frame teaches")).on_hover_text(tip);
-        if teaches != before {
-            panel.actions.push(Action::SetUseForTraining { frame: shown, teaches });
+        let mut used = before;
+        let tip = panel.app.settings.keys.tooltip(Command::UseForTraining);
+        ui.add(Checkbox::new(&mut used, "Use this frame for training")).on_hover_text(tip);
+        if used != before {
+            panel.actions.push(Action::SetUseForTraining { frame: shown, used });
         }
     }
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
@@ -129,13 +132,13 @@ fn training_frames(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::document::Frame::name) else {
             continue;
         };
-        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{} teaches nothing: {reason}", file_name(&name)));
+        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{} cannot be used: {reason}", file_name(&name)));
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.actions.push(Action::GoTo(*index));
         }
     }
     if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
-        weak(ui, &format!("{more} more teach nothing."));
+        weak(ui, &format!("{more} more cannot be used."));
     }
 }
 
