@@ -37,12 +37,13 @@ impl<'a> Intake<'a> {
         }
         let mut changes = Vec::new();
         for (proposal, known) in self.proposals.iter().zip(&mut self.known) {
-            let Some(frame) = document.frames.get(proposal.frame) else { continue };
+            let Some(position) = document.frames.position_of(&proposal.frame) else { continue };
+            let frame = &document.frames[position];
             let known = match known {
                 Some(known) if known.before.is_same(frame) => known,
                 _ => known.insert(Known { before: frame.clone(), after: answered(proposal, document, frame) }),
             };
-            changes.extend(known.after.as_ref().map(|after| (proposal.frame, after.clone())));
+            changes.extend(known.after.as_ref().map(|after| (position, after.clone())));
         }
         changes
     }

@@ -1,6 +1,6 @@
 //! The background trainer as the window sees it: what it is doing, what it has found out.
 
-use crate::document::Document;
+use crate::document::{Document, FrameId};
 use crate::proposals::{Coverage, Quality, Suspect, UsedFeatures};
 use std::sync::Arc;
 use std::time::Duration;
@@ -19,7 +19,7 @@ pub struct TrainerState {
     /// The version of the document that it knows.
     pub(super) told_version: Option<u64>,
     /// The frame that it knows to be shown.
-    pub(super) told_frame: usize,
+    pub(super) told_frame: Option<FrameId>,
 }
 
 /// What the trainer reports.
@@ -105,7 +105,7 @@ pub enum TrainerOrder {
     /// The document as it is now: references may be new, changed or withdrawn.
     Document(Box<Document>),
     /// The frame that is shown now: its neighbours come first.
-    Frame(usize),
+    Frame(FrameId),
     /// The features of the shown frame are wanted, or not any more.
     Features(bool),
     /// It rests, or goes on.

@@ -79,7 +79,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     LineWitness::of(at, &mut reader)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
     let mut answered = 0;
     for proposal in proposals {
-        let frame = &mut document.frames[proposal.frame];
+        let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };
         proposal.record(frame);
         match &proposal.outcome {
             Ok(_) => answered += 1,

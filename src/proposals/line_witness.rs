@@ -72,13 +72,12 @@ impl LineWitness {
         }
         // Videos are read one frame after the other, images side by side.
         for proposal in proposals.iter_mut() {
-            let frame = &*at.document.frames[proposal.frame];
-            if frame.image.is_none() {
+            if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_none()) {
                 self.ask(at, reader, proposal);
             }
         }
         proposals.par_iter_mut().for_each(|proposal| {
-            if at.document.frames[proposal.frame].image.is_some() {
+            if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_some()) {
                 self.ask(at, &mut FrameReader::new(), proposal);
             }
         });
@@ -95,7 +94,7 @@ impl LineWitness {
     }
 
     fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) {
-        let frame = &*at.document.frames[proposal.frame];
+        let Some(frame) = at.document.frames.by_id(&proposal.frame) else { return };
         let (Ok(answer), Some(base)) = (&mut proposal.outcome, proposal.asked.base) else { return };
         let Ok(picture) = read_picture(reader, frame, at.folder) else { return };
         let camera = PtzCamera::new(base, answer.ptz.ptz());

@@ -3,8 +3,8 @@
 use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
-    Camera, CameraId, Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
-    TimingsMs,
+    Camera, CameraId, Document, Frame, FrameId, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource,
+    SolutionWarning, TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
@@ -15,8 +15,8 @@ use thiserror::Error;
 /// What the forest answers for a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// The frame's place in the document when it was asked.
-    pub frame: usize,
+    /// The frame that was asked for.
+    pub frame: FrameId,
     /// What was asked, by which a stale answer is known.
     pub asked: Asked,
     /// Which forest answered: later ones have greater numbers.
@@ -30,6 +30,8 @@ pub struct Proposal {
 /// A frame as it was when the forest was asked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Asked {
+    /// The revision of the frame.
+    pub revision: u64,
     /// The frame's picture, by name.
     pub picture: String,
     /// The hash of its image file, where the document has one.
@@ -138,6 +140,7 @@ impl Asked {
     #[must_use]
     pub fn of(document: &Document, frame: &Frame) -> Self {
         Self {
+            revision: frame.revision,
             picture: frame.name(),
             sha256: frame.sha256.clone(),
             camera: frame.camera.clone(),
@@ -145,7 +148,7 @@ impl Asked {
         }
     }
 
-    /// Whether a frame is still as it was.
+    /// Whether a frame is still as it was, in what an answer depends on.
     #[must_use]
     pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
         self.sha256 == frame.sha256
@@ -159,15 +162,16 @@ impl Proposal {
     /// None for a frame, and why.
     #[must_use]
     pub fn without_answer(document: &Document, index: usize, generation: u64, reason: NoProposal) -> Self {
-        let asked = Asked::of(document, &document.frames[index]);
-        Self { frame: index, asked, generation, outcome: Err(reason), timings: Timings::default() }
+        let frame = &document.frames[index];
+        let asked = Asked::of(document, frame);
+        Self { frame: frame.id.clone(), asked, generation, outcome: Err(reason), timings: Timings::default() }
     }
 
-    /// Whether it still answers the frame in its place: the same picture and base, and nobody has clicked, accepted or
+    /// Whether it still answers its frame: the same picture and base, and nobody has clicked, accepted or
     /// rejected it since.
     #[must_use]
     pub fn fits(&self, document: &Document) -> bool {
-        let Some(frame) = document.frames.get(self.frame) else { return false };
+        let Some(frame) = document.frames.by_id(&self.frame) else { return false };
         is_open(frame) && self.asked.is_still(document, frame)
     }
 

@@ -28,7 +28,7 @@ pub fn propose(
         (timings.predict, timings.pose) = (predict_time, pose_time);
         Ok(answer(&pose?, &base))
     });
-    Proposal { frame: index, asked, generation, outcome, timings }
+    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings }
 }
 
 fn answer(pose: &Pose, base: &CameraBase) -> Answer {

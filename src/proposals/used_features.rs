@@ -1,7 +1,7 @@
 //! What the forest made of a picture's features: to be looked at over the picture.
 
 use super::FrameFeatures;
-use crate::document::{Camera, Document};
+use crate::document::{Camera, Document, FrameId};
 use crate::geometry::ImagePoint;
 use crate::relocalize::{ForestModel, PoseOptions, RelocalizeOptions, candidates_of, pose_of_moving};
 use std::collections::BTreeSet;
@@ -9,8 +9,8 @@ use std::collections::BTreeSet;
 /// The features of a frame, and what became of each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct UsedFeatures {
-    /// The frame's place in the document.
-    pub frame: usize,
+    /// The frame.
+    pub frame: FrameId,
     /// Where they are, px, and what became of them.
     pub features: Vec<(ImagePoint, FeatureUse)>,
 }
@@ -42,7 +42,7 @@ impl UsedFeatures {
         let mut features: Vec<_> = keypoints.iter().map(|keypoint| (keypoint.point, FeatureUse::Kept)).collect();
         let base = document.camera_of(frame).and_then(Camera::base);
         let Some((forest, base)) = model.camera(frame.camera.as_str()).zip(base) else {
-            return Self { frame: index, features };
+            return Self { frame: frame.id.clone(), features };
         };
         let matches = candidates_of(&found.features, &forest.forest, &options.predict);
         let ranges = options.pose.ranges.clone().unwrap_or_else(|| forest.seen.plausible());
@@ -58,7 +58,7 @@ impl UsedFeatures {
                 at += 1;
             }
         }
-        Self { frame: index, features }
+        Self { frame: frame.id.clone(), features }
     }
 
     /// How many became at least this.

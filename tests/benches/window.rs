@@ -110,8 +110,9 @@ impl Window {
             };
             let none = NotFound::FewMatches { matched: 3, needed: 12 };
             let outcome = if chance.is_multiple_of(50) { Err(none.into()) } else { Ok(answer) };
-            let asked = Asked::of(document, &document.frames[frame]);
-            Proposal { frame, asked, generation, outcome, timings: Timings::default() }
+            let frame = &document.frames[frame];
+            let asked = Asked::of(document, frame);
+            Proposal { frame: frame.id.clone(), asked, generation, outcome, timings: Timings::default() }
         };
         frames.iter().map(propose).collect()
     }

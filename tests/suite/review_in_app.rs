@@ -254,8 +254,9 @@ fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) 
         }),
         None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
     };
-    let asked = Asked::of(document, &document.frames[frame]);
-    Proposal { frame, asked, generation, outcome, timings: Timings::default() }
+    let frame = &document.frames[frame];
+    let asked = Asked::of(document, frame);
+    Proposal { frame: frame.id.clone(), asked, generation, outcome, timings: Timings::default() }
 }
 
 impl Bench {
@@ -361,7 +362,7 @@ fn answers_that_no_longer_hold_are_dropped() {
     assert_eq!(bench.effects.len(), journalled, "the same is not said twice");
     let mut other = proposal(&bench, 2, 4, Some(2.0));
     other.asked.sha256 = Some("another picture".into());
-    let beyond = Proposal { frame: 99, ..proposal(&bench, 2, 4, Some(2.0)) };
+    let beyond = Proposal { frame: "99".into(), ..proposal(&bench, 2, 4, Some(2.0)) };
     bench.act(Action::Proposals(vec![other, beyond]));
     assert_eq!(bench.statuses(), "NNNN");
 }

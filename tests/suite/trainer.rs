@@ -61,12 +61,12 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
         assert!(proposal.fits(&document));
         if let Ok(answer) = &proposal.outcome {
             answered += 1;
-            let truth = truth.frames[proposal.frame].ptz.as_ref().unwrap().ptz();
+            let truth = truth.frames.by_id(&proposal.frame).unwrap().ptz.as_ref().unwrap().ptz();
             let turned = |ptz: touchline::camera::Ptz| q_tilt(ptz.tilt) * q_pan(ptz.pan);
             let off = angle_between(&turned(answer.ptz.ptz()), &turned(truth)).degrees();
             assert!(off < 0.1, "frame {}: {off}°", proposal.frame);
         }
-        proposal.record(&mut document.frames[proposal.frame]);
+        proposal.record(document.frames.by_id_mut(&proposal.frame).unwrap());
     }
     assert!(answered >= 3, "{answered} of 5");
     assert_eq!((status.answered, status.unanswered), (answered, 5 - answered));

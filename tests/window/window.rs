@@ -185,7 +185,7 @@ impl Window {
             line_check: None,
         };
         let proposal = Proposal {
-            frame,
+            frame: document.frames[frame].id.clone(),
             asked: Asked::of(document, &document.frames[frame]),
             generation: 1,
             outcome: Ok(answer),

@@ -26,9 +26,10 @@ impl App {
         if trainer.told_version.is_none() && trainer.paused {
             self.effects.push(Effect::Trainer(TrainerOrder::Pause(true)));
         }
-        if trainer.told_frame != self.session.frame {
-            trainer.told_frame = self.session.frame;
-            self.effects.push(Effect::Trainer(TrainerOrder::Frame(self.session.frame)));
+        let shown = open.frame(self.session.frame).map(|frame| &frame.id);
+        if trainer.told_frame.as_ref() != shown {
+            trainer.told_frame = shown.cloned();
+            self.effects.extend(shown.cloned().map(|frame| Effect::Trainer(TrainerOrder::Frame(frame))));
         }
         if trainer.told_version != version {
             trainer.told_version = version;

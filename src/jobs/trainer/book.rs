@@ -1,6 +1,6 @@
 //! What the forest has been asked and has answered, so that no frame is asked twice for nothing.
 
-use crate::document::{Document, Frame, SolutionSource};
+use crate::document::{Document, Frame, FrameId, SolutionSource};
 use crate::proposals::{Asked, NoProposal, Proposal, SURE, is_open};
 use crate::relocalize::ForestModel;
 use std::collections::BTreeMap;
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// The answers so far, by frame.
 #[derive(Debug, Default)]
 pub(super) struct Book {
-    entries: BTreeMap<usize, Entry>,
+    entries: BTreeMap<FrameId, Entry>,
     /// Forests before this one had learnt something that was withdrawn since.
     trusted_from: u64,
 }
@@ -36,14 +36,14 @@ enum Said {
 impl Book {
     /// Looks at a new state of the document: what of it the book knows, and what the document has lost again.
     pub(super) fn look_at(&mut self, document: &Document) {
-        self.entries.retain(|index, entry| {
-            let Some(frame) = document.frames.get(*index) else { return false };
+        self.entries.retain(|id, entry| {
+            let Some(frame) = document.frames.by_id(id) else { return false };
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && is_open(frame);
             entry.recorded |= held;
             !lost && entry.asked.is_still(document, frame)
         });
-        for (index, frame) in document.frames.iter().enumerate() {
+        for frame in &document.frames {
             // What an earlier session proposed.
             let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
             if is_by_forest(frame)
@@ -51,7 +51,7 @@ impl Book {
                 && is_open(frame)
                 && let Some(confidence) = confidence
             {
-                self.entries.entry(index).or_insert_with(|| Entry {
+                self.entries.entry(frame.id.clone()).or_insert_with(|| Entry {
                     asked: Asked::of(document, frame),
                     generation: 0,
                     answer: Said::Camera(confidence),
@@ -67,7 +67,7 @@ impl Book {
         if !is_open(frame) || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
             return false;
         }
-        let Some(entry) = self.entries.get(&index) else { return true };
+        let Some(entry) = self.entries.get(&frame.id) else { return true };
         entry.generation < generation
             && match entry.answer {
                 Said::Camera(confidence) => confidence < SURE || entry.generation < self.trusted_from,
@@ -84,7 +84,8 @@ impl Book {
             Err(_) => Said::Never,
         };
         let asked = proposal.asked.clone();
-        self.entries.insert(proposal.frame, Entry { asked, generation: proposal.generation, answer, recorded: false });
+        let entry = Entry { asked, generation: proposal.generation, answer, recorded: false };
+        self.entries.insert(proposal.frame.clone(), entry);
     }
 
     /// Answers of forests before this one are not to be relied on.
@@ -108,8 +109,8 @@ impl Book {
     }
 
     fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
-        let is_open = |index: usize| document.frames.get(index).is_some_and(|frame| is_open(frame));
-        self.entries.iter().filter(move |(index, _)| is_open(**index)).map(|(_, entry)| entry)
+        let is_open = |id: &FrameId| document.frames.by_id(id).is_some_and(|frame| is_open(frame));
+        self.entries.iter().filter(move |(id, _)| is_open(id)).map(|(_, entry)| entry)
     }
 }
 

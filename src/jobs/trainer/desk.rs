@@ -3,7 +3,7 @@
 use super::super::Wake;
 use super::TrainerReport;
 use crate::app::{TrainerOrder, TrainerStatus};
-use crate::document::Document;
+use crate::document::{Document, FrameId};
 use crate::proposals::{Proposal, UsedFeatures};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -41,7 +41,7 @@ pub(super) struct Orders {
     /// Counts documents.
     pub(super) edition: u64,
     /// The frame that is shown.
-    pub(super) frame: usize,
+    pub(super) frame: Option<FrameId>,
     /// The features of the shown frame are wanted.
     pub(super) features: bool,
     /// It rests.
@@ -66,7 +66,7 @@ impl Desk {
                 orders.document.replace(*document)
             }
             TrainerOrder::Frame(frame) => {
-                orders.frame = frame;
+                orders.frame = Some(frame);
                 None
             }
             TrainerOrder::Features(wanted) => {

@@ -6,7 +6,7 @@ use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
 use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
-use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use crate::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::proposals::{
@@ -130,8 +130,8 @@ impl Craft for StandIn {
         }
     }
 
-    fn features(&mut self, _: &Document, frame: usize, _: &ForestModel) -> Option<UsedFeatures> {
-        Some(UsedFeatures { frame, features: Vec::new() })
+    fn features(&mut self, document: &Document, frame: usize, _: &ForestModel) -> Option<UsedFeatures> {
+        Some(UsedFeatures { frame: document.frames[frame].id.clone(), features: Vec::new() })
     }
 
     fn not_kept(&self) -> Option<String> {
@@ -154,8 +154,9 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
         places: 20,
         line_check: None,
     };
-    let asked = Asked::of(document, &document.frames[frame]);
-    Proposal { frame, asked, generation, outcome: Ok(answer), timings: Timings::default() }
+    let frame = &document.frames[frame];
+    let asked = Asked::of(document, frame);
+    Proposal { frame: frame.id.clone(), asked, generation, outcome: Ok(answer), timings: Timings::default() }
 }
 
 /// The test's side.
@@ -166,7 +167,7 @@ struct Hand {
     woken: Receiver<()>,
     status: TrainerStatus,
     proposals: Vec<Proposal>,
-    features: Vec<usize>,
+    features: Vec<FrameId>,
 }
 
 impl Hand {
@@ -249,8 +250,9 @@ fn accept(frame: &mut Frame, pan_deg: f64) {
 #[test]
 fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     let mut hand = Hand::start(0.95);
-    hand.tell(TrainerOrder::Frame(6));
-    hand.document(&document(2, 28));
+    let all = document(2, 28);
+    hand.tell(TrainerOrder::Frame(all.frames[6].id.clone()));
+    hand.document(&all);
     hand.expect(&Begun::Recall, Let::Stopped);
     hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
     for near in [vec![6, 5, 7, 4], vec![8, 3, 9, 2], vec![10, 11, 12, 13], vec![14]] {
@@ -360,19 +362,21 @@ fn every_stage_can_be_paused_and_taken_up_again() {
 #[test]
 fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
     let mut hand = Hand::start(0.95);
-    hand.document(&document(1, 1));
+    let all = document(1, 1);
+    let [first, second] = [0, 1].map(|position| all.frames[position].id.clone());
+    hand.document(&all);
     hand.expect(&Begun::Recall, Let::Well);
     hand.expect(&Begun::Propose(vec![1]), Let::Well);
     hand.expect(&Begun::Measure, Let::Well);
     hand.until_idle();
     hand.tell(TrainerOrder::Features(true));
     hand.woken.recv().unwrap();
-    hand.tell(TrainerOrder::Frame(1));
-    while hand.features.last() != Some(&1) {
+    hand.tell(TrainerOrder::Frame(second.clone()));
+    while hand.features.last() != Some(&second) {
         hand.woken.recv().unwrap();
         hand.poll();
     }
-    assert!(hand.features == [0, 1] || hand.features == [1], "{:?}", hand.features);
+    assert!(hand.features == [first, second.clone()] || hand.features == [second], "{:?}", hand.features);
     hand.nothing_begun();
 }
 

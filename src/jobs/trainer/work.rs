@@ -6,7 +6,7 @@ use super::craft::{Craft, Learnt, Measured};
 use super::desk::{Desk, Orders};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
-use crate::document::Document;
+use crate::document::{Document, FrameId};
 use crate::proposals::{AskingOrder, Coverage, NoProposal, Proposal, TrainingFrames, TrainingSet};
 use crate::relocalize::ForestModel;
 use std::any::Any;
@@ -46,7 +46,7 @@ pub(super) struct Work<C> {
     book: Book,
     queue: Queue,
     /// The frame whose features were shown last, and by which forest.
-    shown: Option<(usize, u64)>,
+    shown: Option<(FrameId, u64)>,
     measured: u64,
     gathered: Vec<Proposal>,
     gathered_since: Instant,
@@ -64,7 +64,7 @@ struct Forest {
 struct Queue {
     first: VecDeque<usize>,
     rest: VecDeque<usize>,
-    made_for: Option<(u64, usize, u64)>,
+    made_for: Option<(u64, Option<FrameId>, u64)>,
 }
 
 /// What is to be done next.
@@ -180,9 +180,13 @@ impl<C: Craft> Work<C> {
             due = Some(settled.max(turn));
         }
         if serves {
-            let wanted = (self.orders.frame, self.generation);
-            if self.orders.features && self.shown != Some(wanted) && wanted.0 < self.document.frames.len() {
-                return Step::ShowFeatures(wanted.0);
+            let is_shown =
+                |id: &FrameId| matches!(&self.shown, Some((shown, by)) if shown == id && *by == self.generation);
+            if self.orders.features
+                && let Some(position) = self.current()
+                && !is_shown(&self.document.frames[position].id)
+            {
+                return Step::ShowFeatures(position);
             }
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.first) {
                 return Step::Propose(frames);
@@ -304,7 +308,7 @@ impl<C: Craft> Work<C> {
 
     /// Somebody looks at the features of a frame.
     fn show_features(&mut self, frame: usize) {
-        self.shown = Some((frame, self.generation));
+        self.shown = Some((self.document.frames[frame].id.clone(), self.generation));
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
         let (craft, document) = (&mut self.craft, &self.document);
         match catch_unwind(AssertUnwindSafe(|| craft.features(document, frame, &model))) {
@@ -372,13 +376,21 @@ impl<C: Craft> Work<C> {
     /// Brings the queue up to date; whether a frame is to be asked for.
     fn has_to_ask(&mut self) -> bool {
         let Some(forest) = &self.forest else { return false };
-        let made_for = (self.orders.edition, self.orders.frame, self.generation);
-        if self.queue.made_for != Some(made_for) {
+        let made_for = Some((self.orders.edition, self.orders.frame.clone(), self.generation));
+        if self.queue.made_for != made_for {
             let wanted = |index| self.book.wants(&self.document, index, &forest.model, self.generation);
-            let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.orders.frame, wanted);
-            self.queue = Queue { first: first.into(), rest: rest.into(), made_for: Some(made_for) };
+            let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
+            self.queue = Queue { first: first.into(), rest: rest.into(), made_for };
         }
         !(self.queue.first.is_empty() && self.queue.rest.is_empty())
+    }
+
+    /// Where the shown frame stands in the document; the first frame before anything was said of it.
+    fn current(&self) -> Option<usize> {
+        match &self.orders.frame {
+            Some(id) => self.document.frames.position_of(id),
+            None => (!self.document.frames.is_empty()).then_some(0),
+        }
     }
 
     fn report(&mut self, doing: Doing) {

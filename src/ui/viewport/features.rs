@@ -17,7 +17,8 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
         return;
     }
     let visible = placement.rect;
-    let used = trainer.features.as_ref().filter(|used| used.frame == app.session.frame);
+    let shown = app.frame().map(|frame| &frame.id);
+    let used = trainer.features.as_ref().filter(|used| Some(&used.frame) == shown);
     for (point, used) in used.into_iter().flat_map(|used| &used.features) {
         let at = placement.screen_from_image(*point);
         if !visible.expand(RADIUS).contains(at) {
@@ -57,7 +58,7 @@ mod tests {
     fn each_kind_contains_the_next() {
         let at = ImagePoint::new(1.0, 2.0);
         let features = [FeatureUse::Kept, FeatureUse::Agrees, FeatureUse::Matched, FeatureUse::Agrees];
-        let used = UsedFeatures { frame: 0, features: features.map(|used| (at, used)).to_vec() };
+        let used = UsedFeatures { frame: "1".into(), features: features.map(|used| (at, used)).to_vec() };
         assert_eq!(legend(Some(&used)), "4 features (white), 3 look like the references (yellow), 2 agree (green)");
         assert_eq!(legend(None), "Looking for features…");
     }
