@@ -90,13 +90,13 @@ pub struct WithProposal {
 }
 
 impl WithProposal {
-    pub(super) fn derive(open: &OpenProject, index: usize, found: &EstimatedBase) -> Option<Self> {
-        let frame = open.frame(index).filter(|frame| frame.camera == found.camera)?;
+    pub(super) fn derive(open: &mut OpenProject, index: usize, found: &EstimatedBase) -> Option<Self> {
+        let frame = open.document.frames.get(index).filter(|frame| frame.camera == found.camera)?;
         let mut document = open.document.clone();
         found.write_camera(&mut document);
         let field = document.at(&open.folder).model_of_frame(frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
-        let solved = calibrate(&document, open.lookup(), frame, &field, index);
+        let solved = calibrate(&document, open.derived.lookup(&open.document), frame, &field, index);
         let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));
         Some(Self { field: Arc::new(field), camera })
     }

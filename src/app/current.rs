@@ -89,7 +89,6 @@ impl Current {
             *self = Self::default();
             return;
         };
-        open.refresh_lookup();
         let shown = (session.frame, open.document.version());
         let changed = self.basis.shown != Some(shown);
         if changed {
@@ -145,7 +144,7 @@ impl Current {
             }
             _ => Vec::new(),
         };
-        let readiness = open.lookup().readiness(&frame.camera);
+        let readiness = open.derived.lookup(&open.document).readiness(&frame.camera);
         let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
         if let Some(Ok(solved)) = &solution {
             disputed.extend(solved.disputed());
@@ -169,7 +168,7 @@ impl Current {
     }
 
     /// The frame's camera with a click that is being placed or named; without a base, what its own landmarks show.
-    fn previewed(&self, open: &OpenProject, index: usize, trial: Option<&Trial>) -> Option<PtzCamera> {
+    fn previewed(&self, open: &mut OpenProject, index: usize, trial: Option<&Trial>) -> Option<PtzCamera> {
         let (field, frame) = (self.field()?, open.frame(index)?);
         let Some(base) = self.base else { return camera_alone(&open.document, frame, field) };
         let trial = trial?;
@@ -178,7 +177,7 @@ impl Current {
             Some(click) => *with.clicks.get_mut(click)? = trial.click.clone(),
             None => with.clicks.push(trial.click.clone()),
         }
-        let solved = calibrate(&open.document, open.lookup(), &with, field, index).ok()?;
+        let solved = calibrate(&open.document, open.derived.lookup(&open.document), &with, field, index).ok()?;
         Some(PtzCamera::new(base, solved.ptz))
     }
 
@@ -230,8 +229,7 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
 /// Ranks the names for a click of a frame.
 pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usize, lines: bool) -> Option<Naming> {
     let field = open.field_of(frame_index).ok()?;
-    open.refresh_lookup();
-    let frame = open.frame(frame_index)?;
+    let frame = open.document.frames.get(frame_index)?;
     let at = frame.clicks.get(click)?.image;
     let mut others = frame.clone();
     others.clicks.remove(click);
@@ -240,7 +238,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
     let neighbours = solved_neighbours(&open.document, frame_index);
     let named = observations(&others, &field).unwrap_or_default();
     // A frame that was proposed or set by hand has a camera too; clicks decide as soon as they can.
-    let camera = calibrate(&open.document, open.lookup(), &others, &field, frame_index)
+    let camera = calibrate(&open.document, open.derived.lookup(&open.document), &others, &field, frame_index)
         .ok()
         .map(|solved| solved.ptz)
         .or_else(|| named.is_empty().then(|| as_proposed_or_by_hand(frame)).flatten())

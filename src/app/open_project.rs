@@ -1,17 +1,13 @@
 //! The document that is open, with its history.
 
 use super::Versioned;
-use crate::calibrate::{BetterCamera, CalibrationError, FrameLookup, better_camera, calibrate};
-use crate::document::{
-    ClickNoise, Document, DocumentAt, Edit, FieldSpec, Fields, Frame, FrameStatus, History, Shared, Step,
-};
+use super::derived::{Derived, FrameCounts};
+use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
+use crate::document::{Document, DocumentAt, Edit, Fields, Frame, FrameStatus, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// What a field with its click noise follows from.
-type FieldKey = (FieldSpec, Option<ClickNoise>);
 
 /// The document that is open.
 #[derive(Debug)]
@@ -32,10 +28,8 @@ pub struct OpenProject {
     pub(super) forest_generation: u64,
     /// The document as the journal has it.
     pub(super) journalled: Document,
-    fields: Option<(Vec<FieldSpec>, Option<ClickNoise>, Arc<Fields>)>,
-    model: Option<(FieldKey, Result<Arc<FieldModel>, FieldError>)>,
-    /// What calibrating looks up in the document, in the version that stands beside it.
-    lookup: (FrameLookup, Option<u64>),
+    /// What follows from the document.
+    pub(super) derived: Derived,
 }
 
 impl OpenProject {
@@ -51,9 +45,7 @@ impl OpenProject {
             read_only,
             revision: 0,
             forest_generation: 0,
-            fields: None,
-            model: None,
-            lookup: (FrameLookup::default(), None),
+            derived: Derived::default(),
         }
     }
 
@@ -81,26 +73,16 @@ impl OpenProject {
         Some(edit)
     }
 
-    /// The field that a frame shows, its parameters filled in. The last one is kept.
+    /// The field that a frame shows, its parameters filled in.
     ///
     /// # Errors
     /// There is no such template, or it does not take a parameter or its value.
     pub fn field_of(&mut self, index: usize) -> Result<Arc<FieldModel>, FieldError> {
-        let noise = self.document.click_noise_in_use();
         let spec = match self.document.frames.get(index) {
             Some(frame) => self.document.field_of(frame),
             None => &self.document.field,
         };
-        if let Some(((known, known_noise), model)) = &self.model
-            && known == spec
-            && *known_noise == noise
-        {
-            return model.clone();
-        }
-        let spec = spec.clone();
-        let model = self.at().model_of(&spec).map(Arc::new);
-        self.model = Some(((spec, noise), model.clone()));
-        model
+        self.derived.field(&self.document, &self.folder, spec)
     }
 
     /// The fields of all cameras, each built once.
@@ -108,41 +90,22 @@ impl OpenProject {
     /// # Errors
     /// One of them is not valid.
     pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
-        let own = self.document.cameras.iter().filter_map(|camera| camera.field.as_ref());
-        let specs: Vec<FieldSpec> = own.chain([&self.document.field]).cloned().collect();
-        let noise = self.document.click_noise_in_use();
-        if let Some((known, known_noise, fields)) = &self.fields
-            && *known == specs
-            && *known_noise == noise
-        {
-            return Ok(Arc::clone(fields));
-        }
-        let fields = Arc::new(Fields::of(self.at())?);
-        self.fields = Some((specs, noise, Arc::clone(&fields)));
-        Ok(fields)
+        self.derived.fields(&self.document, &self.folder)
     }
 
-    /// Brings what calibrating looks up into agreement with the document.
-    pub(super) fn refresh_lookup(&mut self) {
-        let version = Some(self.document.version());
-        if self.lookup.1 != version {
-            self.lookup.0.update(&self.document);
-            self.lookup.1 = version;
-        }
-    }
-
-    /// What calibrating looks up in the document, as of the last [`Self::refresh_lookup`].
-    pub(super) const fn lookup(&self) -> &FrameLookup {
-        &self.lookup.0
+    /// How many frames there were of each kind after the last action.
+    #[must_use]
+    pub const fn counts(&self) -> &FrameCounts {
+        self.derived.last_counts()
     }
 
     /// What a frame's clicks say, another camera that fits better among the warnings. None where there is no such frame or
     /// its field is not valid.
     pub(super) fn solve(&mut self, index: usize) -> Option<Result<FrameSolution, CalibrationError>> {
         let field = self.field_of(index).ok()?;
-        self.refresh_lookup();
+        let lookup = self.derived.lookup(&self.document);
         let frame = self.document.frames.get(index)?;
-        let mut solved = calibrate(&self.document, self.lookup(), frame, &field, index);
+        let mut solved = calibrate(&self.document, lookup, frame, &field, index);
         if let Ok(solved) = &mut solved
             && let Some(better) = self.better_camera(index, solved)
         {

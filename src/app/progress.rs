@@ -1,16 +1,14 @@
 //! What is said when a frame has been accepted, and at the end of the work.
 
+use super::derived::FrameCounts;
 use super::review::Review;
-use super::session::needs_me;
 use super::where_to_label::where_to_label;
 use crate::calibrate::WIDE_FRAMES;
-use crate::document::Document;
 
 /// What is said when a frame has just been accepted.
 #[must_use]
-pub fn just_accepted(document: &Document, review: &Review, used_for_training: bool) -> String {
-    let left = document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let references = document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+pub fn just_accepted(counts: &FrameCounts, review: &Review, used_for_training: bool) -> String {
+    let (left, references) = (counts.need_me, counts.used_for_training);
     let plural = if references == 1 { "" } else { "s" };
     match (left, WIDE_FRAMES.saturating_sub(references)) {
         (0, _) => nothing_needs_you(review),

@@ -1,5 +1,6 @@
 //! A blind round: the landmarks of the gold frames are clicked again, without a look at the label, its lines or a proposal.
 
+use super::derived::FrameCounts;
 use crate::calibrate::{OwnNoise, can_choose_gold};
 use crate::document::{Document, DocumentAt, FrameStatus};
 use crate::field::LandmarkId;
@@ -105,13 +106,15 @@ pub struct GoldWork {
 }
 
 impl GoldWork {
-    pub(super) fn of(document: DocumentAt<'_>) -> Self {
-        let gold = document.frames.iter().filter(|frame| frame.gold && frame.status == FrameStatus::Reference);
-        Self {
-            frames: gold.count(),
-            can_choose: can_choose_gold(&document),
-            // A field that is not valid is told of elsewhere.
-            own: OwnNoise::of(document).unwrap_or_default(),
-        }
+    /// Takes the numbers of frames over.
+    pub(super) const fn count(&mut self, counts: &FrameCounts) {
+        self.frames = counts.gold_references;
+        self.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
+    }
+
+    /// Looks at the repeats.
+    pub(super) fn measure(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
+        // A field that is not valid is told of elsewhere.
+        self.own = OwnNoise::of_frames(document, counts.with_repeats()).unwrap_or_default();
     }
 }

@@ -1,9 +1,11 @@
 //! How well solved frames agree with the motion of their neighbours.
 
 use crate::camera::{Ptz, PtzCamera};
-use crate::document::{Camera, Document, Frame, FramePtz, FrameStatus, Shared, shots};
+use crate::document::{Camera, CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames, Shared};
 use crate::geometry::{ImageSize, Vec2, distance_from_segment};
 use nalgebra::SVector;
+use rayon::prelude::*;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Neighbours farther away than this say nothing: a camera has had time to go anywhere.
 const WITHIN: f64 = 50.0;
@@ -21,75 +23,126 @@ pub struct Disagreement {
     pub neighbours_px: f64,
 }
 
-/// For every frame how it lies to its neighbours, found anew: see [`Disagreements::of`].
+/// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
-    Disagreements::default().of(document)
+    Disagreements::of(document).found
 }
 
-/// What has been found of a document's frames, so that only what has changed since is compared again.
+/// How the frames of a document lie to their neighbours: only what has changed since the last look is compared again.
 #[derive(Clone, Debug, Default)]
 pub struct Disagreements {
-    /// The cameras that were compared with.
     cameras: Vec<Shared<Camera>>,
-    /// For each frame the three that were compared, and what was found.
-    compared: Vec<Option<Compared>>,
+    frames: Frames,
+    /// The places of the solved frames of each shot.
+    shots: BTreeMap<ShotKey, BTreeSet<usize>>,
+    found: Vec<Option<Disagreement>>,
+    edition: u64,
 }
 
-#[derive(Clone, Debug)]
-struct Compared {
-    three: [Shared<Frame>; 3],
-    found: Option<Disagreement>,
-}
+/// A camera and one of its shots; frames of a camera that belong to no shot are one.
+type ShotKey = (CameraId, Option<Clip>);
 
 impl Disagreements {
-    /// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
-    pub fn of(&mut self, document: &Document) -> Vec<Option<Disagreement>> {
-        let same_cameras = self.cameras.len() == document.cameras.len()
-            && self.cameras.iter().zip(&document.cameras).all(|(known, camera)| known.is_same(camera));
-        if !same_cameras {
-            self.cameras.clone_from(&document.cameras);
-            self.compared.clear();
-        }
-        self.compared.resize(document.frames.len(), None);
-        let mut found = vec![None; document.frames.len()];
-        for shot in shots(document) {
-            let solved: Vec<(usize, Ptz)> = shot.iter().filter_map(|&index| solved(document, index)).collect();
-            for three in solved.windows(3) {
-                let [(before, from), (index, _), (after, to)] = *three else { continue };
-                let frames = [before, index, after].map(|place| &document.frames[place]);
-                if way(frames[0], before, frames[2], after) <= WITHIN {
-                    found[index] = self.compare(document, index, frames, (from, to));
-                }
-            }
-        }
-        found
+    /// How the frames of a document lie.
+    #[must_use]
+    pub fn of(document: &Document) -> Self {
+        Self::anew(document, 0)
     }
 
-    fn compare(
-        &mut self,
-        document: &Document,
-        index: usize,
-        three: [&Shared<Frame>; 3],
-        (from, to): (Ptz, Ptz),
-    ) -> Option<Disagreement> {
-        let known = &mut self.compared[index];
-        if let Some(known) = known
-            && known.three.iter().zip(three).all(|(known, frame)| known.is_same(frame))
-        {
-            return known.found;
+    /// How a frame lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+    #[must_use]
+    pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
+        self.found.get(index).copied().flatten()
+    }
+
+    /// Grows whenever a frame may lie otherwise than before.
+    #[must_use]
+    pub const fn edition(&self) -> u64 {
+        self.edition
+    }
+
+    /// Brings it up to date with a document.
+    pub fn update(&mut self, document: &Document) {
+        let same_cameras = self.cameras.len() == document.cameras.len()
+            && self.cameras.iter().zip(&document.cameras).all(|(known, camera)| known.is_same(camera));
+        match document.frames.changes_since(&self.frames) {
+            FrameChanges::At(changed) if same_cameras => self.change(document, &changed),
+            _ => *self = Self::anew(document, self.edition + 1),
         }
-        let frame = three[1];
-        let found = document.pointed(frame).map(|camera| disagreement(&camera, from, to, frame.image_size));
-        *known = Some(Compared { three: three.map(Shared::clone), found });
-        found
+    }
+
+    fn anew(document: &Document, edition: u64) -> Self {
+        let mut shots: BTreeMap<ShotKey, BTreeSet<usize>> = BTreeMap::new();
+        for (index, frame) in document.frames.iter().enumerate() {
+            if let Some(key) = shot_if_solved(frame) {
+                shots.entry(key).or_default().insert(index);
+            }
+        }
+        let threes: Vec<[usize; 3]> = shots.values().flat_map(|shot| threes(shot.iter().copied())).collect();
+        let compared: Vec<Option<Disagreement>> = threes.par_iter().map(|three| compare(document, *three)).collect();
+        let mut found = vec![None; document.frames.len()];
+        for ([_, index, _], compared) in threes.into_iter().zip(compared) {
+            found[index] = compared;
+        }
+        Self { cameras: document.cameras.clone(), frames: document.frames.clone(), shots, found, edition }
+    }
+
+    fn change(&mut self, document: &Document, changed: &[usize]) {
+        let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        let mut concerned = BTreeSet::new();
+        for &index in changed {
+            concerned.insert(index);
+            for frame in [&before[index], &document.frames[index]] {
+                concerned.extend(self.beside(frame, index).into_iter().flatten());
+            }
+            if let Some(shot) = shot_if_solved(&before[index]).and_then(|key| self.shots.get_mut(&key)) {
+                shot.remove(&index);
+            }
+            if let Some(key) = shot_if_solved(&document.frames[index]) {
+                self.shots.entry(key).or_default().insert(index);
+            }
+        }
+        for index in concerned {
+            let three = match self.beside(&document.frames[index], index) {
+                [Some(before), Some(after)] => Some([before, index, after]),
+                _ => None,
+            };
+            let found = three.and_then(|three| compare(document, three));
+            self.edition += u64::from(found != self.found[index]);
+            self.found[index] = found;
+        }
+    }
+
+    /// The solved frames before and after a place in the shot of a frame; none of a frame that is not solved.
+    fn beside(&self, frame: &Frame, index: usize) -> [Option<usize>; 2] {
+        let Some(shot) = shot_if_solved(frame).and_then(|key| self.shots.get(&key)) else { return [None; 2] };
+        [shot.range(..index).next_back().copied(), shot.range(index + 1..).next().copied()]
     }
 }
 
-fn solved(document: &Document, index: usize) -> Option<(usize, Ptz)> {
-    let frame = &*document.frames[index];
-    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-    Some((index, FramePtz::ptz(ptz)))
+/// Each place with the one before and the one after it.
+fn threes(places: impl Iterator<Item = usize> + Clone) -> impl Iterator<Item = [usize; 3]> {
+    let (after, last) = (places.clone().skip(1), places.clone().skip(2));
+    places.zip(after).zip(last).map(|((before, index), after)| [before, index, after])
+}
+
+fn shot_if_solved(frame: &Frame) -> Option<ShotKey> {
+    ptz_if_solved(frame).map(|_| (frame.camera.clone(), frame.clip.clone()))
+}
+
+fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
+    frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected).map(FramePtz::ptz)
+}
+
+/// How the middle one of three solved frames lies to the others; none where these are too far apart.
+fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
+    let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
+    if way(from, before, to, after) > WITHIN {
+        return None;
+    }
+    let own = document.pointed(frame)?;
+    Some(disagreement(&own, ptz_if_solved(from)?, ptz_if_solved(to)?, frame.image_size))
 }
 
 /// How many frames lie between two: of the video where both come from one, else of the document.
@@ -166,8 +219,8 @@ mod tests {
     fn what_is_known_is_what_would_be_found_anew() {
         let mut document = document(&[0.0, 0.5, 1.5, 1.6, 2.0, 9.0, 2.5]);
         let mut known = Disagreements::default();
-        let changes: [fn(&mut Document); 6] = [
-            |_| (),
+        let changes: [fn(&mut Document); 7] = [
+            |document| document.frames[4].ptz.as_mut().unwrap().focal_px += 1.0,
             |document| document.frames[2].ptz.as_mut().unwrap().tilt_deg += 1.0,
             |document| document.frames[3].ptz = None,
             |document| {
@@ -178,13 +231,20 @@ mod tests {
                 ));
             },
             |document| document.frames[1].clip = Some(Clip::Number(2)),
+            |document| document.frames[1].clip = Some(Clip::Number(1)),
             |document| drop(document.frames.remove(4)),
         ];
         for change in changes {
             change(&mut document);
-            let found = known.of(&document);
+            let before = known.edition();
+            known.update(&document);
+            let found: Vec<_> = (0..document.frames.len()).map(|index| known.of_frame(index)).collect();
             assert_eq!(found, disagreements(&document));
-            assert!(found.iter().any(Option::is_some));
+            assert!(found.iter().any(Option::is_some) && known.edition() > before);
+            let edition = known.edition();
+            document.frames[0].comment = document.frames[0].comment.is_none().then(|| "rain".to_owned());
+            known.update(&document);
+            assert_eq!(known.edition(), edition, "a comment moves no camera");
         }
     }
 

@@ -6,7 +6,7 @@
 
 use super::BaseReadiness;
 use crate::camera::Ptz;
-use crate::document::{CameraId, Clip, Document, Frame, FramePtz, FrameStatus, Frames};
+use crate::document::{CameraId, Clip, Document, Frame, FrameChanges, FramePtz, FrameStatus, Frames};
 use crate::geometry::{Angle, AngleRange, Directions};
 use crate::solve::{Motion, MotionPrior, PtzRanges, PtzStep};
 use std::collections::{BTreeMap, BTreeSet};
@@ -19,9 +19,6 @@ const MIN_MOVES: usize = 8;
 
 /// Frames farther apart say nothing about how fast a camera moves.
 const WITHIN_FRAMES: u64 = 50;
-
-/// If more frames than this have changed, everything is derived anew, which is quicker then.
-const MANY_CHANGES: usize = 64;
 
 /// What calibrating looks up in a document's frames. It holds for the document that it was derived from or last brought up to
 /// date with; the latter takes work only for frames that have changed.
@@ -82,11 +79,10 @@ impl FrameLookup {
 
     /// Brings it up to date with a document.
     pub fn update(&mut self, document: &Document) {
-        let changed = self.frames.differences(&document.frames);
-        if self.frames.len() != document.frames.len() || changed.len() > MANY_CHANGES {
+        let FrameChanges::At(changed) = document.frames.changes_since(&self.frames) else {
             *self = Self::of(document);
             return;
-        }
+        };
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
         for index in changed {
             self.replace(index, &before[index], &document.frames[index]);
@@ -110,12 +106,13 @@ impl FrameLookup {
         }
         let accepted = [before, frame].map(|frame| Some((&frame.camera, accepted_ptz(frame)?)));
         if accepted[0] != accepted[1] {
-            let [removed, added] = accepted;
-            if let Some((camera, ptz)) = removed {
-                self.accepted.entry(camera.clone()).or_default().remove(&ptz);
-            }
-            if let Some((camera, ptz)) = added {
-                self.accepted.entry(camera.clone()).or_default().add(&ptz);
+            let same_camera = before.camera == frame.camera;
+            let [removed, added] = accepted.map(|accepted| accepted.map(|(_, ptz)| ptz));
+            if same_camera {
+                self.accepted.entry(frame.camera.clone()).or_default().change(removed, added);
+            } else {
+                self.accepted.entry(before.camera.clone()).or_default().change(removed, None);
+                self.accepted.entry(frame.camera.clone()).or_default().change(None, added);
             }
         }
         let solved = [before, frame].map(solved_in_shot);
@@ -134,6 +131,12 @@ impl FrameLookup {
     #[must_use]
     pub fn clicked(&self, camera: &CameraId) -> Vec<usize> {
         self.clicked.get(camera).map(|clicked| clicked.places.iter().copied().collect()).unwrap_or_default()
+    }
+
+    /// How many of a camera's frames have clicks.
+    #[must_use]
+    pub fn clicked_count(&self, camera: &CameraId) -> usize {
+        self.clicked.get(camera).map_or(0, |clicked| clicked.places.len())
     }
 
     /// What a camera's frames give for its base.
@@ -191,16 +194,16 @@ impl Accepted {
         }
     }
 
-    fn add(&mut self, ptz: &Ptz) {
-        self.pans.change([ptz.pan], []);
-        self.tilts.insert(ptz.tilt.radians());
-        self.focals.insert(ptz.focal_px);
-    }
-
-    fn remove(&mut self, ptz: &Ptz) {
-        self.pans.change([], [ptz.pan]);
-        self.tilts.remove(ptz.tilt.radians());
-        self.focals.remove(ptz.focal_px);
+    fn change(&mut self, removed: Option<Ptz>, added: Option<Ptz>) {
+        self.pans.change(added.map(|ptz| ptz.pan), removed.map(|ptz| ptz.pan));
+        if let Some(ptz) = removed {
+            self.tilts.remove(ptz.tilt.radians());
+            self.focals.remove(ptz.focal_px);
+        }
+        if let Some(ptz) = added {
+            self.tilts.insert(ptz.tilt.radians());
+            self.focals.insert(ptz.focal_px);
+        }
     }
 
     /// The ranges of all, without one of them.

@@ -82,14 +82,24 @@ impl OwnNoise {
     /// # Errors
     /// One of its fields is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        let mut found = Self { frames: 0, ..Self::default() };
-        if document.frames.iter().all(|frame| frame.repeats.is_empty()) {
+        let frames = document.frames.iter().enumerate();
+        Self::of_frames(document, frames.filter(|(_, frame)| !frame.repeats.is_empty()).map(|(index, _)| index))
+    }
+
+    /// The same, where it is known which frames have repeats: by their places, ascending.
+    ///
+    /// # Errors
+    /// One of the document's fields is not valid.
+    pub fn of_frames(document: DocumentAt<'_>, places: impl IntoIterator<Item = usize>) -> Result<Self, FieldError> {
+        let mut places = places.into_iter().peekable();
+        let mut found = Self::default();
+        if places.peek().is_none() {
             return Ok(found);
         }
         let fields = Fields::as_stated(document)?;
         let (mut all, mut normalised) = (Vec::new(), Vec::new());
         let mut by_landmark: BTreeMap<LandmarkId, [Vec<Vec2>; 2]> = BTreeMap::new();
-        for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| !frame.repeats.is_empty()) {
+        for (index, frame) in places.filter_map(|index| Some((index, document.frames.get(index)?))) {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
             let field = fields.of_frame(&document, frame);

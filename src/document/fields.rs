@@ -17,7 +17,7 @@ impl Fields {
     /// # Errors
     /// One of them is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        Self::with(document.document, |spec| document.model_of(spec))
+        Self::with(document.document, |spec| document.model_of(spec).map(Arc::new))
     }
 
     /// The same with the click noise that their templates state.
@@ -25,18 +25,22 @@ impl Fields {
     /// # Errors
     /// One of them is not valid.
     pub fn as_stated(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        Self::with(document.document, |spec| spec.model(document.folder))
+        Self::with(document.document, |spec| spec.model(document.folder).map(Arc::new))
     }
 
-    fn with(
+    /// Every field of a document, built in a way of the caller's.
+    ///
+    /// # Errors
+    /// One of them is not valid.
+    pub(crate) fn with(
         document: &Document,
-        model: impl Fn(&FieldSpec) -> Result<FieldModel, FieldError>,
+        mut model: impl FnMut(&FieldSpec) -> Result<Arc<FieldModel>, FieldError>,
     ) -> Result<Self, FieldError> {
         let mut models: Vec<(FieldSpec, Arc<FieldModel>)> = Vec::new();
         let own = document.cameras.iter().filter_map(|camera| camera.field.as_ref());
         for spec in own.filter(|spec| **spec != document.field).chain([&document.field]) {
             if !models.iter().any(|(known, _)| known == spec) {
-                models.push((spec.clone(), Arc::new(model(spec)?)));
+                models.push((spec.clone(), model(spec)?));
             }
         }
         Ok(Self { models })

@@ -73,7 +73,7 @@ pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
     let mut advice = LabelAdvice::default();
     for frame in &document.frames {
         advice.unanswered += usize::from(frame.is_unanswered());
-        advice.uncertain += usize::from(doubt(frame).is_some());
+        advice.uncertain += usize::from(is_uncertain(frame));
     }
     if (advice.unanswered, advice.uncertain) == (0, 0) {
         return advice;
@@ -127,6 +127,12 @@ pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
 fn can_be_labelled(frame: &Frame) -> bool {
     let mut warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
     frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
+}
+
+/// Whether the forest is not sure of a frame's suggestion: see [`SURE`].
+#[must_use]
+pub fn is_uncertain(frame: &Frame) -> bool {
+    doubt(frame).is_some()
 }
 
 /// The probability that its suggestion is wrong; none where that is sure, or nobody says.

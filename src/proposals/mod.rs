@@ -36,7 +36,7 @@ mod training_sample;
 mod training_set;
 mod used_features;
 
-pub(crate) use advice::LabelAdvice;
+pub(crate) use advice::{LabelAdvice, is_uncertain};
 pub use advice::{LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use touchline::app::naming::{NamingScene, candidates};
 use touchline::app::quality::{Course, Quantity, TimeAxis};
-use touchline::calibrate::{FrameLookup, calibrate, choose_gold};
+use touchline::calibrate::{Disagreements, FrameLookup, calibrate, choose_gold};
 use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
 use touchline::document::{
     Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning,
@@ -228,7 +228,7 @@ fn a_pan_over_time_has_no_jump() {
         for number in 0..30 {
             document.frames.push(place.frame(number, 1.5 * number as f64 - 20.0, FrameStatus::Suggested).into());
         }
-        let course = Course::of(&document, &"main".into(), TimeAxis::Frame);
+        let course = Course::of(&document, &Disagreements::of(&document), &"main".into(), TimeAxis::Frame);
         assert!(course.standing_out.is_empty(), "{}", place.name);
         for pair in course.points.windows(2) {
             let step = pair[1].value(Quantity::Pan) - pair[0].value(Quantity::Pan);

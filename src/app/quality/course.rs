@@ -2,7 +2,7 @@
 
 use crate::app::choices::TimeAxis;
 use crate::app::review::disagrees;
-use crate::calibrate::disagreements;
+use crate::calibrate::Disagreements;
 use crate::document::{CameraId, Clip, Document, Frame, FrameStatus};
 use crate::geometry::AngleRange;
 
@@ -117,9 +117,9 @@ pub struct Course {
 }
 
 impl Course {
-    /// The course of a camera.
+    /// The course of a camera; `found` is how the document's frames lie to their neighbours.
     #[must_use]
-    pub fn of(document: &Document, camera: &CameraId, axis: TimeAxis) -> Self {
+    pub fn of(document: &Document, found: &Disagreements, camera: &CameraId, axis: TimeAxis) -> Self {
         let frames: Vec<(usize, &Frame)> = document
             .frames
             .iter()
@@ -138,7 +138,6 @@ impl Course {
         timed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let pans = timed.iter().filter_map(|(_, _, frame)| Some(frame.ptz.as_ref()?.ptz().pan));
         let seen = AngleRange::smallest(pans).unwrap_or(AngleRange::FULL);
-        let found = disagreements(document);
         let mut course = Self {
             axis,
             has_video_time,
@@ -156,7 +155,7 @@ impl Course {
             }
             before = Some((at, frame.clip.as_ref()));
             let (Some(ptz), Some(kind)) = (&frame.ptz, PointKind::of(frame)) else { continue };
-            let disagreement = found.get(index).copied().flatten();
+            let disagreement = found.of_frame(index);
             course.points.push(CoursePoint {
                 frame: index,
                 at,
@@ -259,7 +258,7 @@ mod tests {
     }
 
     fn course(document: &Document, axis: TimeAxis) -> Course {
-        Course::of(document, &"main".into(), axis)
+        Course::of(document, &Disagreements::of(document), &"main".into(), axis)
     }
 
     #[test]
@@ -301,7 +300,10 @@ mod tests {
         let numbers = course(&document, TimeAxis::Video);
         assert_eq!((numbers.axis, numbers.has_video_time), (TimeAxis::Frame, false));
         assert_eq!(numbers.points[11].at, 12.0);
-        assert_eq!(Course::of(&document, &"other".into(), TimeAxis::Frame), Course::default());
+        assert_eq!(
+            Course::of(&document, &Disagreements::of(&document), &"other".into(), TimeAxis::Frame),
+            Course::default()
+        );
     }
 
     #[test]

@@ -57,8 +57,8 @@ impl Quality {
     fn derive(open: &mut OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
         let Some(id) = &camera else { return Self::default() };
         let fields = open.fields();
+        let course = Course::of(&open.document, open.derived.disagreements(&open.document), id, axis);
         let document = &*open.document;
-        let course = Course::of(document, id, axis);
         // Without a valid field nothing can be off.
         let Ok(fields) = fields else { return Self { camera, course, ..Self::default() } };
         let errors = ClickErrors::of(document, &fields, id);

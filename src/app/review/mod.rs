@@ -9,7 +9,7 @@ pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Panel, Session};
-use crate::calibrate::{Disagreement, Disagreements};
+use crate::calibrate::Disagreement;
 use crate::document::{Frame, FrameStatus};
 use crate::proposals::{Coverage, LabelAdvice, label_advice};
 use std::collections::BTreeSet;
@@ -75,43 +75,46 @@ pub struct Review {
     /// What has no answer to rely on, and the frame to label next.
     pub advice: LabelAdvice,
     derived_from: Option<Source>,
-    disagreements: Disagreements,
-    /// Where references look, as the advice knows it.
-    coverage: Arc<[Coverage]>,
+    /// The revision of the document that the advice looked at, and where references look.
+    advised_from: Option<(u64, Arc<[Coverage]>)>,
 }
 
 /// What the list is derived from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Source {
-    revision: u64,
+    /// Grows with every change of a suggested frame.
+    suggestions: u64,
     order: ReviewOrder,
     one_per_shot: bool,
-    /// Neighbours are compared only while somebody looks at the result.
-    with_neighbours: bool,
+    /// Neighbours are compared only while somebody looks at the result; it grows with every change of that.
+    neighbours: Option<u64>,
     held: bool,
 }
 
 impl Review {
     /// Derives it anew if something changed since the last time.
-    pub(super) fn refresh(&mut self, open: Option<&OpenProject>, session: &Session) {
+    pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let Some(open) = open else {
             *self = Self::default();
             return;
         };
         let choice = &session.review;
         let listed = session.panel == Panel::Review;
+        let with_neighbours = listed || session.dialog == Some(Dialog::AcceptAll);
         let source = Source {
-            revision: open.revision,
+            suggestions: open.derived.counts(&open.document).suggestions_edition(),
             order: choice.order,
             one_per_shot: choice.one_per_shot,
-            with_neighbours: listed || session.dialog == Some(Dialog::AcceptAll),
+            neighbours: with_neighbours.then(|| open.derived.disagreements(&open.document).edition()),
             held: choice.held && listed,
         };
         let before = self.derived_from.replace(source);
         if before != Some(source) {
-            let now = self.list(open, choice, source.with_neighbours);
-            let is_same_list =
-                |before: Source| Source { revision: source.revision, held: source.held, ..before } == source;
+            let now = Self::list(open, choice, with_neighbours);
+            let is_same_list = |before: Source| {
+                Source { suggestions: source.suggestions, neighbours: source.neighbours, held: source.held, ..before }
+                    == source
+            };
             if source.held && !self.rows.is_empty() && before.is_some_and(is_same_list) {
                 self.keep_places(now, &open.document, choice.one_per_shot);
             } else {
@@ -119,15 +122,25 @@ impl Review {
                 (self.rows, self.hidden, self.several_shots, self.late) = (rows, hidden, several_shots, 0);
             }
         }
-        let coverage = &session.trainer.status.coverage;
-        if before.map(|before| before.revision) != Some(source.revision) || !Arc::ptr_eq(&self.coverage, coverage) {
+        self.advise(open, &session.trainer.status.coverage);
+    }
+
+    /// Brings the advice up to date. Where nothing lacks an answer it takes no look at the frames.
+    fn advise(&mut self, open: &mut OpenProject, coverage: &Arc<[Coverage]>) {
+        let counts = open.derived.counts(&open.document);
+        if (counts.unanswered, counts.uncertain) == (0, 0) {
+            (self.advice, self.advised_from) = (LabelAdvice::default(), None);
+            return;
+        }
+        let known = self.advised_from.as_ref();
+        if known.is_none_or(|(revision, known)| *revision != open.revision || !Arc::ptr_eq(known, coverage)) {
             self.advice = label_advice(&open.document, coverage);
-            self.coverage = Arc::clone(coverage);
+            self.advised_from = Some((open.revision, Arc::clone(coverage)));
         }
     }
 
     /// The suggested frames in the chosen order.
-    fn list(&mut self, open: &OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
+    fn list(open: &mut OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
         let frames = &open.document.frames;
         let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
         let mut rows: Vec<ReviewRow> = frames
@@ -143,9 +156,9 @@ impl Review {
             })
             .collect();
         if with_neighbours && !rows.is_empty() {
-            let found = self.disagreements.of(&open.document);
+            let found = open.derived.disagreements(&open.document);
             for row in &mut rows {
-                row.disagreement = found.get(row.frame).copied().flatten();
+                row.disagreement = found.of_frame(row.frame);
             }
         }
         // A stable sort: equal ones stay in the order of time.
@@ -266,7 +279,7 @@ mod tests {
         OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
-    fn review_of(open: &OpenProject, choice: ReviewChoice) -> Review {
+    fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {
         let mut session = Session::default();
         (session.panel, session.review) = (Panel::Review, choice);
         let mut review = Review::default();
@@ -275,7 +288,7 @@ mod tests {
     }
 
     fn review(confidences: &[Option<f64>], order: ReviewOrder) -> Review {
-        review_of(&opened(confidences), ReviewChoice { order, ..ReviewChoice::default() })
+        review_of(&mut opened(confidences), ReviewChoice { order, ..ReviewChoice::default() })
     }
 
     #[test]
@@ -285,7 +298,7 @@ mod tests {
             frame.clip = Some(Clip::Number(shot));
         }
         let choice = ReviewChoice { one_per_shot: true, threshold: 0.5, ..ReviewChoice::default() };
-        let review = review_of(&open, choice);
+        let review = review_of(&mut open, choice);
         assert!(review.several_shots);
         assert_eq!((frames(&review), review.hidden.len()), (vec![1, 2], 2));
         assert_eq!(review.bulk(&choice).rows.len(), 4, "what is accepted together is all of them");

@@ -126,9 +126,9 @@ impl App {
             (self.watched.of, self.watched.change) = (Some(seen), None);
             return;
         };
-        open.refresh_lookup();
-        if open.lookup().clicked(&seen.1).len() <= AT_ONCE {
-            let change = camera_change(&open.document, open.lookup(), &seen.1, field);
+        let lookup = open.derived.lookup(&open.document);
+        if lookup.clicked_count(&seen.1) <= AT_ONCE {
+            let change = camera_change(&open.document, lookup, &seen.1, field);
             self.camera_looked_at(seen, change);
             return;
         }

@@ -59,7 +59,6 @@ impl App {
         self.quality = super::Quality::default();
         // A look at the document before is reported in vain.
         self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
-        self.gold_from = None;
     }
 
     pub(super) fn save(&mut self) {

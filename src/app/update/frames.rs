@@ -86,8 +86,9 @@ impl App {
             self.commit();
             self.refresh_review();
             let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);
-            if let Some(open) = &self.open {
-                let text = just_accepted(&open.document, &self.review, used_for_training);
+            if let Some(open) = &mut self.open {
+                let counts = open.derived.counts(&open.document);
+                let text = just_accepted(counts, &self.review, used_for_training);
                 self.session.notify(Level::Info, text);
             }
             match listed.filter(|_| !stay) {

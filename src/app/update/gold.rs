@@ -7,6 +7,7 @@ use crate::app::{Action, Command};
 use crate::calibrate::{ENOUGH_REPEATS, choose_gold};
 use crate::document::{ClickNoise, Repeat, Step};
 use crate::geometry::ImagePoint;
+use std::sync::LazyLock;
 
 /// What is said of everything that would show the label, or lead away from it.
 pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
@@ -23,8 +24,9 @@ impl App {
 
     /// What gold frames and their repeats say.
     #[must_use]
-    pub const fn gold(&self) -> &GoldWork {
-        &self.gold
+    pub fn gold(&self) -> &GoldWork {
+        static NOTHING: LazyLock<GoldWork> = LazyLock::new(GoldWork::default);
+        self.open.as_ref().map_or(&NOTHING, |open| open.derived.last_gold())
     }
 
     /// Whether an action would break a blind round; says so.
@@ -36,12 +38,10 @@ impl App {
         breaks
     }
 
-    /// Derives anew what repeats say once something was committed.
+    /// Brings up to date what gold frames and their repeats say.
     pub(super) fn refresh_gold(&mut self) {
-        let from = self.open.as_ref().map(|open| open.revision);
-        if from != self.gold_from {
-            self.gold_from = from;
-            self.gold = self.open.as_ref().map(|open| GoldWork::of(open.at())).unwrap_or_default();
+        if let Some(open) = &mut self.open {
+            open.derived.gold(&open.document, &open.folder);
         }
     }
 
@@ -208,7 +208,7 @@ impl App {
     }
 
     fn describe_round(&self, clicked: usize) -> (String, Option<(&'static str, Command)>) {
-        let own = &self.gold.own;
+        let own = &self.gold().own;
         let clicked = match clicked {
             0 => return ("Nothing was clicked again.".to_owned(), None),
             1 => "1 blind click is kept".to_owned(),
@@ -235,7 +235,7 @@ impl App {
         /// Shown while the repeats are too few.
         const TOO_FEW: &str = "At least 12 blind clicks of gold frames are needed.";
         const { assert!(ENOUGH_REPEATS == 12, "the message names the number") };
-        match &self.gold.own.click_noise {
+        match &self.gold().own.click_noise {
             None => Some(TOO_FEW),
             Some(noise) if self.click_noise_in_use().as_ref() == Some(noise) => Some("Your points already use it."),
             Some(_) => None,
@@ -248,7 +248,7 @@ impl App {
 
     /// From now on the clicks are weighted by the annotator's own click noise, as the repeats show it now.
     pub(super) fn use_own_noise(&mut self) {
-        if let Some(noise) = self.gold.own.click_noise.clone() {
+        if let Some(noise) = self.gold().own.click_noise.clone() {
             self.weight_clicks("Use my click noise", &noise);
         }
     }

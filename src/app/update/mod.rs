@@ -23,7 +23,6 @@ use super::action::{Action, Effect};
 use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
 use super::quality::Quality;
-use super::reclick::GoldWork;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{Comparison, OpenProject, Settings};
@@ -44,9 +43,6 @@ pub struct App {
     review: Review,
     quality: Quality,
     watched: Watched,
-    gold: GoldWork,
-    /// The revision that `gold` was derived from.
-    gold_from: Option<u64>,
     effects: Vec<Effect>,
 }
 
@@ -308,7 +304,10 @@ impl App {
     }
 
     fn refresh_review(&mut self) {
-        self.review.refresh(self.open.as_ref(), &self.session);
+        // A list does not change under a hand that drags.
+        if self.open.as_ref().is_none_or(|open| !open.history.is_open()) {
+            self.review.refresh(self.open.as_mut(), &self.session);
+        }
     }
 
     fn clamp_selection(&mut self) {

@@ -77,20 +77,21 @@ fn keeps_proposal(frame: &Frame) -> bool {
     frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some())
 }
 
-/// The frames with a camera that has moved since.
+/// The frames with a camera that has moved since, ascending.
 fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
-    let is_moved = |index: &usize| {
-        let frame = &now.frames[*index];
-        let given_away = || {
-            let known = before.frames.get(*index);
-            known.is_some_and(|known| !known.is_same(frame) && known.camera != frame.camera)
-        };
-        moved.contains(&frame.camera) || given_away()
-    };
-    (0..now.frames.len()).filter(is_moved).collect()
+    let given_away = |index: &usize| now.frames[*index].camera != before.frames[*index].camera;
+    let given_away = now.frames.differences(&before.frames).into_iter().filter(given_away);
+    if moved.is_empty() {
+        return given_away.collect();
+    }
+    let of_moved = |index: &usize| moved.contains(&now.frames[*index].camera);
+    let mut frames: Vec<usize> = (0..now.frames.len()).filter(of_moved).chain(given_away).collect();
+    frames.sort_unstable();
+    frames.dedup();
+    frames
 }
 
 impl OpenProject {

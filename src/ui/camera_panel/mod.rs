@@ -95,7 +95,7 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// How many frames the camera has, and the way to give some to another one.
 fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
-    let frames = open.document.frames.iter().filter(|frame| frame.camera == camera.id).count();
+    let frames = open.counts().of_camera(&camera.id);
     let selected = panel.app.session.frames_selected.len();
     let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
     let told = match selected {

@@ -77,7 +77,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
     let size = panel.app.frame().map(|frame| frame.image_size);
     ScrollArea::vertical().id_salt("cameras").max_height(LIST).show(ui, |ui| {
         for camera in &open.document.cameras {
-            let frames = open.document.frames.iter().filter(|frame| frame.camera == camera.id).count();
+            let frames = open.counts().of_camera(&camera.id);
             let known = if camera.base().is_some() { "" } else { ", base not known" };
             let button = Button::new(camera.id.as_str())
                 .right_text(RichText::new(format!("{frames} frames{known}")).small().color(theme::WEAK))

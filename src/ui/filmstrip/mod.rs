@@ -29,21 +29,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Which frames are shown, with how many there are of each.
 fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let mut counts = [0usize; Filter::ALL.len()];
     let Some(open) = panel.app.open().filter(|open| !open.document.frames.is_empty()) else { return };
-    for frame in &open.document.frames {
-        for (count, filter) in counts.iter_mut().zip(Filter::ALL) {
-            *count += usize::from(filter.shows(frame));
-        }
-    }
+    let counts = open.counts();
     let chosen = panel.app.session.filter;
     let shown = ComboBox::from_id_salt("filter")
         .width(ui.available_width())
         .selected_text(RichText::new(chosen.label()).color(theme::STRONG))
         .show_ui(ui, |ui| {
-            for (filter, count) in Filter::ALL.into_iter().zip(counts) {
+            for filter in Filter::ALL {
                 let row = egui::Button::selectable(filter == chosen, filter.label())
-                    .right_text(RichText::new(count.to_string()).color(theme::WEAK));
+                    .right_text(RichText::new(counts.shown_by(filter).to_string()).color(theme::WEAK));
                 if ui.add(row).clicked() {
                     panel.actions.push(Action::SetFilter(filter));
                     ui.close();
@@ -51,9 +46,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
     shown.response.accessible_name("Frames shown").on_hover_text("Which frames the filmstrip shows.");
-    let count = |filter| Filter::ALL.iter().position(|known| *known == filter).map_or(0, |index| counts[index]);
-    let references = count(Filter::Status(FrameStatus::Reference));
-    let needed = count(Filter::NeedsMe);
+    let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.need_me);
     ui.label(RichText::new(format!("{references} reference{}", if references == 1 { "" } else { "s" })).small())
         .on_hover_text("Frames that you have accepted.");
     let told = if needed == 0 { "nothing needs you".to_owned() } else { format!("{needed} need you") };
