@@ -11,7 +11,7 @@ use crate::solve::base::{
     AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FittedSize, FrameClicks, LensModel,
     MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
 };
-use crate::solve::{FrameSolution, ObservationError, WarningCode};
+use crate::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -238,6 +238,7 @@ impl EstimatedBase {
             if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
                 let message = format!("The names look mirrored: {}.", describe_mirrored(mirrored));
                 solution.warnings.push(SolutionWarning::new(WarningCode::Mirrored.as_str(), message));
+                solution.verdict = Some(Verdict::Wrong);
             }
         }
     }

@@ -128,7 +128,8 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     if training_frames.withheld > 0 {
         messages.note(&format!(
-            "{} accepted suggestions did not teach (--all-references takes them, too)",
+            "{} references were not used for training: accepted suggestions (--all-references takes them, too), frames judged Wrong, or \
+             left out by hand",
             training_frames.withheld
         ));
     }

@@ -44,7 +44,8 @@ pub struct Frame {
     /// Its clicks take part when the base of its camera is estimated.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub use_for_base: bool,
-    /// What a person said of whether the forest learns from it; none: as [`Frame::is_suggestion`] says.
+    /// What a person said of whether the forest learns from it; none: it does unless it is
+    /// a suggestion or judged Wrong.
     #[serde(default, alias = "teaches", skip_serializing_if = "Option::is_none")]
     pub use_for_training: Option<bool>,
     /// It is clicked again, blind.

@@ -3,7 +3,7 @@
 use super::{Click, Extra, Frame, Proposed, Target, adapters};
 use crate::camera::Ptz;
 use crate::geometry::Mat3;
-use crate::solve::{FrameSolution, IdentityFinding, Name, WarningCode};
+use crate::solve::{FrameSolution, IdentityFinding, Name, Verdict, WarningCode, judge};
 use serde::{Deserialize, Serialize};
 
 /// Pan, tilt and focal length of a frame in the document's units.
@@ -76,6 +76,9 @@ pub struct Solution {
     /// What finding it took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<TimingsMs>,
+    /// The verdict on the clicks when they were solved; none in older documents, and where nobody clicked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub verdict: Option<Verdict>,
     /// Indices of the clicks that disagree with the others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub disputed: Vec<usize>,
@@ -252,6 +255,7 @@ impl Frame {
             samples: None,
             line_check: None,
             proposed,
+            verdict: Some(judge(solved, self.image_size).verdict),
             disputed: solved.disputed(),
             warnings: solved
                 .warnings

@@ -1,6 +1,7 @@
 //! What a frame is used for: the training of the forest, the estimation of its camera's base.
 
 use super::{Frame, FrameStatus, SolutionSource, Target};
+use crate::solve::Verdict;
 
 impl Frame {
     /// Whether its camera was proposed by the program rather than clicked, snapped, imported or set manually.
@@ -20,16 +21,26 @@ impl Frame {
         }
     }
 
-    /// Whether the forest is trained with it. By default references are used and accepted suggestions are not; the user can
-    /// override both.
+    /// Whether the verdict on its clicks was Wrong when it was solved.
+    #[must_use]
+    pub fn is_judged_wrong(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| solution.verdict == Some(Verdict::Wrong))
+    }
+
+    /// Whether the forest is trained with it. By default references are used, but neither accepted suggestions nor frames
+    /// judged Wrong; the user can override each.
     #[must_use]
     pub fn is_used_for_training(&self) -> bool {
-        self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(!self.is_suggestion())
+        self.status == FrameStatus::Reference && self.use_for_training.unwrap_or(self.trains_by_default())
     }
 
     /// Sets whether the forest is trained with it once it is a reference.
     pub fn set_use_for_training(&mut self, used: bool) {
-        self.use_for_training = (used == self.is_suggestion()).then_some(used);
+        self.use_for_training = (used != self.trains_by_default()).then_some(used);
+    }
+
+    fn trains_by_default(&self) -> bool {
+        !self.is_suggestion() && !self.is_judged_wrong()
     }
 
     /// Whether its clicks are used to estimate its camera's base: not if the frame is rejected or was left out.
@@ -59,6 +70,17 @@ mod tests {
         frame.solution = Some(Solution { source: Some(source), ..Solution::default() });
         frame.status = FrameStatus::Reference;
         frame
+    }
+
+    #[test]
+    fn a_frame_judged_wrong_is_no_training_frame_unless_a_person_says_so() {
+        for (verdict, by_itself) in [(Verdict::Good, true), (Verdict::Check, true), (Verdict::Wrong, false)] {
+            let mut frame = reference(SolutionSource::Clicks);
+            frame.solution.as_mut().unwrap().verdict = Some(verdict);
+            assert_eq!(frame.is_used_for_training(), by_itself, "{verdict}");
+            frame.set_use_for_training(!by_itself);
+            assert_eq!(frame.is_used_for_training(), !by_itself, "{verdict}");
+        }
     }
 
     #[test]

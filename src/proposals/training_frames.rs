@@ -9,7 +9,7 @@ pub struct TrainingFrames {
     pub frames: Vec<usize>,
     /// All references.
     pub references: usize,
-    /// References not used for training: accepted suggestions, and those that a person excluded.
+    /// References not used for training: accepted suggestions, frames judged Wrong, and those that a person excluded.
     pub withheld: usize,
 }
 

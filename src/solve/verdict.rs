@@ -2,6 +2,7 @@
 
 use super::{Evidence, FrameSolution, Warning, WarningCode};
 use crate::geometry::ImageSize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Up to this 1-σ at the worst corner a frame is good, px at 1920 px width.
@@ -14,7 +15,8 @@ pub const WRONG_MISFIT: f64 = 4.0;
 pub const CHECK_MISFIT: f64 = 2.0;
 
 /// The verdict on a solved frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// Nothing speaks against it.
     Good,

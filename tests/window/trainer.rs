@@ -75,7 +75,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     for said in [
         "Proposing cameras: 30 of 120.",
         "6 references used for training.",
-        "2 accepted suggestions not used for training.",
+        "2 references not used for training.",
         "0002.png cannot be used: the image changed since it was labelled",
         "27 cameras proposed.",
         "No reference sees the field near pan\u{a0}40°.",

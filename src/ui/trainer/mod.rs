@@ -104,14 +104,10 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         ui.add(Label::new(RichText::new(text).color(theme::CAUTION)).wrap());
     }
     if status.withheld > 0 {
-        let text = count(
-            status.withheld,
-            "accepted suggestion not used for training.",
-            "accepted suggestions not used for training.",
-        );
+        let text = count(status.withheld, "reference not used for training.", "references not used for training.");
         ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(
-            "Training with the forest's own proposals would add nothing new and repeat its mistakes. The switch of a frame \
-             overrides this.",
+            "Training with the forest's own proposals would add nothing new and repeat its mistakes; so would a frame whose \
+             verdict is Wrong. The switch of a frame overrides this.",
         );
     }
     let shown = panel.app.session.frame;
