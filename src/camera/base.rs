@@ -78,6 +78,12 @@ impl CameraBase {
         Self { position_m, base_from_world, principal_point, distortion: FocalCurve::NONE, sigma: BaseSigma::default() }
     }
 
+    /// The same lens at the origin of the world, not turned, exactly known: what it sees are rays in `base`.
+    #[must_use]
+    pub fn at_origin(&self) -> Self {
+        Self { distortion: self.distortion, ..Self::new(Vec3::zeros(), Mat3::identity(), self.principal_point) }
+    }
+
     /// The direction from the camera to a world point, in `base`, not normalised (m).
     #[must_use]
     pub fn base_from_world_point(&self, point_in_world: Vec3) -> Vec3 {

@@ -1,9 +1,11 @@
 //! From references to training samples, and the forest trained on them.
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
+use super::label::label_covariance;
 use super::{FoundMask, FrameFeatures, FramePictures, PictureError, TrainingSample};
-use crate::document::{CameraId, Document, Frame, Frames, WriteError, document_to_string};
+use crate::document::{CameraId, Document, Fields, Frame, Frames, WriteError, document_to_string};
 use crate::features::FeatureOptions;
+use crate::field::FieldModel;
 use crate::media::ReadFrames;
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
 use std::ops::ControlFlow;
@@ -78,10 +80,14 @@ pub fn study(
     training_frames: &[usize],
     progress: &(dyn Fn() -> ControlFlow<()> + Sync),
 ) -> Option<Studied> {
+    let document = pictures.document;
+    // A field that is not valid leaves labels as well known as four clicks tell.
+    let fields = Fields::of(document.at(pictures.folder)).ok();
     let training_samples = pictures.each(reader, training_frames, |index, frame, found| {
+        let field = fields.as_ref().map(|fields| &**fields.of_frame(document, frame));
         let sample = found
             .map_err(TrainingSampleError::from)
-            .and_then(|found| training_sample(pictures.document, index, frame, &found));
+            .and_then(|found| training_sample(document, field, (index, frame), &found));
         progress()?;
         ControlFlow::Continue((index, sample))
     })?;
@@ -98,8 +104,8 @@ pub fn study(
 
 fn training_sample(
     document: &Document,
-    index: usize,
-    frame: &Frame,
+    field: Option<&FieldModel>,
+    (index, frame): (usize, &Frame),
     found: &FrameFeatures,
 ) -> Result<TrainingSample, TrainingSampleError> {
     let name = || frame.camera.as_str().to_owned();
@@ -113,7 +119,8 @@ fn training_sample(
     let rays = features.keypoints.iter().map(|keypoint| pointed.ray_from_image(keypoint.point));
     // Beyond the fold of a lens a point shows no ray.
     let shown = (0..).zip(rays).filter_map(|(feature, ray)| Some((feature, ray.ok()?))).collect();
-    Ok(TrainingSample { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), features, rays: shown })
+    let label = label_covariance(frame, field, &pointed);
+    Ok(TrainingSample { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), label, features, rays: shown })
 }
 
 /// The forests trained on references, one for each camera that has any, in the document's order. `progress` is called
@@ -150,12 +157,14 @@ fn learn_camera<'a>(
     options: &TrainOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<Option<CameraForest>, Stopped> {
-    let (mut samples, mut seen) = (Samples::new(), Vec::new());
+    let (mut samples, mut seen, mut labels) = (Samples::new(), Vec::new(), Vec::new());
     for sample in training_samples.filter(|sample| !sample.rays.is_empty()) {
         sample.add_to(&mut samples);
         seen.push(sample.ptz);
+        labels.push(sample.label);
     }
     let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };
+    let seen = seen.with_labels(labels);
     let forest = train(&samples, options, progress)?;
     Ok(Some(CameraForest { camera: camera.as_str().to_owned(), seen, forest }))
 }

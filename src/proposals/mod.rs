@@ -22,6 +22,7 @@ mod bases;
 mod burnt_in;
 mod coverage;
 mod features;
+mod label;
 mod learning;
 mod line_witness;
 mod order;

@@ -8,7 +8,7 @@ use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, Clip, Document, Frame};
 use crate::geometry::median;
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::{ImagePoint, ImageSize, Mat3};
 use crate::media::ReadFrames;
 use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
 use std::collections::BTreeSet;
@@ -107,8 +107,8 @@ struct Collected {
     samples: Samples,
     /// Their places in the document.
     frames: Vec<usize>,
-    /// How they were pointed.
-    ptz: Vec<Ptz>,
+    /// How they were pointed, and how well that is known.
+    cameras: Vec<(Ptz, Mat3)>,
 }
 
 /// Leaves references out and asks for them. `progress` is called with the groups done and those to do, from any thread,
@@ -140,7 +140,7 @@ pub fn measure(
             Err(Stopped::NoSamples { .. } | Stopped::TooMany { .. }) => continue,
             Err(Stopped::Asked) => return None,
         };
-        let Some(seen) = SeenRange::of(&collected.ptz_without(&group.left_out)) else { continue };
+        let Some(seen) = collected.seen_without(&group.left_out) else { continue };
         let frames: Vec<usize> = group.asked.iter().map(|&place| collected.frames[place]).collect();
         let Studied { training_samples, .. } = study(pictures, reader, &frames, &|| progress(done, groups.len()))?;
         for sample in training_samples {
@@ -173,15 +173,16 @@ impl Collected {
             for sample in training_samples.iter().filter(|sample| !sample.rays.is_empty()) {
                 sample.add_to(&mut collected.samples);
                 collected.frames.push(sample.frame);
-                collected.ptz.push(sample.ptz);
+                collected.cameras.push((sample.ptz, sample.label));
             }
         }
         Some(collected)
     }
 
-    fn ptz_without(&self, left_out: &BTreeSet<usize>) -> Vec<Ptz> {
-        let kept = self.ptz.iter().enumerate().filter(|(place, _)| !left_out.contains(place));
-        kept.map(|(_, ptz)| *ptz).collect()
+    fn seen_without(&self, left_out: &BTreeSet<usize>) -> Option<SeenRange> {
+        let kept = self.cameras.iter().enumerate().filter(|(place, _)| !left_out.contains(place));
+        let (cameras, labels): (Vec<Ptz>, Vec<Mat3>) = kept.map(|(_, known)| *known).unzip();
+        Some(SeenRange::of(&cameras)?.with_labels(labels))
     }
 }
 

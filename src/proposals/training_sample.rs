@@ -3,6 +3,7 @@
 use crate::camera::{PanTilt, Ptz};
 use crate::document::CameraId;
 use crate::features::Features;
+use crate::geometry::Mat3;
 use crate::relocalize::Samples;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ pub struct TrainingSample {
     pub camera: CameraId,
     /// How it was pointed.
     pub ptz: Ptz,
+    /// How well that is known if the base is exact: covariance of (pan rad, tilt rad, focal px).
+    pub label: Mat3,
     /// Its features.
     pub features: Arc<Features>,
     /// Which of them show a ray, and which ray in `base`.

@@ -71,7 +71,8 @@ pub fn relocalize(
     let predict_time = start.elapsed();
     let start = Instant::now();
     let ranges = options.pose.ranges.clone().unwrap_or_else(|| seen.plausible());
-    let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
-    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &pose);
+    let unsure = PoseOptions { ranges: Some(ranges), min_confidence: 0.0, ..options.pose.clone() };
+    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure)
+        .and_then(|pose| pose.stated(&matches, base, features.image_size, seen).if_sure(options.pose.min_confidence));
     Relocalized { pose, predict_time, pose_time: start.elapsed() }
 }

@@ -1,13 +1,41 @@
 //! How probable it is that an answer is right.
 
+use super::SeenRange;
+use super::labels::{apart, nearest};
+use crate::camera::Ptz;
+use crate::geometry::ImageSize;
+use serde::Serialize;
+
 /// What speaks for an answer. How many features agree says little: those of one advertising board, or of a row of them,
 /// agree on a wrong camera in any number. Boards are narrow, though, and what narrow evidence fixes is fixed badly.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
     /// How far agreeing features spread where they spread least, px at 1920 px width.
     pub breadth_px: f64,
-    /// 1-σ of the overlay at the worst corner of the picture, px at 1920 px width.
+    /// 1-σ of the overlay at the worst corner of the picture by the features alone, px at 1920 px width.
+    pub features_sigma_px: f64,
+    /// The same with what labels and base leave open.
     pub worst_corner_sigma_px: f64,
+    /// How far the camera turned and zoomed from the nearest reference.
+    pub from_reference: FromReference,
+}
+
+/// How far a camera is from the nearest reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct FromReference {
+    /// The turn of the axis, as a share of the picture's width.
+    pub turn: f64,
+    /// The logarithm of the ratio of the focal lengths, without its sign.
+    pub zoom: f64,
+}
+
+impl FromReference {
+    /// How far a camera is from the nearest reference; nothing where none is known.
+    pub(super) fn of(ptz: &Ptz, image_size: ImageSize, seen: &SeenRange) -> Self {
+        let Some(number) = nearest(ptz, &seen.cameras, 1).into_iter().next() else { return Self::default() };
+        let (turn, zoom) = apart(ptz, &seen.cameras[number]);
+        Self { turn: turn * ptz.focal_px / f64::from(image_size.width), zoom: zoom.abs() }
+    }
 }
 
 /// The logarithm of the odds that an overlay is right within 10 px at 1920 px width, by [`Evidence::terms`]: the logistic
@@ -25,7 +53,7 @@ impl Evidence {
     /// What the logarithm of the odds is linear in: 1, and the logarithms of the error to be expected and of the breadth.
     #[must_use]
     pub fn terms(&self) -> [f64; Self::TERMS] {
-        [1.0, self.worst_corner_sigma_px.clamp(0.05, 100.0).ln(), self.breadth_px.clamp(1.0, 1000.0).ln()]
+        [1.0, self.features_sigma_px.clamp(0.05, 100.0).ln(), self.breadth_px.clamp(1.0, 1000.0).ln()]
     }
 
     /// The probability that the overlay is right within 10 px at 1920 px width.
@@ -38,12 +66,15 @@ impl Evidence {
 
 #[cfg(test)]
 mod tests {
-    use super::Evidence;
+    use super::{Evidence, FromReference};
 
     #[test]
     fn broad_and_exact_evidence_is_believed_and_a_row_of_boards_is_not() {
-        let confidence =
-            |breadth_px, worst_corner_sigma_px| Evidence { breadth_px, worst_corner_sigma_px }.confidence();
+        let confidence = |breadth_px, features_sigma_px| {
+            let from_reference = FromReference::default();
+            let worst_corner_sigma_px = features_sigma_px;
+            Evidence { breadth_px, features_sigma_px, worst_corner_sigma_px, from_reference }.confidence()
+        };
         assert!(confidence(250.0, 0.5) > 0.99, "most of the picture");
         assert!(confidence(1.0, 1.4) < 0.15, "a row of boards");
         assert!(confidence(4.0, 10.0) < 0.05, "one board");

@@ -10,6 +10,7 @@ mod confidence;
 mod consensus;
 mod contradictions;
 mod forest;
+mod labels;
 mod matches;
 mod model;
 mod not_found;
@@ -18,12 +19,13 @@ mod pose_options;
 mod standing;
 
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
-pub use confidence::Evidence;
+pub use confidence::{Evidence, FromReference};
 pub use contradictions::{Contradiction, ContradictionOptions, Reference, contradictions, suspects};
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
     TrainProgress, train, train_without,
 };
+pub(crate) use labels::usual_label;
 pub use matches::RayMatches;
 pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;

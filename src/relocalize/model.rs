@@ -3,20 +3,26 @@
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
 use crate::camera::Ptz;
 use crate::features::{Detector, FeatureOptions};
-use crate::geometry::{Angle, AngleRange};
+use crate::geometry::{Angle, AngleRange, Mat3};
 use std::ops::RangeInclusive;
 
 /// How a forest file begins.
 const MAGIC: &[u8; 8] = b"TLFOREST";
 
 /// The version that is written.
-pub const FOREST_VERSION: u32 = 4;
+pub const FOREST_VERSION: u32 = 5;
 
 /// The oldest that is read: it does not hold the references' cameras.
 const OLDEST_VERSION: u32 = 3;
 
+/// The first that holds how well the references' cameras are known.
+const WITH_LABELS: u32 = 5;
+
 /// A reference's camera in a file.
 const CAMERA_BYTES: usize = 24;
+
+/// How well it is known.
+const LABEL_BYTES: usize = 48;
 
 /// What a forest file holds: enough to relocalize pictures without the project. It holds no paths.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +61,9 @@ pub struct SeenRange {
     /// How each of them was pointed: an answer that repeats one is looked at twice (see [`super::relocalize()`]). Empty in forests
     /// of earlier versions.
     pub cameras: Vec<Ptz>,
+    /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt rad, focal px). Empty in forests
+    /// of earlier versions: then they are taken to be known as four clicks tell.
+    pub labels: Vec<Mat3>,
 }
 
 impl SeenRange {
@@ -73,7 +82,14 @@ impl SeenRange {
             focal_px: range(|ptz| ptz.focal_px)?,
             references: cameras.len() as u32,
             cameras: cameras.to_vec(),
+            labels: Vec::new(),
         })
+    }
+
+    /// The same with how well each of the cameras is known: see [`SeenRange::labels`].
+    #[must_use]
+    pub fn with_labels(self, labels: Vec<Mat3>) -> Self {
+        Self { labels, ..self }
     }
 
     /// The pans as an arc.
@@ -112,6 +128,10 @@ impl ForestModel {
                 for number in [ptz.pan.radians(), ptz.tilt.radians(), ptz.focal_px] {
                     body.extend(number.to_le_bytes());
                 }
+            }
+            body.extend((camera.seen.labels.len() as u32).to_le_bytes());
+            for number in camera.seen.labels.iter().flat_map(upper) {
+                body.extend(number.to_le_bytes());
             }
             write_forest(&camera.forest, &mut body);
         }
@@ -172,6 +192,11 @@ fn text(out: &mut Vec<u8>, text: &str) {
     out.extend(text.as_bytes());
 }
 
+/// The upper triangle of a covariance, row by row.
+fn upper(covariance: &Mat3) -> [f64; 6] {
+    [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].map(|at| covariance[at])
+}
+
 fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileError> {
     let camera = body.text()?.to_owned();
     let mut seen = SeenRange {
@@ -180,11 +205,18 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
         focal_px: body.f64()?..=body.f64()?,
         references: body.u32()?,
         cameras: Vec::new(),
+        labels: Vec::new(),
     };
     if version > OLDEST_VERSION {
         for _ in 0..body.count(CAMERA_BYTES)? {
             let (pan, tilt) = (Angle::from_radians(body.f64()?), Angle::from_radians(body.f64()?));
             seen.cameras.push(Ptz { pan, tilt, focal_px: body.f64()? });
+        }
+    }
+    if version >= WITH_LABELS {
+        for _ in 0..body.count(LABEL_BYTES)? {
+            let [a, b, c, d, e, f] = [body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?];
+            seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
         }
     }
     Ok(CameraForest { camera, seen, forest: body.forest()? })

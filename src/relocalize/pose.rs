@@ -1,11 +1,13 @@
 //! Pose from candidate rays: the camera that most features agree on, how well it is known, or why there is none
 //! (section 3.3 of the paper).
 //!
-//! Everything happens in the camera's `base`, where the rays are: the base's own uncertainty plays no part.
+//! Everything happens in the camera's `base`, where the rays are: the base's own uncertainty plays no part here, nor do the labels
+//! that the rays were read off. [`Pose::stated`] adds both.
 
 use super::consensus::{Consensus, find_consensus};
+use super::labels::label_covariance;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
-use super::{Evidence, NotFound, RayMatches};
+use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::score::median_rayleigh;
@@ -18,11 +20,16 @@ use std::collections::BTreeSet;
 pub struct Pose {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
-    /// Covariance of (pan deg, tilt deg, focal px); features close together count as one.
+    /// Covariance of (pan deg, tilt deg, focal px): by the features alone, close ones counted as one, and once it is
+    /// [stated](Self::stated) by labels and base as well.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
-    /// 1-σ of the overlay at the worst corner of the picture, px.
+    /// 1-σ of the overlay at the worst corner of the picture, px, by the same.
     pub worst_corner_sigma_px: f64,
+    /// The same by the features alone.
+    pub features_sigma_px: f64,
+    /// How far the camera turned and zoomed from the nearest reference, where references are known.
+    pub from_reference: FromReference,
     /// Root mean square of the agreeing features' distances, px.
     pub rms_px: f64,
     /// The features that agree, by their number in the matches.
@@ -43,8 +50,43 @@ impl Pose {
     /// What speaks for it in a picture of this size.
     #[must_use]
     pub fn evidence(&self, image_size: ImageSize) -> Evidence {
-        let worst_corner_sigma_px = self.worst_corner_sigma_px / image_size.scale_from_1920();
-        Evidence { breadth_px: self.breadth_px, worst_corner_sigma_px }
+        let scale = image_size.scale_from_1920();
+        Evidence {
+            breadth_px: self.breadth_px,
+            features_sigma_px: self.features_sigma_px / scale,
+            worst_corner_sigma_px: self.worst_corner_sigma_px / scale,
+            from_reference: self.from_reference,
+        }
+    }
+
+    /// The same with what the references' labels and the base leave open in its covariance and 1-σ, and its confidence by that.
+    pub(super) fn stated(
+        mut self,
+        matches: &RayMatches,
+        base: &CameraBase,
+        image_size: ImageSize,
+        seen: &SeenRange,
+    ) -> Self {
+        let radians = Mat3::from_diagonal(&Vec3::new(1f64.to_radians(), 1f64.to_radians(), 1.0));
+        let by_features = radians * self.covariance * radians;
+        let by_labels = label_covariance(&self, matches, base, image_size, seen);
+        let camera = PtzCamera::new(*base, self.ptz);
+        if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size) {
+            self.covariance = uncertainty.ptz_covariance_deg();
+            self.worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
+        }
+        self.from_reference = FromReference::of(&self.ptz, image_size, seen);
+        self.confidence = self.evidence(image_size).confidence();
+        self
+    }
+
+    /// The pose, if it is right with at least this probability.
+    pub(super) fn if_sure(self, min_confidence: f64) -> Result<Self, NotFound> {
+        if self.confidence >= min_confidence {
+            return Ok(self);
+        }
+        let (confidence, inliers, places) = (self.confidence, self.inliers.len(), self.places);
+        Err(NotFound::Unsure { confidence, inliers, places, worst_corner_sigma_px: self.worst_corner_sigma_px })
     }
 }
 
@@ -79,10 +121,7 @@ pub fn pose_from_candidates(
     if matches.len() < MIN_INLIERS {
         return Err(NotFound::FewMatches { matched: matches.len(), needed: MIN_INLIERS });
     }
-    let at_base = CameraBase {
-        distortion: base.distortion,
-        ..CameraBase::new(Vec3::zeros(), Mat3::identity(), base.principal_point)
-    };
+    let at_base = base.at_origin();
     let found = find_consensus(matches, &at_base, image_size, options);
     let needed = MIN_INLIERS;
     let Consensus { ptz: Some(start), hypotheses, agreeing } = found else {
@@ -110,6 +149,8 @@ pub fn pose_from_candidates(
         ptz,
         covariance: uncertainty.ptz_covariance_deg(),
         worst_corner_sigma_px,
+        features_sigma_px: worst_corner_sigma_px,
+        from_reference: FromReference::default(),
         rms_px,
         inliers,
         places,
@@ -118,11 +159,7 @@ pub fn pose_from_candidates(
         hypotheses,
     };
     pose.confidence = pose.evidence(image_size).confidence();
-    let (confidence, inliers) = (pose.confidence, pose.inliers.len());
-    if !(confidence >= options.min_confidence) {
-        return Err(NotFound::Unsure { confidence, inliers, places, worst_corner_sigma_px });
-    }
-    Ok(pose)
+    pose.if_sure(options.min_confidence)
 }
 
 /// In how many cells of the grid points lie.

@@ -5,6 +5,7 @@
 //! the picture as a whole repeats it, as when the camera did not move; else what stands still is left out, and the rest is
 //! asked.
 
+use super::labels::nearest;
 use super::{NotFound, Pose, PoseOptions, RayMatches, pose_from_candidates};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
@@ -65,22 +66,12 @@ fn repeated(
     references: &[Ptz],
     standing_px: f64,
 ) -> Option<PtzCamera> {
-    let mut nearest: Vec<(f64, usize)> =
-        references.iter().enumerate().map(|(number, ptz)| (apart(&pose.ptz, ptz), number)).collect();
-    nearest.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let needed = REPEATED_SHARE * pose.inliers.len() as f64;
-    nearest.iter().take(NEAREST).map(|&(_, number)| PtzCamera::new(*base, references[number])).find(|reference| {
+    let near = nearest(&pose.ptz, references, NEAREST).into_iter();
+    near.map(|number| PtzCamera::new(*base, references[number])).find(|reference| {
         let standing = pose.inliers.iter().filter(|&&inlier| stands(matches, inlier, reference, standing_px));
         standing.count() as f64 >= needed
     })
-}
-
-/// How far two cameras differ, about rad.
-fn apart(one: &Ptz, other: &Ptz) -> f64 {
-    let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
-    let tilt = (one.tilt - other.tilt).radians();
-    let zoom = (one.focal_px / other.focal_px).ln();
-    (pan * pan + tilt * tilt + zoom * zoom).sqrt()
 }
 
 /// Whether a feature lies where one of its rays lay in a reference.

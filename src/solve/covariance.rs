@@ -51,9 +51,33 @@ impl Uncertainty {
             }
         }
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
-        let sigma = camera.base().sigma;
-        let base_sigma = Vector6::from_iterator(sigma.position_m.iter().chain(sigma.rotation.iter()).copied());
-        Ok(Self { clicks: inverse, by_base: inverse * cross, base_sigma })
+        Ok(Self { clicks: inverse, by_base: inverse * cross, base_sigma: sigma_of(camera) })
+    }
+
+    /// The uncertainty of a camera that is known to some covariance of (pan rad, tilt rad, focal px) if the base is exact, and
+    /// that follows an error of the base as a camera does that was solved from clicks all over its picture. Cameras that were
+    /// solved so with the same base, and what is concluded from them, do.
+    ///
+    /// # Errors
+    /// [`SolveError::Undetermined`] if the picture shows too little.
+    pub fn of_known(camera: &PtzCamera, covariance: Mat3, image_size: ImageSize) -> Result<Self, SolveError> {
+        let (mut information, mut cross) = (Mat3::zeros(), Matrix3x6::zeros());
+        for point in all_over(camera, image_size) {
+            add(&mut information, &mut cross, &point.by_ptz, &point.by_base, 1.0);
+        }
+        let by_base = invert_information(&information, camera.ptz().focal_px)? * cross;
+        Ok(Self { clicks: covariance, by_base, base_sigma: sigma_of(camera) })
+    }
+
+    /// The same from a covariance of (pan deg, tilt deg, focal px) as documents hold it, the base's part included; none where
+    /// less is left without that part than nothing.
+    #[must_use]
+    pub fn of_stored(camera: &PtzCamera, covariance_deg: &Mat3, image_size: ImageSize) -> Option<Self> {
+        let radian = 1f64.to_radians();
+        let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
+        let by_base = Self::of_known(camera, Mat3::zeros(), image_size).ok()?;
+        let clicks = scale * covariance_deg * scale - by_base.ptz_covariance();
+        clicks.cholesky().is_some().then_some(Self { clicks, ..by_base })
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
@@ -177,6 +201,32 @@ impl OverlayPoint {
     fn at_pixel(camera: &PtzCamera, pixel: ImagePoint) -> Option<Self> {
         Self::at_world(camera, shown_at(camera, pixel)?)
     }
+}
+
+/// 1-σ of a camera's base: position in m, then rotation in rad.
+fn sigma_of(camera: &PtzCamera) -> Vector6<f64> {
+    let sigma = camera.base().sigma;
+    Vector6::from_iterator(sigma.position_m.iter().chain(sigma.rotation.iter()).copied())
+}
+
+/// Points all over a picture, those on the ground near by if there are any: that is where clicks are.
+fn all_over(camera: &PtzCamera, image_size: ImageSize) -> Vec<OverlayPoint> {
+    /// Farther away there is no field, m.
+    const FIELD_M: f64 = 200.0;
+    const COLUMNS: u32 = 5;
+    const ROWS: u32 = 4;
+    let middle_of = |step: u32, steps: u32, length: u32| (f64::from(step) + 0.5) / f64::from(steps) * f64::from(length);
+    let grid = (0..COLUMNS).flat_map(|column| (0..ROWS).map(move |row| (column, row)));
+    let shown: Vec<Vec3> = grid
+        .filter_map(|(column, row)| {
+            let (x, y) = (middle_of(column, COLUMNS, image_size.width), middle_of(row, ROWS, image_size.height));
+            shown_at(camera, ImagePoint::new(x, y))
+        })
+        .collect();
+    let is_near = |at: &&Vec3| (*at - camera.base().position_m).norm() <= FIELD_M;
+    let near = shown.iter().filter(is_near);
+    let some = if near.clone().nth(3).is_some() { near.collect::<Vec<_>>() } else { shown.iter().collect() };
+    some.into_iter().filter_map(|at| OverlayPoint::at_world(camera, *at)).collect()
 }
 
 /// The frame's four corners, each drawn in towards the middle until it shows something.

@@ -58,6 +58,7 @@ fn model(forest: Forest) -> ForestModel {
         focal_px: 1500.0..=4000.0,
         references: 3,
         cameras: Vec::new(),
+        labels: Vec::new(),
     };
     let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
     ForestModel { document: "{}".to_owned(), features: FeatureOptions::default(), cameras }

@@ -2,7 +2,7 @@
 //!
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
 //! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [reliability] [growth]`.
+//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [reliability] [growth]`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod growth;
@@ -12,6 +12,7 @@ mod rendered;
 mod scouting;
 mod set;
 mod time;
+mod trust;
 
 use std::path::PathBuf;
 
@@ -43,6 +44,9 @@ fn main() {
     }
     if wants("unmasked") {
         scouting::unmasked(&data);
+    }
+    if wants("trust") {
+        trust::trust(&data);
     }
     if wants("reliability") {
         reliability::reliability(&data);

@@ -5,7 +5,7 @@ use super::time::seconds;
 use std::path::Path;
 use touchline::calibrate::{BaseProblem, observations, solve_document};
 use touchline::camera::Ptz;
-use touchline::document::Document;
+use touchline::document::{Document, Frame};
 use touchline::features::{FeatureOptions, extract};
 use touchline::field::FieldModel;
 use touchline::media::load_image;
@@ -33,11 +33,12 @@ const MIRRORED: &str = "42ba34_9_2";
 
 /// The solved frames of a set with clicks that can be believed.
 pub fn usable(set: &Set) -> Vec<usize> {
-    let usable = |&frame: &usize| {
-        let frame = &set.document.frames[frame];
-        frame.ptz.is_some() && !frame.name().contains(MIRRORED)
-    };
-    set.all().into_iter().filter(usable).collect()
+    set.all().into_iter().filter(|&frame| is_usable(&set.document.frames[frame])).collect()
+}
+
+/// Whether a frame is solved and has clicks that can be believed.
+pub fn is_usable(frame: &Frame) -> bool {
+    frame.ptz.is_some() && !frame.name().contains(MIRRORED)
 }
 
 /// A frame that its own clip has not taught.

@@ -1,0 +1,100 @@
+//! What the labels of references leave open in an answer.
+//!
+//! The forest's rays were read off references whose cameras were clicked. What a reference's camera errs by, all its rays err by:
+//! an answer repeats the error, however many features agree. An error δ of a reference's (pan, tilt, focal length) moves the
+//! camera that its rays alone would give by T δ, where T adds to pan and tilt what the wrong focal length does far from the
+//! reference's middle. Where several references are seen, each moves the answer by its share of the information: B T δ, with
+//! B = (Σ Jᵀ J)⁻¹ Σ Jᵀ J over its features. The references' errors are independent of each other; what they share, an error of the
+//! base, is told by [`Uncertainty::of_known`].
+
+use super::{Pose, RayMatches, SeenRange};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
+use crate::solve::{Observation, Uncertainty};
+
+/// References that an answer may rest on: those nearest to it.
+const NEAREST: usize = 12;
+
+/// Features by which the references' shares are told.
+const FEATURES: usize = 64;
+
+/// 1-σ of a person's click, px at 1920 px width, where nothing is known of a label.
+const CLICK_PX: f64 = 2.0;
+
+/// How far two cameras are apart: the turn of the axis in rad, and the logarithm of the ratio of their focal lengths.
+pub(super) fn apart(one: &Ptz, other: &Ptz) -> (f64, f64) {
+    let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
+    let tilt = (one.tilt - other.tilt).radians();
+    (pan.hypot(tilt), (one.focal_px / other.focal_px).ln())
+}
+
+/// The references nearest to a camera, at most so many: how far apart they are, and their places. A turn and a zoom count alike.
+pub(super) fn nearest(ptz: &Ptz, references: &[Ptz], most: usize) -> Vec<usize> {
+    let distance = |reference: &Ptz| {
+        let (turn, zoom) = apart(ptz, reference);
+        turn.hypot(zoom)
+    };
+    let mut order: Vec<(f64, usize)> =
+        references.iter().enumerate().map(|(number, reference)| (distance(reference), number)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    order.into_iter().take(most).map(|(_, number)| number).collect()
+}
+
+/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in a pose; zero without references.
+pub(super) fn label_covariance(
+    pose: &Pose,
+    matches: &RayMatches,
+    base: &CameraBase,
+    image_size: ImageSize,
+    seen: &SeenRange,
+) -> Mat3 {
+    let at_base = base.at_origin();
+    let camera = PtzCamera::new(at_base, pose.ptz);
+    let near = nearest(&pose.ptz, &seen.cameras, NEAREST);
+    let references: Vec<PtzCamera> = near.iter().map(|&number| PtzCamera::new(at_base, seen.cameras[number])).collect();
+    let mut shares = vec![Mat3::zeros(); references.len()];
+    let every = pose.inliers.len().div_ceil(FEATURES).max(1);
+    for &feature in pose.inliers.iter().step_by(every) {
+        let Some((_, ray)) = matches.nearest(&camera, feature) else { continue };
+        let Ok((_, by_ptz)) = camera.image_from_world_by_ptz(ray) else { continue };
+        let shows = |reference: &PtzCamera| {
+            reference.image_from_world(ray).is_ok_and(|image: ImagePoint| image_size.contains(image))
+        };
+        let showing: Vec<usize> = (0..references.len()).filter(|&number| shows(&references[number])).collect();
+        let showing = if showing.is_empty() { (0..references.len()).take(1).collect() } else { showing };
+        for &number in &showing {
+            shares[number] += by_ptz.transpose() * by_ptz / showing.len() as f64;
+        }
+    }
+    let Some(all) = shares.iter().sum::<Mat3>().try_inverse() else { return Mat3::zeros() };
+    let mut covariance = Mat3::zeros();
+    for ((&number, reference), share) in near.iter().zip(&references).zip(&shares) {
+        let label = seen.labels.get(number).copied().unwrap_or_else(|| usual_label(reference, image_size));
+        let moved = all * share * moved_by_label(&pose.ptz, &reference.ptz());
+        covariance += moved * label * moved.transpose();
+    }
+    (covariance + covariance.transpose()) * 0.5
+}
+
+/// T: how an answer moves with the (pan, tilt, focal length) of the reference that all its rays are read off.
+fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
+    let (pan, tilt) = (answer.pan.turn_from(reference.pan).radians(), (answer.tilt - reference.tilt).radians());
+    let focal_px = reference.focal_px;
+    Mat3::new(1.0, 0.0, -pan / focal_px, 0.0, 1.0, -tilt / focal_px, 0.0, 0.0, answer.focal_px / focal_px)
+}
+
+/// The covariance of a camera that four clicks tell, well apart.
+pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
+    let sigma_px = CLICK_PX * image_size.scale_from_1920();
+    let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let clicks: Vec<Observation> = (0..)
+        .zip(corners)
+        .filter_map(|(click, (x, y))| {
+            let at = image_size.centre().moved(Vec2::new(x, y).component_mul(&quarter));
+            let ray: Vec3 = reference.ray_from_image(at).ok()?.direction();
+            Some(Observation::of_point(ray, at, sigma_px, click))
+        })
+        .collect();
+    Uncertainty::of(reference, &clicks, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+}
