@@ -98,3 +98,74 @@ pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
         .collect();
     Uncertainty::of(reference, &clicks, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::PanTilt;
+    use crate::relocalize::{PoseOptions, RayCandidate, pose_from_candidates};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    fn base() -> CameraBase {
+        CameraBase::new(Vec3::new(0.0, -60.0, 18.0), Mat3::identity(), SIZE.centre())
+    }
+
+    /// The answer to a picture all over which features show exact rays.
+    fn answer(ptz: Ptz) -> (Pose, RayMatches) {
+        let camera = PtzCamera::new(base(), ptz);
+        let mut matches = RayMatches::new();
+        for at in (0..200).map(|i| ImagePoint::new(f64::from(i % 20) * 96.0 + 40.0, f64::from(i / 20) * 108.0 + 50.0)) {
+            let ray = camera.ray_from_image(at).unwrap();
+            let ray = PanTilt { pan: ray.pan, tilt: ray.tilt };
+            matches.push(at, &[RayCandidate { ray, squared_distance: 0.01 }]);
+        }
+        (pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap(), matches)
+    }
+
+    fn left_open(answer_deg: f64, references_deg: &[f64]) -> (Mat3, Mat3) {
+        let (pose, matches) = answer(Ptz::from_degrees(answer_deg, -12.0, 2200.0));
+        let cameras: Vec<Ptz> = references_deg.iter().map(|pan| Ptz::from_degrees(*pan, -12.0, 2200.0)).collect();
+        let label = Mat3::from_diagonal(&Vec3::new(4e-7, 4e-7, 100.0));
+        let seen = SeenRange::of(&cameras).unwrap().with_labels(vec![label; cameras.len()]);
+        (label_covariance(&pose, &matches, &base(), SIZE, &seen), label)
+    }
+
+    #[test]
+    fn an_answer_repeats_the_error_of_its_one_reference_and_halves_that_of_two() {
+        let (one, label) = left_open(5.0, &[5.0]);
+        assert!((one - label).norm() < 1e-6 * label.norm(), "{one}");
+        let (two, _) = left_open(5.0, &[5.0, 5.0]);
+        assert!((two * 2.0 - label).norm() < 1e-6 * label.norm(), "{two}");
+    }
+
+    #[test]
+    fn far_from_its_reference_a_wrong_focal_length_turns_an_answer() {
+        let (far, label) = left_open(15.0, &[5.0]);
+        let turned = 10f64.to_radians() / 2200.0 * 10.0;
+        assert!((far[(0, 0)] - label[(0, 0)] - turned * turned).abs() < 1e-12, "{far}");
+        assert!((far[(2, 2)] - label[(2, 2)]).abs() < 1e-3, "{far}");
+    }
+
+    #[test]
+    fn the_error_of_a_real_reference_comes_back_in_the_answer() {
+        // A reference whose label is off, and a picture 8° beside it that shows its features.
+        let (truth, asked) = (Ptz::from_degrees(5.0, -12.0, 2200.0), Ptz::from_degrees(13.0, -12.0, 2200.0));
+        let wrong = Ptz { focal_px: truth.focal_px + 20.0, ..truth };
+        let (seen, labelled, camera) =
+            (PtzCamera::new(base(), truth), PtzCamera::new(base(), wrong), PtzCamera::new(base(), asked));
+        let mut matches = RayMatches::new();
+        for at in (0..400).map(|i| ImagePoint::new(f64::from(i % 20) * 96.0 + 40.0, f64::from(i / 20) * 54.0 + 25.0)) {
+            let in_reference = seen.image_from_ray(camera.ray_from_image(at).unwrap()).unwrap();
+            if SIZE.contains(in_reference) {
+                let ray = labelled.ray_from_image(in_reference).unwrap();
+                matches.push(at, &[RayCandidate { ray, squared_distance: 0.01 }]);
+            }
+        }
+        let pose = pose_from_candidates(&matches, &base(), SIZE, &PoseOptions::default()).unwrap();
+        let moved = moved_by_label(&asked, &truth) * Vec3::new(0.0, 0.0, 20.0);
+        let pan = pose.ptz.pan.turn_from(asked.pan).radians();
+        assert!((pan - moved.x).abs() < 0.15 * moved.x.abs(), "{pan} {}", moved.x);
+        assert!((pose.ptz.focal_px - asked.focal_px - moved.z).abs() < 3.0, "{}", pose.ptz.focal_px);
+    }
+}

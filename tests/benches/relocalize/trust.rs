@@ -125,7 +125,7 @@ impl Match {
     }
 
     fn against_clicks(&self, proposal: Proposal) -> Asked {
-        let frame = &*self.document.frames[proposal.frame];
+        let frame = &**self.document.frames.by_id(&proposal.frame).unwrap();
         let name = frame.name();
         let answer = match proposal.outcome {
             Ok(answer) => answer,
