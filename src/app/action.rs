@@ -7,7 +7,7 @@ use super::session::{Filter, Level, PictureView, Question};
 use super::{CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
 use crate::calibrate::{CameraChange, EstimatedBase};
 use crate::camera::Ptz;
-use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, RejectReason, Target};
+use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::proposals::{Proposal, UsedFeatures};
@@ -446,6 +446,8 @@ pub enum CameraChoice {
 pub struct Opened {
     /// The document.
     pub document: Document,
+    /// The steps of earlier sessions that can be undone and redone.
+    pub history: History<Document>,
     /// Its folder: what relative paths start from.
     pub folder: PathBuf,
     /// The file: `project.json`, or the dataset's.
@@ -464,7 +466,8 @@ impl Opened {
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        Self { document, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
+        let history = History::default();
+        Self { document, history, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
     }
 }
 
@@ -484,6 +487,8 @@ pub enum Effect {
     JournalWhole {
         /// The document.
         document: Box<Document>,
+        /// What can be undone and redone in it.
+        history: Box<History<Document>>,
         /// Its revision.
         revision: u64,
     },

@@ -3,7 +3,7 @@
 use super::Versioned;
 use super::derived::{Derived, FrameCounts};
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
-use crate::document::{Document, DocumentAt, Edit, Fields, Frame, FrameStatus, History, Shared, Step};
+use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
@@ -61,10 +61,11 @@ impl OpenProject {
         self.document.frames.get(index).map(|frame| &**frame)
     }
 
-    /// What has changed since the last time this was asked, to be journalled; none if nothing has.
-    pub(super) fn take_edit(&mut self, name: &str) -> Option<Edit> {
+    /// What has changed since the last time this was asked, to be journalled; none if nothing has. `kind` is what it is to
+    /// undo and redo.
+    pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
         self.document.keeping_version().count_edits_since(&self.journalled);
-        let edit = Edit::between(&self.journalled, &self.document, name);
+        let edit = Edit::between(&self.journalled, &self.document, name).of_kind(kind);
         if edit.is_empty() {
             return None;
         }

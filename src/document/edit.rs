@@ -12,8 +12,38 @@ use thiserror::Error;
 pub struct Edit {
     /// In words: "Move centre mark".
     pub name: String,
+    /// What it is to undo and redo.
+    #[serde(default, skip_serializing_if = "EditKind::is_no_step")]
+    pub kind: EditKind,
     /// What changed, to be applied in this order.
     pub changes: Vec<Change>,
+}
+
+/// What an edit is to undo and redo.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EditKind {
+    /// Nobody's step, or an edit in a journal of an earlier version, which does not say: no step before it can be undone.
+    #[default]
+    NoStep,
+    /// A step, called as the edit is.
+    Step {
+        /// The frame it concerns, as [`super::Step::frame`].
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        frame: Option<FrameId>,
+    },
+    /// More of the step before it: an arrow key that is held down.
+    Continued,
+    /// The last step, taken back.
+    Undone,
+    /// The step that was taken back last, done again.
+    Redone,
+}
+
+impl EditKind {
+    const fn is_no_step(&self) -> bool {
+        matches!(self, Self::NoStep)
+    }
 }
 
 /// A part of the document that changed, with its new value.
@@ -126,7 +156,13 @@ impl Edit {
             changes.push(rest(after));
         }
         frame_changes(&before.frames, &after.frames, &mut changes);
-        Self { name: name.to_owned(), changes }
+        Self { name: name.to_owned(), kind: EditKind::NoStep, changes }
+    }
+
+    /// The same edit, as what undo and redo take it.
+    #[must_use]
+    pub fn of_kind(self, kind: EditKind) -> Self {
+        Self { kind, ..self }
     }
 
     /// Nothing changed.
@@ -135,26 +171,25 @@ impl Edit {
         self.changes.is_empty()
     }
 
-    /// Joins a later edit to this one.
-    pub fn join(&mut self, later: Self) {
-        self.name = later.name;
-        self.changes.extend(later.changes);
-    }
-
     /// Makes the changes.
     ///
     /// # Errors
     /// A frame is not there, or is there in another revision than was edited. The document is as it was then.
     pub fn apply(self, document: &mut Document) -> Result<(), EditMismatch> {
-        let before = document.clone();
-        for change in self.changes {
-            if let Err(mismatch) = change.apply(document) {
-                *document = before;
-                return Err(mismatch);
-            }
-        }
-        Ok(())
+        apply_all(self.changes, document)
     }
+}
+
+/// Makes changes one after the other, or none if one does not fit.
+pub(super) fn apply_all(changes: Vec<Change>, document: &mut Document) -> Result<(), EditMismatch> {
+    let before = document.clone();
+    for change in changes {
+        if let Err(mismatch) = change.apply(document) {
+            *document = before;
+            return Err(mismatch);
+        }
+    }
+    Ok(())
 }
 
 impl Change {
@@ -349,12 +384,10 @@ mod tests {
         edit.clone().apply(&mut exchanged).unwrap();
         assert_eq!(exchanged, after);
         assert!(matches!(edit.apply(&mut exchanged), Err(EditMismatch::NoFrame { .. })));
-        let only_new = Edit {
-            name: String::new(),
-            changes: vec![Change::Insert { after: None, frames: vec![after.frames[0].clone()] }],
-        };
+        let of = |change| Edit { name: String::new(), kind: EditKind::NoStep, changes: vec![change] };
+        let only_new = of(Change::Insert { after: None, frames: vec![after.frames[0].clone()] });
         assert_eq!(only_new.apply(&mut exchanged), Err(EditMismatch::Present { id: after.frames[0].id.clone() }));
-        let order = Edit { name: String::new(), changes: vec![Change::Order(vec![after.frames[0].id.clone(); 2])] };
+        let order = of(Change::Order(vec![after.frames[0].id.clone(); 2]));
         assert_eq!(order.apply(&mut exchanged), Err(EditMismatch::Order { ordered: 2, frames: 2 }));
     }
 

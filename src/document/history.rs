@@ -3,15 +3,17 @@
 //! A transaction begins, changes the value as often as it likes, and commits or aborts. A drag is one step; a commit
 //! that changed nothing is none.
 
-use super::{Document, FrameId};
+use super::{Document, EditKind, FrameId};
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 
 /// What a person did, as undo names it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Step {
     /// In words: "Move centre mark".
     pub name: String,
     /// The frame it concerns; none for a change of a camera or the field.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<FrameId>,
 }
 
@@ -46,14 +48,24 @@ impl Undoable for Document {
 }
 
 /// The steps that can be undone and redone. Values are whole: what they share (`Arc` inside) is what keeps them small.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct History<T> {
     limit: usize,
     /// Oldest first; each with the value before the step.
-    done: VecDeque<(Step, T)>,
+    pub(super) done: VecDeque<(Step, T)>,
     /// Oldest last; each with the value after the step.
-    undone: Vec<(Step, T)>,
-    open: Option<(Step, T)>,
+    pub(super) undone: Vec<(Step, T)>,
+    open: Option<Transaction<T>>,
+}
+
+/// A step that is under way.
+#[derive(Clone, Debug, PartialEq)]
+struct Transaction<T> {
+    step: Step,
+    /// The value before the step.
+    before: T,
+    /// It was a step already and goes on.
+    continued: bool,
 }
 
 impl<T> Default for History<T> {
@@ -81,13 +93,23 @@ impl<T> History<T> {
     /// The step whose transaction is open.
     #[must_use]
     pub fn open_step(&self) -> Option<&Step> {
-        self.open.as_ref().map(|(step, _)| step)
+        self.open.as_ref().map(|open| &open.step)
+    }
+
+    /// What the edit is to undo and redo that the open transaction makes when it is committed.
+    #[must_use]
+    pub fn open_kind(&self) -> EditKind {
+        match &self.open {
+            None => EditKind::NoStep,
+            Some(Transaction { continued: true, .. }) => EditKind::Continued,
+            Some(Transaction { step, .. }) => EditKind::Step { frame: step.frame.clone() },
+        }
     }
 
     /// The value as it was when the open transaction began.
     #[must_use]
     pub fn before(&self) -> Option<&T> {
-        self.open.as_ref().map(|(_, before)| before)
+        self.open.as_ref().map(|open| &open.before)
     }
 
     /// The step that undo would take back.
@@ -105,8 +127,23 @@ impl<T> History<T> {
     /// Changes every value that is kept, the open transaction's included, as if it had been so from the start: for what
     /// comes from outside and is nobody's step. The current value is the caller's to change.
     pub fn amend(&mut self, mut change: impl FnMut(&mut T)) {
-        let kept = self.done.iter_mut().chain(&mut self.undone).chain(&mut self.open);
-        kept.for_each(|(_, value)| change(value));
+        let kept = self.done.iter_mut().chain(&mut self.undone).map(|(_, value)| value);
+        kept.chain(self.open.iter_mut().map(|open| &mut open.before)).for_each(&mut change);
+    }
+
+    /// The steps without the open transaction: what is kept of them where only whole steps are.
+    #[must_use]
+    pub fn committed(&self) -> Self
+    where
+        T: Clone,
+    {
+        Self { limit: self.limit, done: self.done.clone(), undone: self.undone.clone(), open: None }
+    }
+
+    /// Whether there is neither a step to undo nor one to redo.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.done.is_empty() && self.undone.is_empty()
     }
 
     /// Forgets every step.
@@ -119,7 +156,7 @@ impl<T: Undoable> History<T> {
     /// Opens a transaction on `current`; one that is still open is committed first.
     pub fn begin(&mut self, current: &T, step: Step) {
         self.commit(current);
-        self.open = Some((step, current.clone()));
+        self.open = Some(Transaction { step, before: current.clone(), continued: false });
     }
 
     /// Opens the transaction of the last step again, if it is this one and none is open: what follows belongs to it.
@@ -127,14 +164,15 @@ impl<T: Undoable> History<T> {
         if self.open.is_some() || self.next_undo() != Some(step) {
             return false;
         }
-        self.open = self.done.pop_back();
+        let last = self.done.pop_back();
+        self.open = last.map(|(step, before)| Transaction { step, before, continued: true });
         true
     }
 
     /// Closes the open transaction. True if it changed something and is now a step; what had been undone is forgotten
     /// then.
     pub fn commit(&mut self, current: &T) -> bool {
-        let Some((step, before)) = self.open.take() else { return false };
+        let Some(Transaction { step, before, .. }) = self.open.take() else { return false };
         if before.is_same_state(current) {
             return false;
         }
@@ -148,8 +186,8 @@ impl<T: Undoable> History<T> {
 
     /// Gives the open transaction up and puts the value back as it was. True if there was one.
     pub fn abort(&mut self, current: &mut T) -> bool {
-        let Some((_, before)) = self.open.take() else { return false };
-        *current = before;
+        let Some(open) = self.open.take() else { return false };
+        *current = open.before;
         true
     }
 

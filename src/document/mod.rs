@@ -31,6 +31,7 @@ mod repeats;
 mod shared;
 mod shots;
 mod solution;
+mod step_edit;
 mod unanswered;
 mod uses;
 mod write;
@@ -42,7 +43,7 @@ pub(crate) use click_noise::CLICKING_SHARE;
 pub use click_noise::{ClickNoise, StoredClickNoise};
 pub(crate) use create::document_from_frames;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, FieldSpec, generator};
-pub use edit::{Change, Edit};
+pub use edit::{Change, Edit, EditKind, EditMismatch};
 pub use field_size::FieldSize;
 pub use fields::Fields;
 pub use frame::{Clip, Edited, Frame, FrameStatus, RejectReason, VideoFrame};
@@ -63,6 +64,7 @@ pub use shared::Shared;
 pub use shots::{Shot, ShotEnd, ShotKind, shots};
 pub(crate) use solution::ENOUGH_EQUATIONS;
 pub use solution::{BetterName, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning, TimingsMs};
+pub use step_edit::{StepEdit, StepMisfit};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

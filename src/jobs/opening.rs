@@ -120,7 +120,7 @@ fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, 
     if held.is_some_and(|held| held.is_same_document(&found)) {
         return Err(JobError::AlreadyOpen { file: found.file().to_path_buf() });
     }
-    let crate::store::Opened { location, document, access, recovery } = crate::store::open(path)?;
+    let crate::store::Opened { location, document, history, access, recovery } = crate::store::open(path)?;
     notices.extend(recovery.message().map(|text| (Level::Warning, text)));
     let (store, read_only) = match access {
         Access::Writable(store) => (Some(store), None),
@@ -128,6 +128,7 @@ fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, 
     };
     let opened = Opened {
         document,
+        history,
         folder: location.folder().to_path_buf(),
         file: location.file().to_path_buf(),
         read_only,

@@ -109,7 +109,9 @@ impl Runner {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
             },
-            Effect::JournalWhole { document, revision } => self.tell_saver(|saver| saver.whole(*document, revision)),
+            Effect::JournalWhole { document, history, revision } => {
+                self.tell_saver(|saver| saver.whole(*document, *history, revision));
+            }
             Effect::Save => self.tell_saver(Saver::save),
             Effect::SaveOver => self.tell_saver(Saver::save_over),
             Effect::ReadOutside => self.tell_saver(Saver::read_outside),
@@ -224,9 +226,9 @@ impl Runner {
 
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
-            let document = ready.opened.document.clone();
+            let (document, history) = (ready.opened.document.clone(), ready.opened.history.clone());
             let held = store.location().clone();
-            let saver = Saver::start(store, document, SaverOptions::default(), self.wake.clone());
+            let saver = Saver::start(store, document, history, SaverOptions::default(), self.wake.clone());
             self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);
             self.held = Some(held);
             self.start_trainer(ready.opened.file.clone());

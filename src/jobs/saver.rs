@@ -5,15 +5,16 @@
 //! that does not fit what the saver knows makes it ask for the whole document.
 
 use super::{Wake, panic_message};
-use crate::document::{Document, Edit};
+use crate::document::{Document, Edit, History};
 use crate::store::{DocumentStore, Others, Outside, StoreError};
+use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TrySendError, sync_channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How many edits may wait for a slow disk one by one; further ones are joined into one.
+/// How many orders may be on their way to the saver; further ones wait with its owner. So many edits are written at once.
 const CAPACITY: usize = 64;
 
 /// How many reports may wait before the saver waits for its owner.
@@ -82,8 +83,8 @@ pub enum SaverReport {
 
 enum Order {
     Edit(Edit, Revision),
-    /// The document as it is, in place of whatever the saver knows.
-    Whole(Box<Document>, Revision),
+    /// The document as it is with its history, in place of whatever the saver knows.
+    Whole(Box<(Document, History<Document>)>, Revision),
     Save(Others),
     /// Report what others made of the document.
     ReadOutside,
@@ -95,9 +96,9 @@ pub struct Saver {
     orders: Option<SyncSender<Order>>,
     reports: Receiver<SaverReport>,
     /// A document that found the channel full; it goes before the edits that wait.
-    waiting_whole: Option<(Box<Document>, Revision)>,
-    /// Edits that found the channel full, joined.
-    waiting: Option<(Edit, Revision)>,
+    waiting_whole: Option<(Box<(Document, History<Document>)>, Revision)>,
+    /// Edits that found the channel full, oldest first.
+    waiting: VecDeque<(Edit, Revision)>,
     /// Requests that found the channel full.
     waiting_save: Option<Others>,
     waiting_read: bool,
@@ -105,13 +106,14 @@ pub struct Saver {
 }
 
 impl Saver {
-    /// Starts a saver for a document as it was opened.
+    /// Starts a saver for a document as it was opened, and the steps that can be undone and redone in it.
     ///
     /// # Errors
     /// The system starts no thread.
     pub fn start(
         store: impl DocumentStore + 'static,
         document: Document,
+        history: History<Document>,
         options: SaverOptions,
         wake: Wake,
     ) -> std::io::Result<Self> {
@@ -119,7 +121,7 @@ impl Saver {
         let (outbox, reports) = sync_channel(REPORTS);
         let run = move || {
             let (last_words, last_wake) = (outbox.clone(), wake.clone());
-            let work = Work::new(Box::new(store), document, options, outbox, wake);
+            let work = Work::new(Box::new(store), (document, history), options, outbox, wake);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work.run(&inbox))) {
                 // Nobody may be listening any more; then nobody needs to know.
                 let _ = last_words.send(SaverReport::Broken { message: panic_message(panic.as_ref()) });
@@ -131,7 +133,7 @@ impl Saver {
             orders: Some(orders),
             reports,
             waiting_whole: None,
-            waiting: None,
+            waiting: VecDeque::new(),
             waiting_save: None,
             waiting_read: false,
             thread: Some(thread),
@@ -140,21 +142,15 @@ impl Saver {
 
     /// Hands over an edit that led to a revision; never waits.
     pub fn edit(&mut self, edit: Edit, revision: Revision) {
-        match &mut self.waiting {
-            Some((joined, last)) => {
-                joined.join(edit);
-                *last = revision;
-            }
-            None => self.waiting = Some((edit, revision)),
-        }
+        self.waiting.push_back((edit, revision));
         self.send_waiting();
     }
 
-    /// Hands over the document as it is at a revision, in place of whatever the saver knows; never waits.
-    pub fn whole(&mut self, document: Document, revision: Revision) {
-        self.waiting_whole = Some((Box::new(document), revision));
+    /// Hands over the document as it is at a revision, with its history, in place of whatever the saver knows; never waits.
+    pub fn whole(&mut self, document: Document, history: History<Document>, revision: Revision) {
+        self.waiting_whole = Some((Box::new((document, history)), revision));
         // The document holds them.
-        self.waiting = None;
+        self.waiting.clear();
         self.send_waiting();
     }
 
@@ -199,11 +195,11 @@ impl Saver {
             self.waiting_whole = Some((document, revision));
             return;
         }
-        if let Some((edit, revision)) = self.waiting.take()
-            && let Err(TrySendError::Full(Order::Edit(edit, revision))) = orders.try_send(Order::Edit(edit, revision))
-        {
-            self.waiting = Some((edit, revision));
-            return;
+        while let Some((edit, revision)) = self.waiting.pop_front() {
+            if let Err(TrySendError::Full(Order::Edit(edit, revision))) = orders.try_send(Order::Edit(edit, revision)) {
+                self.waiting.push_front((edit, revision));
+                return;
+            }
         }
         let is_full = |sent| matches!(sent, Err(TrySendError::Full(_)));
         self.waiting_save = self.waiting_save.filter(|others| is_full(orders.try_send(Order::Save(*others))));
@@ -212,7 +208,7 @@ impl Saver {
 
     fn finish(&mut self) -> Vec<SaverReport> {
         let mut last = Vec::new();
-        while self.waiting_whole.is_some() || self.waiting.is_some() {
+        while self.waiting_whole.is_some() || !self.waiting.is_empty() {
             self.send_waiting();
             // The saver may wait for room for its reports.
             last.extend(self.reports.recv_timeout(Duration::from_millis(5)));
@@ -241,9 +237,11 @@ struct Work {
     journaled: Document,
     journaled_revision: Revision,
     latest: Document,
+    /// What can be undone and redone in `latest`.
+    history: History<Document>,
     latest_revision: Revision,
-    /// What the last edit is called.
-    name: String,
+    /// The edits that lead from `journaled` to `latest`.
+    to_journal: Vec<Edit>,
     /// An edit did not fit: nothing is known of the document until it is given as a whole.
     needs_whole: bool,
     /// Since when the document's file lacks edits.
@@ -258,7 +256,7 @@ struct Work {
 impl Work {
     fn new(
         store: Box<dyn DocumentStore>,
-        document: Document,
+        (document, history): (Document, History<Document>),
         options: SaverOptions,
         reports: SyncSender<SaverReport>,
         wake: Wake,
@@ -269,8 +267,9 @@ impl Work {
             journaled: document.clone(),
             journaled_revision: 0,
             latest: document,
+            history,
             latest_revision: 0,
-            name: String::new(),
+            to_journal: Vec::new(),
             needs_whole: false,
             journal_refused: false,
             options,
@@ -282,13 +281,7 @@ impl Work {
     fn run(mut self, orders: &Receiver<Order>) {
         loop {
             match orders.recv_timeout(self.patience()) {
-                Ok(Order::Edit(edit, revision)) => self.take(edit, revision),
-                Ok(Order::Whole(document, revision)) => self.take_whole(*document, revision),
-                Ok(Order::Save(others)) => {
-                    self.journal();
-                    self.save(others);
-                }
-                Ok(Order::ReadOutside) => self.read_outside(),
+                Ok(order) => self.obey(order, orders),
                 Err(RecvTimeoutError::Disconnected) => break,
                 Err(RecvTimeoutError::Timeout) => self.catch_up(),
             }
@@ -296,6 +289,35 @@ impl Work {
         self.journal();
         if self.behind_since.is_some() {
             self.save(Others::Stay);
+        }
+    }
+
+    fn obey(&mut self, order: Order, orders: &Receiver<Order>) {
+        match order {
+            Order::Edit(edit, revision) => {
+                self.take(edit, revision);
+                // Those that came meanwhile are flushed to disk with it.
+                let mut next = None;
+                for order in orders.try_iter().take(CAPACITY) {
+                    match order {
+                        Order::Edit(edit, revision) => self.take(edit, revision),
+                        other => {
+                            next = Some(other);
+                            break;
+                        }
+                    }
+                }
+                self.journal();
+                if let Some(next) = next {
+                    self.obey(next, orders);
+                }
+            }
+            Order::Whole(whole, revision) => self.take_whole(*whole, revision),
+            Order::Save(others) => {
+                self.journal();
+                self.save(others);
+            }
+            Order::ReadOutside => self.read_outside(),
         }
     }
 
@@ -312,21 +334,22 @@ impl Work {
             // The document that was asked for holds it.
             return;
         }
-        self.name.clone_from(&edit.name);
-        if let Err(misfit) = edit.apply(&mut self.latest) {
-            log::warn!("{}: {misfit}; the whole document is asked for", self.name);
+        if let Err(misfit) = self.history.follow(&mut self.latest, edit.clone()) {
+            log::warn!("{}: {misfit}; the whole document is asked for", edit.name);
             self.needs_whole = true;
             self.report(SaverReport::NeedsWhole);
             return;
         }
+        self.to_journal.push(edit);
         self.latest_revision = revision;
         self.behind_since.get_or_insert_with(Instant::now);
-        self.journal();
     }
 
-    fn take_whole(&mut self, document: Document, revision: Revision) {
+    fn take_whole(&mut self, (document, history): (Document, History<Document>), revision: Revision) {
         self.needs_whole = false;
-        self.latest = document;
+        let edit = Edit::between(&self.journaled, &document, "Everything since");
+        self.to_journal = if edit.is_empty() { Vec::new() } else { vec![edit] };
+        (self.latest, self.history) = (document, history);
         self.latest_revision = revision;
         self.behind_since.get_or_insert_with(Instant::now);
         self.journal();
@@ -340,13 +363,13 @@ impl Work {
         }
     }
 
-    /// Appends to the journal what it lacks: one edit, or several as one after a refusal.
+    /// Appends to the journal what it lacks: one edit, or several after a refusal.
     fn journal(&mut self) {
-        let edit = Edit::between(&self.journaled, &self.latest, &self.name);
-        let appended = if edit.is_empty() { Ok(()) } else { self.store.append(edit) };
+        let appended = if self.to_journal.is_empty() { Ok(()) } else { self.store.append(&self.to_journal) };
         match appended {
             Ok(()) => {
                 self.journal_refused = false;
+                self.to_journal.clear();
                 self.journaled = self.latest.clone();
                 if self.journaled_revision < self.latest_revision {
                     self.journaled_revision = self.latest_revision;
@@ -354,7 +377,9 @@ impl Work {
                 }
             }
             // Writing the document makes a journal anew that was deleted.
-            Err(StoreError::Gone { .. }) if self.store.keep(&self.latest, Others::Stay).is_ok() => self.saved(None),
+            Err(StoreError::Gone { .. }) if self.store.keep(&self.latest, &self.history, Others::Stay).is_ok() => {
+                self.saved(None);
+            }
             Err(error) => {
                 if !self.journal_refused {
                     self.report(SaverReport::Failed { revision: self.journaled_revision, error });
@@ -369,7 +394,7 @@ impl Work {
             self.report(SaverReport::NeedsWhole);
             return;
         }
-        match self.store.keep(&self.latest, others) {
+        match self.store.keep(&self.latest, &self.history, others) {
             Ok(set_aside) => self.saved(set_aside),
             Err(error) => {
                 // Tried again after the usual time, not at once.
@@ -385,6 +410,7 @@ impl Work {
     fn saved(&mut self, set_aside: Option<PathBuf>) {
         self.journal_refused = false;
         self.behind_since = None;
+        self.to_journal.clear();
         self.journaled = self.latest.clone();
         self.journaled_revision = self.latest_revision;
         self.report(SaverReport::Saved { revision: self.latest_revision, at: now(), set_aside });

@@ -1,10 +1,12 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
 use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_output};
+use super::history_file::{self, HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending};
 use super::lock::{Lock, lock};
+use super::replay::Replay;
 use super::{DocumentStore, Location, Others, Outside, ReadOnly, StoreError};
-use crate::document::{Document, Edit, document_from_bytes, document_to_string};
+use crate::document::{Document, Edit, History, document_from_bytes, document_to_string};
 use crate::geometry::hex;
 use crate::media::read_regular;
 use sha2::{Digest, Sha256};
@@ -23,6 +25,8 @@ pub struct Opened {
     pub location: Location,
     /// The document, with every edit that its journal held.
     pub document: Document,
+    /// The steps of earlier sessions that can be undone and redone; none where the document is read-only.
+    pub history: History<Document>,
     /// The way to write it, or why there is none.
     pub access: Access,
     /// What the journal brought back.
@@ -50,6 +54,8 @@ pub struct Recovery {
     pub set_aside: Option<PathBuf>,
     /// How many edits are in the journal that was set aside, as they start from another document.
     pub foreign_edits: usize,
+    /// Why steps of earlier sessions cannot be undone, if so.
+    pub history: Option<HistoryLeftOut>,
 }
 
 impl Recovery {
@@ -81,6 +87,9 @@ impl Recovery {
         if let Some(path) = &self.set_aside {
             say(format_args!("The journal is kept as {}.", path.display()));
         }
+        if let Some(left_out) = &self.history {
+            say(format_args!("Steps of earlier sessions cannot be undone: {left_out}."));
+        }
         (!text.is_empty()).then_some(text)
     }
 }
@@ -106,11 +115,13 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let lock = match lock(&location) {
         Ok(lock) => lock,
         Err(reason) => {
-            let Contents { document, recovery, .. } = read_contents(&location)?;
-            return Ok(Opened { location, document, access: Access::ReadOnly(reason), recovery });
+            let Contents { document, recovery, .. } = read_contents(&location, Steps::Ignored)?;
+            let history = History::default();
+            return Ok(Opened { location, document, history, access: Access::ReadOnly(reason), recovery });
         }
     };
-    let Contents { document, written, hash, mut recovery, whole_bytes, damage } = read_contents(&location)?;
+    let contents = read_contents(&location, Steps::Wanted)?;
+    let Contents { document, history, written, hash, mut recovery, whole_bytes, damage } = contents;
     let path = location.journal();
     let io = |source| StoreError::from_io("write", &path, source);
     if recovery.foreign_edits > 0 {
@@ -122,13 +133,13 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     let written = Some((written, hash.clone()));
     let mut store = Store { location: location.clone(), journal, written, behind: false, lock };
     if damage == Damage::Misfit {
-        store.write(&document)?;
+        store.write(&document, Some(&history))?;
     } else if recovery.edits.is_empty() {
         store.journal.restart(&hash).map_err(io)?;
     } else {
         store.behind = true;
     }
-    Ok(Opened { location, document, access: Access::Writable(store), recovery })
+    Ok(Opened { location, document, history, access: Access::Writable(store), recovery })
 }
 
 /// Reads a document with the edits that its journal holds, and writes nothing.
@@ -137,7 +148,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
 /// There is no document, it cannot be read, or it is not one.
 pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     let location = Location::find(path)?;
-    let Contents { document, recovery, .. } = read_contents(&location)?;
+    let Contents { document, recovery, .. } = read_contents(&location, Steps::Ignored)?;
     Ok((location, document, recovery))
 }
 
@@ -177,8 +188,16 @@ fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
+/// Whether the steps of earlier sessions are read as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Steps {
+    Wanted,
+    Ignored,
+}
+
 struct Contents {
     document: Document,
+    history: History<Document>,
     /// The document without the journal's edits.
     written: Document,
     hash: DocumentHash,
@@ -199,10 +218,10 @@ enum Damage {
     Misfit,
 }
 
-fn read_contents(location: &Location) -> Result<Contents, StoreError> {
+fn read_contents(location: &Location, steps: Steps) -> Result<Contents, StoreError> {
     let mut attempt = 1;
     loop {
-        let contents = read_contents_once(location)?;
+        let contents = read_contents_once(location, steps)?;
         // A journal of another document may be one of a document that was replaced between the two readings.
         if contents.recovery.foreign_edits == 0 || attempt == READ_ATTEMPTS {
             return Ok(contents);
@@ -211,7 +230,7 @@ fn read_contents(location: &Location) -> Result<Contents, StoreError> {
     }
 }
 
-fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
+fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, StoreError> {
     // The journal first: one that was restarted belongs to a document that is there already.
     let path = location.journal();
     let bytes = match read_regular(&path) {
@@ -219,29 +238,36 @@ fn read_contents_once(location: &Location) -> Result<Contents, StoreError> {
         other => other.map_err(|source| StoreError::from_io("read", &path, source))?,
     };
     let (written, hash) = read_document(location)?;
-    let mut document = written.clone();
+    let mut replay = Replay::new(written.clone());
     let content = JournalContent::parse(&bytes);
     let (whole_bytes, lost_bytes) = (content.whole_bytes, content.lost_bytes);
     let lost = &bytes[whole_bytes as usize..];
     let goes_on = lost.iter().position(|byte| *byte == b'\n').is_some_and(|end| end + 1 < lost.len());
     let mut damage = if goes_on { Damage::Unreadable } else { Damage::None };
     let mut recovery = Recovery { lost_bytes, ..Recovery::default() };
+    let file = match steps {
+        Steps::Wanted => HistoryFile::read(&location.history()).unwrap_or_else(|left_out| {
+            replay.left_out = Some(left_out);
+            None
+        }),
+        Steps::Ignored => None,
+    };
     match content.pending(&hash) {
         Pending::Newer { version } => return Err(StoreError::NewerJournal { path, version }),
-        Pending::OtherDocument { edits } => recovery.foreign_edits = edits,
-        Pending::Edits(edits) => {
-            for edit in edits {
-                let name = edit.name.clone();
-                if let Err(misfit) = edit.apply(&mut document) {
-                    log::warn!("{}: {name}: {misfit}", path.display());
-                    damage = Damage::Misfit;
-                    break;
-                }
-                recovery.edits.push(name);
+        Pending::OtherDocument { edits } => {
+            recovery.foreign_edits = edits;
+            replay.left_out = replay.left_out.or(file.map(|_| HistoryLeftOut::OtherDocument));
+        }
+        Pending::Edits(pending) => {
+            if let Err((name, misfit)) = replay.through(pending, &hash, file.as_ref()) {
+                log::warn!("{}: {name}: {misfit}", path.display());
+                damage = Damage::Misfit;
             }
         }
     }
-    Ok(Contents { document, written, hash, recovery, whole_bytes, damage })
+    let Replay { document, history, edits, left_out } = replay;
+    (recovery.edits, recovery.history) = (edits, left_out);
+    Ok(Contents { document, history, written, hash, recovery, whole_bytes, damage })
 }
 
 fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
@@ -283,7 +309,7 @@ impl Store {
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
         let mut store = Self { location: location.clone(), journal, written: None, behind: false, lock };
-        store.write(document)?;
+        store.write(document, None)?;
         Ok(store)
     }
 
@@ -293,29 +319,33 @@ impl Store {
         &self.location
     }
 
-    /// Writes the document, keeps the version before as the backup, and restarts the journal.
+    /// Writes the document with its history, keeps the version before as the backup, and restarts the journal.
     ///
     /// # Errors
     /// Another program changed the file since, or it cannot be written. Whatever fails, the file on disk is whole and the
     /// journal still holds every edit.
-    pub fn save(&mut self, document: &Document) -> Result<(), StoreError> {
+    pub fn save(&mut self, document: &Document, history: &History<Document>) -> Result<(), StoreError> {
         if self.changed_outside()? {
             return Err(StoreError::ChangedOutside { path: self.location.file().to_path_buf() });
         }
-        self.write(document)
+        self.write(document, Some(history))
     }
 
     /// Writes the document although another program changed the file; that version is set aside, and its name returned.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn save_over(&mut self, document: &Document) -> Result<Option<PathBuf>, StoreError> {
+    pub fn save_over(
+        &mut self,
+        document: &Document,
+        history: &History<Document>,
+    ) -> Result<Option<PathBuf>, StoreError> {
         let path = self.location.file().to_path_buf();
         let mut kept = None;
         if self.changed_outside()? {
             kept = Some(copy_aside(&path, "outside").map_err(|source| StoreError::from_io("copy", &path, source))?);
         }
-        self.write(document)?;
+        self.write(document, Some(history))?;
         Ok(kept)
     }
 
@@ -335,23 +365,46 @@ impl Store {
         self.written.as_ref().is_some_and(|(_, written)| written == hash)
     }
 
-    fn write(&mut self, document: &Document) -> Result<(), StoreError> {
+    /// Writes the document. A history that is given is written just before it, so that after a crash between the two it
+    /// belongs to what the journal leads to.
+    fn write(&mut self, document: &Document, history: Option<&History<Document>>) -> Result<(), StoreError> {
         self.settle_again()?;
         let path = self.location.file();
         let text =
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
-        if !self.has_written(&hash) || !path.exists() {
+        let changes = !self.has_written(&hash) || !path.exists();
+        if changes {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
-            let io = |source| StoreError::from_io("write", path, source);
+        }
+        if let Some(history) = history {
+            let path = self.location.history();
+            if let Err(error) = history_file::write(&path, &hash, document, history) {
+                log::warn!("{}: {error}; after closing, these steps cannot be undone", path.display());
+            }
+        }
+        if changes {
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
-            write_atomically(path, text.as_bytes()).map_err(io)?;
+            self.write_text(&text).map_err(|source| StoreError::from_io("write", path, source))?;
         }
         self.written = Some((document.clone(), hash.clone()));
         self.behind = false;
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(|source| self.journal_error(source))
+    }
+
+    /// Writes the document's file. On a full disk the history gives way to it.
+    fn write_text(&self, text: &str) -> io::Result<()> {
+        let path = self.location.file();
+        let is_full =
+            |error: &io::Error| matches!(error.kind(), io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded);
+        match write_atomically(path, text.as_bytes()) {
+            Err(error) if is_full(&error) && history_file::remove(&self.location.history()).is_ok() => {
+                write_atomically(path, text.as_bytes())
+            }
+            written => written,
+        }
     }
 
     /// Makes journal and lock anew where they were deleted, or where the folder was taken away and is there again.
@@ -385,11 +438,11 @@ impl Store {
 
 impl DocumentStore for Store {
     fn load(&self) -> Result<Document, StoreError> {
-        Ok(read_contents(&self.location)?.document)
+        Ok(read_contents(&self.location, Steps::Ignored)?.document)
     }
 
-    fn append(&mut self, edit: Edit) -> Result<(), StoreError> {
-        self.journal.append(edit).map_err(|source| self.journal_error(source))?;
+    fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
+        self.journal.append(edits).map_err(|source| self.journal_error(source))?;
         self.behind = true;
         Ok(())
     }
@@ -403,10 +456,15 @@ impl DocumentStore for Store {
         Ok(Some(Outside { base, theirs }))
     }
 
-    fn keep(&mut self, document: &Document, others: Others) -> Result<Option<PathBuf>, StoreError> {
+    fn keep(
+        &mut self,
+        document: &Document,
+        history: &History<Document>,
+        others: Others,
+    ) -> Result<Option<PathBuf>, StoreError> {
         match others {
-            Others::Stay => self.save(document).map(|()| None),
-            Others::SetAside => self.save_over(document),
+            Others::Stay => self.save(document, history).map(|()| None),
+            Others::SetAside => self.save_over(document, history),
         }
     }
 

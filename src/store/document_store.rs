@@ -1,7 +1,7 @@
 //! What a place that keeps a document does, whatever the place is.
 
 use super::StoreError;
-use crate::document::{Document, Edit};
+use crate::document::{Document, Edit, History};
 use std::path::PathBuf;
 
 /// A place that keeps one document for whoever edits it: a file with its journal today, a team's database later.
@@ -12,11 +12,11 @@ pub trait DocumentStore: Send {
     /// It cannot be read.
     fn load(&self) -> Result<Document, StoreError>;
 
-    /// Keeps an edit; it is safe when this returns.
+    /// Keeps edits; they are safe when this returns.
     ///
     /// # Errors
-    /// The place refuses it. Everything is as it was; the edit may be appended again.
-    fn append(&mut self, edit: Edit) -> Result<(), StoreError>;
+    /// The place refuses them. Everything is as it was; the edits may be appended again.
+    fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError>;
 
     /// What others made of the document since it was last read or written through this store; none where they changed
     /// nothing.
@@ -25,11 +25,17 @@ pub trait DocumentStore: Send {
     /// It cannot be read.
     fn since(&self) -> Result<Option<Outside>, StoreError>;
 
-    /// Keeps the document as a whole, which holds every edit; where the version of others went, if it was set aside.
+    /// Keeps the document as a whole, which holds every edit, and the steps that can be undone and redone in it; where the
+    /// version of others went, if it was set aside.
     ///
     /// # Errors
     /// Others changed it and their version is to stay, or the place refuses it.
-    fn keep(&mut self, document: &Document, others: Others) -> Result<Option<PathBuf>, StoreError>;
+    fn keep(
+        &mut self,
+        document: &Document,
+        history: &History<Document>,
+        others: Others,
+    ) -> Result<Option<PathBuf>, StoreError>;
 
     /// Whether edits are kept that the document as a whole lacks.
     fn is_behind(&self) -> bool;

@@ -1,11 +1,12 @@
 //! The journal: every edit since the document was last written, one checksummed line each, flushed to disk.
 //!
-//! A line is `length crc32 json\n`, length and checksum in eight hexadecimal digits. The first line names the document
-//! that the edits start from (its SHA-256); before the document is replaced, a line names the one to come. Whatever
-//! happens between the two, a reader finds the edits that are not yet in the document it sees. A journal that breaks off
-//! in a line is read up to that line.
+//! The first line (see [`lines`](super::lines)) names the document that the edits start from (its SHA-256); before the
+//! document is replaced, a line names the one to come. Whatever happens between the two, a reader finds the edits that are not
+//! yet in the document it sees. A journal that breaks off in a line is read up to that line.
 
-use super::{atomic::folder_of, atomic::sync_folder, file_id::is_at};
+use super::atomic::{folder_of, sync_folder};
+use super::file_id::is_at;
+use super::lines::{first_line, line};
 use crate::document::Edit;
 use crate::media::open_regular;
 use serde::{Deserialize, Serialize};
@@ -15,8 +16,6 @@ use std::path::{Path, PathBuf};
 
 /// The version of the journal that this program writes and reads.
 const JOURNAL_VERSION: u32 = 1;
-/// Length and checksum, each followed by a space.
-const PREFIX_BYTES: usize = 18;
 
 /// The SHA-256 of a document's bytes, hexadecimal.
 pub(super) type DocumentHash = String;
@@ -42,23 +41,6 @@ impl Record {
     }
 }
 
-fn line(record: &Record) -> io::Result<String> {
-    let json = serde_json::to_string(record)?;
-    Ok(prefix(json.as_bytes()) + &json + "\n")
-}
-
-fn prefix(json: &[u8]) -> String {
-    format!("{:08x} {:08x} ", json.len(), crc32fast::hash(json))
-}
-
-/// The first whole line of a journal: its JSON and its length in bytes.
-fn first_line(bytes: &[u8]) -> Option<(&[u8], usize)> {
-    let digits = std::str::from_utf8(bytes.get(..8)?).ok()?;
-    let end = PREFIX_BYTES.checked_add(usize::from_str_radix(digits, 16).ok()?)?;
-    let json = bytes.get(PREFIX_BYTES..end)?;
-    (bytes.get(end) == Some(&b'\n') && bytes.starts_with(prefix(json).as_bytes())).then_some((json, end + 1))
-}
-
 /// What a journal says, up to where it breaks off.
 #[derive(Debug, Default)]
 pub(super) struct JournalContent {
@@ -72,8 +54,8 @@ pub(super) struct JournalContent {
 /// What a journal means for the document beside it.
 #[derive(Debug)]
 pub(super) enum Pending {
-    /// These edits are not yet in the document.
-    Edits(Vec<Edit>),
+    /// Edits that are not yet in the document.
+    Edits(PendingEdits),
     /// The edits start from another document; this many.
     OtherDocument {
         /// How many edits there are.
@@ -84,6 +66,14 @@ pub(super) enum Pending {
         /// Its version.
         version: u32,
     },
+}
+
+/// Edits that are not yet in the document, oldest first.
+#[derive(Debug, Default)]
+pub(super) struct PendingEdits {
+    pub edits: Vec<Edit>,
+    /// The documents that were about to be written between them: each with how many of the edits it holds.
+    pub announced: Vec<(usize, DocumentHash)>,
 }
 
 impl JournalContent {
@@ -136,15 +126,18 @@ impl JournalContent {
             return Pending::Newer { version: *version };
         }
         let start = self.records.iter().rposition(|record| record.starts_from(document));
-        let edits = self.records.into_iter().enumerate().filter_map(|(index, record)| match record {
-            Record::Edit(edit) if start.is_none_or(|start| index > start) => Some(edit),
-            _ => None,
-        });
-        let edits: Vec<Edit> = edits.collect();
-        if start.is_none() && !edits.is_empty() {
-            return Pending::OtherDocument { edits: edits.len() };
+        let mut pending = PendingEdits::default();
+        for record in self.records.into_iter().skip(start.map_or(0, |start| start + 1)) {
+            match record {
+                Record::Edit(edit) => pending.edits.push(edit),
+                Record::Journal { .. } => {}
+                Record::Saving { document_sha256 } => pending.announced.push((pending.edits.len(), document_sha256)),
+            }
         }
-        Pending::Edits(edits)
+        if start.is_none() && !pending.edits.is_empty() {
+            return Pending::OtherDocument { edits: pending.edits.len() };
+        }
+        Pending::Edits(pending)
     }
 }
 
@@ -173,30 +166,30 @@ impl Journal {
     /// Starts anew from a document that holds everything.
     pub fn restart(&mut self, document: &DocumentHash) -> io::Result<()> {
         self.whole_bytes = 0;
-        self.write(&Record::Journal { version: JOURNAL_VERSION, document_sha256: document.clone() })
+        self.write(&line(&Record::Journal { version: JOURNAL_VERSION, document_sha256: document.clone() })?)
     }
 
-    /// Appends an edit; it is on disk when this returns.
-    pub fn append(&mut self, edit: Edit) -> io::Result<()> {
-        self.write(&Record::Edit(edit))
+    /// Appends edits; they are on disk when this returns.
+    pub fn append(&mut self, edits: &[Edit]) -> io::Result<()> {
+        let lines: io::Result<Vec<String>> = edits.iter().map(|edit| line(&Record::Edit(edit.clone()))).collect();
+        self.write(&lines?.concat())
     }
 
     /// Announces the document that will hold every edit so far.
     pub fn announce(&mut self, document: &DocumentHash) -> io::Result<()> {
-        self.write(&Record::Saving { document_sha256: document.clone() })
+        self.write(&line(&Record::Saving { document_sha256: document.clone() })?)
     }
 
-    fn write(&mut self, record: &Record) -> io::Result<()> {
-        let line = line(record)?;
+    fn write(&mut self, lines: &str) -> io::Result<()> {
         self.file.set_len(self.whole_bytes)?;
         self.file.seek(SeekFrom::Start(self.whole_bytes))?;
-        self.file.write_all(line.as_bytes())?;
+        self.file.write_all(lines.as_bytes())?;
         self.file.sync_data()?;
         // What nobody will find again is not kept; the next line is written over it.
         if !self.is_in_place() {
             return Err(io::ErrorKind::NotFound.into());
         }
-        self.whole_bytes += line.len() as u64;
+        self.whole_bytes += lines.len() as u64;
         Ok(())
     }
 }
@@ -204,10 +197,11 @@ impl Journal {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::EditKind;
     use proptest::prelude::*;
 
     fn edit(name: &str) -> Edit {
-        Edit { name: name.to_owned(), changes: Vec::new() }
+        Edit { name: name.to_owned(), kind: EditKind::NoStep, changes: Vec::new() }
     }
 
     fn journal(records: &[Record]) -> Vec<u8> {
@@ -220,7 +214,7 @@ mod tests {
 
     fn names(bytes: &[u8], document: &str) -> Vec<String> {
         match JournalContent::parse(bytes).pending(&document.to_owned()) {
-            Pending::Edits(edits) => edits.into_iter().map(|edit| edit.name).collect(),
+            Pending::Edits(pending) => pending.edits.into_iter().map(|edit| edit.name).collect(),
             other => panic!("{other:?}"),
         }
     }
@@ -246,9 +240,9 @@ mod tests {
         let path = folder.path().join("journal");
         let mut journal = Journal::open(&path, 0).unwrap();
         journal.restart(&"a".to_owned()).unwrap();
-        journal.append(edit("1")).unwrap();
+        journal.append(&[edit("1")]).unwrap();
         journal.file.write_all(b"0000ffff 0000").unwrap();
-        journal.append(edit("2")).unwrap();
+        journal.append(&[edit("2")]).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!(names(&bytes, "a"), ["1", "2"]);
         assert_eq!(JournalContent::parse(&bytes).lost_bytes, 0);

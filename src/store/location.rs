@@ -96,6 +96,12 @@ impl Location {
         with_suffix(&self.file, ".journal")
     }
 
+    /// The steps beside the document that can be undone and redone.
+    #[must_use]
+    pub fn history(&self) -> PathBuf {
+        with_suffix(&self.file, ".history")
+    }
+
     /// The last version of the document.
     #[must_use]
     pub fn backup(&self) -> PathBuf {

@@ -46,7 +46,7 @@ pub fn orphans(location: &Location) -> Vec<Orphan> {
 /// It cannot be read.
 pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, StoreError> {
     let bytes = read_regular(orphan).map_err(|source| StoreError::from_io("read", orphan, source))?;
-    let own = [location.journal(), location.lock(), orphan.to_path_buf()];
+    let own = [location.journal(), location.history(), location.lock(), orphan.to_path_buf()];
     for version in siblings(location) {
         let is_version = file_name(&version).starts_with(&file_name(location.file())) && !own.contains(&version);
         let Some(version) = is_version.then(|| read_regular(&version).ok()).flatten() else { continue };
@@ -54,9 +54,9 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
         let hash = hash_of(&version);
         if content.knows(&hash)
             && let Ok(base) = document_from_bytes(&version)
-            && let Pending::Edits(edits) = content.pending(&hash)
+            && let Pending::Edits(pending) = content.pending(&hash)
         {
-            return Ok(OrphanEdits { base: Some(base), edits });
+            return Ok(OrphanEdits { base: Some(base), edits: pending.edits });
         }
     }
     Ok(OrphanEdits { base: None, edits: JournalContent::parse(&bytes).into_edits() })

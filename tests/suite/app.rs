@@ -320,12 +320,9 @@ fn without_a_base_clicks_are_kept_and_the_way_out_is_told() {
 fn a_document_to_look_at_only_stays_as_it_is() {
     let mut bench = Bench::new(document(2, true));
     bench.act(Action::Opened(Box::new(Opened {
-        document: document(2, true),
-        folder: "/nowhere".into(),
-        file: "/nowhere/project.json".into(),
         read_only: Some("another program has it open".into()),
         notices: vec![(Level::Warning, "3 edits recovered.".into())],
-        orphans: Vec::new(),
+        ..Opened::new(document(2, true), "/nowhere/project.json")
     })));
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));

@@ -165,7 +165,7 @@ fn commands_see_what_only_the_journal_holds() {
     let mut after = document.clone();
     after.frames[0].clicks.push(Click::unnamed(SIZE.centre()));
     after.frames[0].clicks.push(Click::landmark("centre_mark".into(), SIZE.centre()));
-    store.append(Edit::between(&document, &after, "Two clicks")).unwrap();
+    store.append(&[Edit::between(&document, &after, "Two clicks")]).unwrap();
     let ran = touchline(folder.path(), "export match --format json -o set.json");
     assert_eq!((ran.code, ran.stderr.as_str()), (0, "touchline: Recovered 1 edit: Two clicks.\n"));
     let (_, dataset, _) = read(&folder.path().join("set.json")).unwrap();

@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
-use touchline::document::{Click, Document, Edit, FieldSpec, Frame};
+use touchline::document::{Click, Document, Edit, FieldSpec, Frame, History};
 use touchline::geometry::{ImagePoint, ImageSize};
 use touchline::jobs::{Saver, SaverOptions, SaverReport};
 use touchline::store::{
@@ -53,7 +53,7 @@ fn click(store: &mut Store, before: &Document, number: usize) -> Document {
     let mut after = before.clone();
     let index = number % after.frames.len();
     after.frames[index].clicks.push(Click::unnamed(ImagePoint::new(number as f64, 0.5)));
-    store.append(Edit::between(before, &after, &format!("Click {number}"))).unwrap();
+    store.append(&[Edit::between(before, &after, &format!("Click {number}"))]).unwrap();
     after
 }
 
@@ -73,7 +73,7 @@ fn a_journal_cut_at_any_byte_brings_back_every_edit_up_to_the_cut() {
     let mut shorter = states.last().unwrap().clone();
     shorter.frames.remove(1);
     shorter.field.params.insert("length_m".to_owned(), 101.5);
-    project.store.append(Edit::between(states.last().unwrap(), &shorter, "Remove a frame")).unwrap();
+    project.store.append(&[Edit::between(states.last().unwrap(), &shorter, "Remove a frame")]).unwrap();
     states.push(shorter);
     drop(project);
 
@@ -114,7 +114,7 @@ fn recovery_says_what_came_back() {
     let (mut project, document) = opened(&path);
     assert_eq!(project.message.as_deref(), Some("Recovered 2 edits, the last one: Click 2."));
     assert_eq!(document, two);
-    project.store.save(&document).unwrap();
+    project.store.save(&document, &History::default()).unwrap();
     drop(project);
     let (project, document) = opened(&path);
     assert_eq!((project.message, document.frames), (None, two.frames), "saved: nothing to recover");
@@ -147,12 +147,12 @@ fn saving_keeps_the_last_version_and_restarts_the_journal() {
     let after = click(&mut project.store, &document, 1);
     let journal_length = fs::metadata(location.journal()).unwrap().len();
     assert!(project.store.is_behind());
-    project.store.save(&after).unwrap();
+    project.store.save(&after, &History::default()).unwrap();
     assert!(!project.store.is_behind());
     assert_eq!(fs::read(location.backup()).unwrap(), before);
     assert!(fs::metadata(location.journal()).unwrap().len() < journal_length);
     let written = fs::read(location.file()).unwrap();
-    project.store.save(&after).unwrap();
+    project.store.save(&after, &History::default()).unwrap();
     assert_eq!(fs::read(location.file()).unwrap(), written, "same document, same bytes");
     assert_eq!(fs::read(location.backup()).unwrap(), before, "nothing changed, the backup stays");
 }
@@ -194,10 +194,10 @@ fn what_another_program_wrote_is_not_overwritten() {
     let after = click(&mut project.store, &document, 1);
     let theirs = fs::read_to_string(&file).unwrap().replace("\"soccer\"", "\"theirs\"");
     fs::write(&file, &theirs).unwrap();
-    let error = project.store.save(&after).unwrap_err();
+    let error = project.store.save(&after, &History::default()).unwrap_err();
     assert!(matches!(error, StoreError::ChangedOutside { .. }), "{error}");
     assert_eq!(fs::read_to_string(&file).unwrap(), theirs);
-    let kept = project.store.save_over(&after).unwrap().unwrap();
+    let kept = project.store.save_over(&after, &History::default()).unwrap().unwrap();
     assert_eq!(fs::read_to_string(kept).unwrap(), theirs);
     drop(project);
     assert_eq!(opened(&path).1.frames, after.frames);
@@ -247,7 +247,7 @@ fn closing_leaves_only_what_is_needed() {
     drop(project);
     assert_eq!(names(), ["project.json", "project.json.journal"], "an edit that is not yet in the document");
     let (mut project, _) = opened(&path);
-    project.store.save(&after).unwrap();
+    project.store.save(&after, &History::default()).unwrap();
     drop(project);
     assert_eq!(names(), ["project.json", "project.json.bak"]);
 }
@@ -279,7 +279,7 @@ fn a_received_project_reaches_no_file_of_the_user() {
                 }
                 ("bak", Ok(Opened { access: Access::Writable(mut store), document, .. })) => {
                     let after = click(&mut store, &document, 1);
-                    let saved = store.save(&after);
+                    let saved = store.save(&after, &History::default());
                     assert_eq!(saved.is_err(), how == "folder", "{saved:?}");
                 }
                 (_, opened) => panic!("{own} as {how}: {opened:?}"),
@@ -322,12 +322,12 @@ fn nothing_is_acknowledged_in_a_folder_that_is_gone() {
     let away = folder.path().join("away");
     fs::rename(&path, &away).unwrap();
     for _ in 0..2 {
-        let error = project.store.append(Edit::between(&before, &after, "Comment")).unwrap_err();
+        let error = project.store.append(&[Edit::between(&before, &after, "Comment")]).unwrap_err();
         assert!(matches!(error, StoreError::Gone { .. }), "{error}");
-        assert!(matches!(project.store.save(&after), Err(StoreError::Gone { .. })));
+        assert!(matches!(project.store.save(&after, &History::default()), Err(StoreError::Gone { .. })));
     }
     fs::rename(&away, &path).unwrap();
-    project.store.append(Edit::between(&before, &after, "Comment")).unwrap();
+    project.store.append(&[Edit::between(&before, &after, "Comment")]).unwrap();
     drop(project);
     let (project, document) = opened(&path);
     assert_eq!((document, project.recovered), (after, 1), "the edit is there once");
@@ -342,9 +342,9 @@ fn a_journal_that_was_deleted_is_made_again_by_saving() {
     fs::remove_file(location.lock()).unwrap();
     let mut after = before.clone();
     after.frames[1].comment = Some("kept".to_owned());
-    let error = project.store.append(Edit::between(&before, &after, "Comment")).unwrap_err();
+    let error = project.store.append(&[Edit::between(&before, &after, "Comment")]).unwrap_err();
     assert!(matches!(&error, StoreError::Gone { path } if *path == location.journal()), "{error}");
-    project.store.save(&after).unwrap();
+    project.store.save(&after, &History::default()).unwrap();
     assert!(matches!(open(&path).unwrap().access, Access::ReadOnly(_)), "the lock holds again");
     let next = click(&mut project.store, &after, 1);
     drop(project);
@@ -352,7 +352,7 @@ fn a_journal_that_was_deleted_is_made_again_by_saving() {
 }
 
 fn saver(store: Store, document: &Document, options: SaverOptions) -> Saver {
-    Saver::start(store, document.clone(), options, Arc::new(|| {})).unwrap()
+    Saver::start(store, document.clone(), History::default(), options, Arc::new(|| {})).unwrap()
 }
 
 /// Waits for a report that `wanted` picks out; a minute without it is a failure.
@@ -447,7 +447,7 @@ fn an_edit_that_does_not_fit_makes_the_saver_ask_for_the_whole_document() {
     assert_eq!(read(&path).unwrap().1.frames.len(), 2, "nothing is written that is not the user's");
     let mut last = after.clone();
     last.frames[0].comment = Some("first".to_owned());
-    saver.whole(after.clone(), 1);
+    saver.whole(after.clone(), History::default(), 1);
     saver.edit(Edit::between(&after, &last, "Comment"), 2);
     wait_for(&mut saver, journaled(2));
     drop(saver);
@@ -465,7 +465,7 @@ fn child_that_writes_until_it_is_killed() {
         document = click(&mut project.store, &document, number);
         println!("acknowledged {}", number + 1);
         if number % 3 == 0 {
-            project.store.save(&document).unwrap();
+            project.store.save(&document, &History::default()).unwrap();
         }
     }
 }

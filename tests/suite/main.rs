@@ -53,5 +53,7 @@ mod synthetic;
 mod trainer;
 mod trust;
 mod two_point_truth;
+mod undo_after_restart;
+mod undo_in_app;
 mod which_camera;
 mod window_command;

@@ -57,14 +57,7 @@ fn swapped() -> Frame {
 
 fn opened(document: Document) -> App {
     let mut app = App::new(Settings::default());
-    app.update(Action::Opened(Box::new(Opened {
-        document,
-        folder: "/nowhere".into(),
-        file: "/nowhere/project.json".into(),
-        read_only: None,
-        notices: Vec::new(),
-        orphans: Vec::new(),
-    })));
+    app.update(Action::Opened(Box::new(Opened::new(document, "/nowhere/project.json"))));
     app
 }
 

@@ -5,7 +5,7 @@ use super::gold::IN_ROUND;
 use crate::app::action::Effect;
 use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, Question};
 use crate::app::{Chord, Command, CommandKind, Comparison};
-use crate::document::{Frame, FrameStatus};
+use crate::document::{EditKind, Frame, FrameStatus};
 
 /// One step of the zoom keys.
 const ZOOM_STEP: f64 = 1.25;
@@ -286,13 +286,14 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
-        if back {
+        let (title, kind) = if back {
             open.history.undo(&mut open.document);
+            ("Undone", EditKind::Undone)
         } else {
             open.history.redo(&mut open.document);
-        }
-        let title = if back { "Undone" } else { "Done again" };
-        self.journal(&format!("{title}: {}", step.name));
+            ("Done again", EditKind::Redone)
+        };
+        self.journal(&format!("{title}: {}", step.name), kind);
         self.session.notify(Level::Info, format!("{title}: {}.", step.name));
         self.clamp_selection();
     }

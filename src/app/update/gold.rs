@@ -5,7 +5,7 @@ use crate::app::reclick::{Asked, GoldWork, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
 use crate::calibrate::{ENOUGH_REPEATS, choose_gold};
-use crate::document::{ClickNoise, Repeat, Step};
+use crate::document::{ClickNoise, EditKind, Repeat, Step};
 use crate::geometry::ImagePoint;
 use std::sync::LazyLock;
 
@@ -188,7 +188,7 @@ impl App {
         if let Some(open) = &mut self.open
             && let Some(step) = open.history.undo(&mut open.document)
         {
-            self.journal(&format!("Undone: {}", step.name));
+            self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
         }
         self.show_asked();
     }

@@ -27,7 +27,7 @@ use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{Comparison, OpenProject, Settings};
 use crate::calibrate::{CalibrationError, record_outcome};
-use crate::document::{Frame, FrameStatus, Step};
+use crate::document::{EditKind, Frame, FrameStatus, Step};
 use crate::solve::FrameSolution;
 
 /// The whole application without a window.
@@ -212,7 +212,8 @@ impl App {
             Action::WholeWanted => {
                 if let Some(open) = &self.open {
                     let document = Box::new(open.journalled.clone());
-                    self.effects.push(Effect::JournalWhole { document, revision: open.revision });
+                    let history = Box::new(open.history.committed());
+                    self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
                 }
             }
             Action::ChangedOutside(path) => self.changed_outside(path),
@@ -250,6 +251,10 @@ impl App {
             self.session.notify(Level::Warning, text);
             return false;
         }
+        if open.history.is_open() {
+            self.commit();
+        }
+        let Some(open) = &mut self.open else { return false };
         open.begin(step);
         true
     }
@@ -259,9 +264,10 @@ impl App {
         self.follow_base();
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
+        let kind = open.history.open_kind();
         open.history.commit(&open.document);
         // Even where it is no step: one that was gone on with may have come back to where it began.
-        self.journal(&name);
+        self.journal(&name, kind);
     }
 
     /// Gives the open step of undo up, and whatever was begun.
@@ -273,10 +279,10 @@ impl App {
         self.clamp_selection();
     }
 
-    /// Hands what changed since the last time to the journal.
-    fn journal(&mut self, name: &str) {
+    /// Hands what changed since the last time to the journal, and what that is to undo and redo.
+    fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
-        if let Some(edit) = open.take_edit(name) {
+        if let Some(edit) = open.take_edit(name, kind) {
             if !matches!(self.session.saving, Saving::Failed { .. }) {
                 self.session.saving = Saving::Pending;
             }
