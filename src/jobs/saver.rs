@@ -81,10 +81,16 @@ pub enum SaverReport {
     },
 }
 
+/// A document as it is, and what can be undone and redone in it.
+struct Whole {
+    document: Document,
+    history: History<Document>,
+}
+
 enum Order {
     Edit(Edit, Revision),
     /// The document as it is with its history, in place of whatever the saver knows.
-    Whole(Box<(Document, History<Document>)>, Revision),
+    Whole(Box<Whole>, Revision),
     Save(Others),
     /// Report what others made of the document.
     ReadOutside,
@@ -96,7 +102,7 @@ pub struct Saver {
     orders: Option<SyncSender<Order>>,
     reports: Receiver<SaverReport>,
     /// A document that found the channel full; it goes before the edits that wait.
-    waiting_whole: Option<(Box<(Document, History<Document>)>, Revision)>,
+    waiting_whole: Option<(Box<Whole>, Revision)>,
     /// Edits that found the channel full, oldest first.
     waiting: VecDeque<(Edit, Revision)>,
     /// Requests that found the channel full.
@@ -121,7 +127,7 @@ impl Saver {
         let (outbox, reports) = sync_channel(REPORTS);
         let run = move || {
             let (last_words, last_wake) = (outbox.clone(), wake.clone());
-            let work = Work::new(Box::new(store), (document, history), options, outbox, wake);
+            let work = Work::new(Box::new(store), Whole { document, history }, options, outbox, wake);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work.run(&inbox))) {
                 // Nobody may be listening any more; then nobody needs to know.
                 let _ = last_words.send(SaverReport::Broken { message: panic_message(panic.as_ref()) });
@@ -148,7 +154,7 @@ impl Saver {
 
     /// Hands over the document as it is at a revision, with its history, in place of whatever the saver knows; never waits.
     pub fn whole(&mut self, document: Document, history: History<Document>, revision: Revision) {
-        self.waiting_whole = Some((Box::new((document, history)), revision));
+        self.waiting_whole = Some((Box::new(Whole { document, history }), revision));
         // The document holds them.
         self.waiting.clear();
         self.send_waiting();
@@ -256,7 +262,7 @@ struct Work {
 impl Work {
     fn new(
         store: Box<dyn DocumentStore>,
-        (document, history): (Document, History<Document>),
+        Whole { document, history }: Whole,
         options: SaverOptions,
         reports: SyncSender<SaverReport>,
         wake: Wake,
@@ -345,7 +351,7 @@ impl Work {
         self.behind_since.get_or_insert_with(Instant::now);
     }
 
-    fn take_whole(&mut self, (document, history): (Document, History<Document>), revision: Revision) {
+    fn take_whole(&mut self, Whole { document, history }: Whole, revision: Revision) {
         self.needs_whole = false;
         let edit = Edit::between(&self.journaled, &document, "Everything since");
         self.to_journal = if edit.is_empty() { Vec::new() } else { vec![edit] };

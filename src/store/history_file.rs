@@ -108,11 +108,9 @@ impl HistoryFile {
     fn parse(mut bytes: Vec<u8>) -> Result<Self, HistoryLeftOut> {
         let Some((json, length)) = first_line(&bytes) else { return Err(HistoryLeftOut::Damaged) };
         // Of a newer version not more may be known than its number.
-        let version =
-            |json| Some(serde_json::from_slice::<serde_json::Value>(json).ok()?["history"]["version"].as_u64()?);
-        if let Some(version) = version(json).and_then(|version| u32::try_from(version).ok())
-            && version > VERSION
-        {
+        let header: Option<serde_json::Value> = serde_json::from_slice(json).ok();
+        let version = header.and_then(|header| u32::try_from(header["history"]["version"].as_u64()?).ok());
+        if let Some(version) = version.filter(|version| *version > VERSION) {
             return Err(HistoryLeftOut::Newer { version });
         }
         let Ok(Record::History(header)) = serde_json::from_slice(json) else { return Err(HistoryLeftOut::Damaged) };
