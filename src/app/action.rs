@@ -92,7 +92,7 @@ pub enum Action {
     /// No frames are selected.
     SelectNoFrames,
     /// Frames are given to a camera.
-    GiveToCamera {
+    AssignToCamera {
         /// Which frames.
         scope: Scope,
         /// Which camera.
@@ -366,7 +366,7 @@ impl Action {
             | Self::Name { .. }
             | Self::DeleteClick(_)
             | Self::SetCheck { .. }
-            | Self::GiveToCamera { .. }
+            | Self::AssignToCamera { .. }
             | Self::RejectAs(_)
             | Self::SetComment(_)
             | Self::AddMask { .. }

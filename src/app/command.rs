@@ -72,7 +72,7 @@ pub enum Command {
     DropEstimatedBase,
     UseForBase,
     LoadCamera,
-    GiveToCamera,
+    AssignToCamera,
     SelectShot,
     NewCameraFromChange,
     ConfirmFieldSize,
@@ -212,7 +212,7 @@ rows! {
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
     UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
     LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
-    GiveToCamera, "give_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
+    AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
     FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
@@ -317,7 +317,7 @@ impl Command {
             | Self::UseEstimatedBase
             | Self::DropEstimatedBase
             | Self::UseForBase
-            | Self::GiveToCamera
+            | Self::AssignToCamera
             | Self::SelectShot
             | Self::NewCameraFromChange
             | Self::ConfirmFieldSize

@@ -261,7 +261,7 @@ pub enum Dialog {
     /// A comment on the frame.
     Comment(String),
     /// Which camera took these frames.
-    GiveToCamera(Scope),
+    AssignToCamera(Scope),
     /// A path, where the system has no file dialog.
     Path(Question),
     /// Another program changed the document.

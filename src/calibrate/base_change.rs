@@ -1,6 +1,6 @@
 //! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
 
-use super::{FrameLookup, GiveError, calibrate, observations};
+use super::{AssignError, FrameLookup, calibrate, observations};
 use crate::camera::{CameraBase, Ptz};
 use crate::document::{Camera, CameraId, Document, Fields};
 use crate::field::FieldModel;
@@ -49,14 +49,14 @@ impl CameraChange {
     ///
     /// # Errors
     /// The document has changed since and lacks the camera, or its frames differ in size.
-    pub fn part(&self, document: &mut Document, fields: &Fields) -> Result<CameraId, GiveError> {
+    pub fn part(&self, document: &mut Document, fields: &Fields) -> Result<CameraId, AssignError> {
         let name = document.free_camera_name(&self.camera);
         document.add_camera_like(&name, &self.camera)?;
         let frames = self.frames(document);
         if let Some(camera) = document.camera_mut(&name) {
             camera.set_base(&self.base);
         }
-        document.give_to_camera(&frames, &name, fields)?;
+        document.assign_to_camera(&frames, &name, fields)?;
         Ok(name)
     }
 }

@@ -35,4 +35,4 @@ pub use paint::{SnapFrameError, check_frame, record_line_check, record_refusal, 
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use solve_frames::{is_by_clicks, record_outcome, solve_by_clicks};
-pub use which_camera::GiveError;
+pub use which_camera::AssignError;

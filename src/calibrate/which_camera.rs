@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Why frames cannot be given to a camera.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
-pub enum GiveError {
+pub enum AssignError {
     /// The document lacks it.
     #[error("camera {camera:?} is not in the document")]
     UnknownCamera {
@@ -61,14 +61,14 @@ impl Document {
     ///
     /// # Errors
     /// The name is empty or taken, or there is no camera to go by.
-    pub fn add_camera_like(&mut self, name: &CameraId, like: &CameraId) -> Result<(), GiveError> {
+    pub fn add_camera_like(&mut self, name: &CameraId, like: &CameraId) -> Result<(), AssignError> {
         if name.as_str().trim().is_empty() {
-            return Err(GiveError::NoName);
+            return Err(AssignError::NoName);
         }
         if self.camera(name).is_some() {
-            return Err(GiveError::NameTaken { camera: name.as_str().to_owned() });
+            return Err(AssignError::NameTaken { camera: name.as_str().to_owned() });
         }
-        let known = self.camera(like).ok_or_else(|| GiveError::UnknownCamera { camera: like.as_str().to_owned() })?;
+        let known = self.camera(like).ok_or_else(|| AssignError::UnknownCamera { camera: like.as_str().to_owned() })?;
         let added = Camera {
             masks: known.masks.clone(),
             ranged_masks: known.ranged_masks.clone(),
@@ -85,13 +85,18 @@ impl Document {
     ///
     /// # Errors
     /// There is no such camera, or a frame's picture is of another size.
-    pub fn give_to_camera(&mut self, frames: &[usize], camera: &CameraId, fields: &Fields) -> Result<(), GiveError> {
+    pub fn assign_to_camera(
+        &mut self,
+        frames: &[usize],
+        camera: &CameraId,
+        fields: &Fields,
+    ) -> Result<(), AssignError> {
         let known =
-            self.camera(camera).ok_or_else(|| GiveError::UnknownCamera { camera: camera.as_str().to_owned() })?;
+            self.camera(camera).ok_or_else(|| AssignError::UnknownCamera { camera: camera.as_str().to_owned() })?;
         let (of_camera, base) = (known.image_size, known.base());
         for frame in frames.iter().filter_map(|index| self.frames.get(*index)) {
             if frame.image_size != of_camera {
-                return Err(GiveError::OtherSize {
+                return Err(AssignError::OtherSize {
                     frame: frame.name(),
                     size: frame.image_size,
                     camera: camera.as_str().to_owned(),

@@ -1,4 +1,4 @@
-//! A row of a list with a bar: a name, a bar as long as a number is large, and the number.
+//! A row of a list with a name, a bar of proportional length, and a number.
 
 use super::theme;
 use egui::text::{LayoutJob, TextWrapping};
@@ -11,17 +11,17 @@ const NUMBER: f32 = 48.0;
 
 /// A name, a bar and a number in a row that can be clicked.
 pub struct Bar<'a> {
-    /// What it is about.
+    /// The name.
     pub name: &'a str,
-    /// The number in words.
+    /// The number as text.
     pub value: &'a str,
     /// The bar's length, 0 to 1.
     pub share: f64,
-    /// Where a stroke across the bar marks what is expected, 0 to 1.
+    /// Where a mark across the bar shows the expected value, 0 to 1.
     pub expected: Option<f64>,
     /// The bar's colour.
     pub colour: Color32,
-    /// The row is about what is shown.
+    /// Whether the row is about the shown frame.
     pub selected: bool,
     /// The column of the bars, points.
     pub width: f32,

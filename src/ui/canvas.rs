@@ -14,7 +14,7 @@ pub const LOUPE: CanvasId = CanvasId(2);
 /// The field from above.
 pub const FIELD_MAP: CanvasId = CanvasId(3);
 
-/// Builds the renderer in the window's wgpu; none: canvases only say that nothing can be drawn.
+/// Builds the renderer in the window's wgpu; without one, canvases only show a message.
 pub fn install(ctx: &egui::Context, render_state: Option<&RenderState>) {
     let Some(state) = render_state else { return };
     let renderer = Renderer::new(&state.device, state.target_format);

@@ -10,24 +10,24 @@ use egui::{
     vec2,
 };
 
-/// So many references at a place are plenty.
+/// The number of references from which the colour no longer changes.
 const PLENTY: f32 = 4.0;
 /// The field where no reference looks.
 pub const MISSING: Color32 = Color32::from_rgb(96, 46, 40);
-/// What is not the field and no reference sees.
+/// Outside of the field and of what references see.
 const OUTSIDE: Color32 = Color32::from_rgb(20, 22, 25);
 
-/// A map on the screen; whoever shows it draws on it what else there is.
+/// A map on the screen; the caller draws further marks on it.
 pub struct CoverageMap<'a> {
     coverage: &'a Coverage,
     rect: Rect,
     /// The map as a control.
     pub response: Response,
-    /// What draws within its borders.
+    /// A painter that is clipped to it.
     pub painter: Painter,
 }
 
-/// Where no reference looks, in words.
+/// One sentence about where no reference looks.
 pub fn missing(coverage: &Coverage) -> String {
     coverage.missing_pan_deg.map_or_else(
         || "References see all of the field.".to_owned(),
@@ -46,8 +46,8 @@ impl<'a> CoverageMap<'a> {
     /// Shows a map of some height, points: the more references see a place, the brighter; the field where none looks in red.
     pub fn show(ui: &mut Ui, coverage: &'a Coverage, height: f32, sense: Sense) -> Self {
         let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), height), sense);
-        let told = format!("Map of pan and tilt. {}", missing(coverage));
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
+        let description = format!("Map of pan and tilt. {}", missing(coverage));
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
         let map = Self { coverage, rect, response, painter: ui.painter_at(rect) };
         map.cells();
         map
@@ -132,13 +132,13 @@ impl<'a> CoverageMap<'a> {
                 0 => OUTSIDE,
                 references => seen_by(references),
             };
-            // A seam between cells, so that they read as counted and not as measured.
+            // A gap between cells shows that they are counts, not measurements.
             self.painter.rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
         }
     }
 }
 
-/// The colour of what so many references see.
+/// The colour of a place that a number of references see.
 pub fn seen_by(references: u32) -> Color32 {
     let share = (references as f32 / PLENTY).min(1.0);
     theme::ACCENT_GROUND.lerp_to_gamma(theme::ACCENT, 0.15 + 0.55 * share)

@@ -1,4 +1,4 @@
-//! What stands where the picture will be while nothing is open.
+//! The start screen, shown in place of the picture while nothing is open.
 
 use super::{Panel, menu::document_name, theme};
 use crate::app::{Action, Command};
@@ -10,7 +10,7 @@ const RECENT: usize = 5;
 /// The width of the column.
 const WIDTH: f32 = 560.0;
 
-/// Shows the invitation.
+/// Shows the start screen.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
     ui.painter().rect_filled(area, 0.0, theme::BACKDROP);
@@ -26,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         if let Some(opening) = &panel.app.session.opening {
             ui.spinner();
             ui.label(RichText::new(opening).color(theme::ACCENT));
-            if ui.button("Give up").on_hover_text("Give up opening. (Esc)").clicked() {
+            if ui.button("Cancel").on_hover_text("Stop opening. (Esc)").clicked() {
                 panel.actions.push(Action::Command(Command::Cancel));
             }
             return;

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 /// Image, video and document files as the dialogs filter them.
 const VIDEOS: &[&str] = &["mp4", "mov", "mkv", "avi", "m4v", "webm", "ts", "mts", "mxf", "mpg", "mpeg"];
 
-/// No hand cancels a dialog this fast: there was none. A missing dialog says "cancelled" within milliseconds.
+/// A dialog that is cancelled faster than this was never shown: a missing dialog reports "cancelled" within milliseconds.
 const NO_DIALOG: Duration = Duration::from_millis(150);
 
 /// At most one file dialog.
@@ -33,7 +33,7 @@ impl Files {
         self.open = task.ok().map(|task| (question, Instant::now(), task));
     }
 
-    /// What was chosen, once it has been. Cancelling says nothing; where no dialog could open the path is typed instead.
+    /// What was chosen, once it has been; nothing if cancelled. Where no dialog could open, the path is typed instead.
     pub fn poll(&mut self) -> Option<Action> {
         let (question, since, task) = self.open.as_mut()?;
         let (question, waited, report) = (*question, since.elapsed(), task.poll()?);
@@ -55,7 +55,7 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::CopyTo => "Save a copy into a folder",
         Question::ExportTo => "Export the dataset",
         Question::CompareWith => "Compare with another annotator's document",
-        Question::CameraFrom => "Take the camera from a project or dataset",
+        Question::CameraFrom => "Load the camera from a project or dataset",
     });
     let dialog = match near {
         Some(near) => dialog.set_directory(near),

@@ -1,8 +1,8 @@
 //! Keys one at a time: each is applied before the next one is interpreted.
 //!
-//! A key, a click and the next key can arrive within one frame of the window. What the second means may depend on what
-//! the first has done, and that is known only in the next frame: a list opens, a text field takes the focus, another
-//! frame is shown. So the window sees at most one key stroke or one press of a button per frame, and the rest waits.
+//! A key, a click and the next key can arrive within one frame of the window. The meaning of the second may depend on the
+//! effect of the first, which is known only in the next frame: a list opens, a text field takes the focus, another frame is
+//! shown. So the window gets at most one key stroke or button press per frame; the rest waits.
 
 use egui::{Context, Event, Key, Plugin, RawInput};
 use std::collections::VecDeque;
@@ -28,7 +28,7 @@ impl Given {
     /// Takes an event in, or refuses because it has to be read on its own.
     fn accepts(&mut self, event: &Event) -> bool {
         match event {
-            // Whoever reads the modifiers of this frame reads those that the stroke or the button came with.
+            // The modifiers of this frame have to be those of the key stroke or the button.
             Event::ModifiersChanged(_) => self.stroke.is_none() && !self.button,
             Event::WindowFocused(_) => true,
             Event::Key { pressed: false, key, .. } => {
@@ -66,12 +66,12 @@ impl Given {
 }
 
 impl InputQueue {
-    /// Takes in what has happened, and gives what the window reads next.
+    /// Queues new events and returns those for the next frame of the window.
     fn exchange(&mut self, events: Vec<Event>) -> Vec<Event> {
         let mut text_of_repeat = false;
         for event in events {
             match &event {
-                // A held key does not run ahead of a slow window.
+                // Repeats of a held key do not pile up in a slow window.
                 Event::Key { key, pressed: true, .. } if self.is_down_at_end(*key) => {
                     text_of_repeat = true;
                     continue;
@@ -86,7 +86,7 @@ impl InputQueue {
         self.waiting.drain(..count).collect()
     }
 
-    /// Whether the last that is waiting about a key is that it went down.
+    /// Whether the last queued event of a key is a press.
     fn is_down_at_end(&self, wanted: Key) -> bool {
         let last = self.waiting.iter().rev().find_map(|event| match event {
             Event::Key { key, pressed, .. } if *key == wanted => Some(*pressed),
@@ -127,7 +127,7 @@ mod tests {
         Event::PointerButton { pos, button, pressed, modifiers }
     }
 
-    /// What the window is given, frame by frame, of events that arrive together.
+    /// The events of each frame of the window, for events that arrive together.
     fn frames(events: &[Event]) -> Vec<Vec<Event>> {
         let mut queue = InputQueue::default();
         let first = queue.exchange(events.to_vec());
@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(
             frames(&[button(true), moved.clone(), button(false), button(true), button(false)]),
             [vec![button(true), moved, button(false)], vec![button(true), button(false)]],
-            "each press is read against what the one before has done"
+            "each press is interpreted after the effect of the one before"
         );
     }
 

@@ -1,7 +1,7 @@
 //! Keys: from what was pressed to actions, through the user's keymap.
 //!
-//! Plain keys sleep while a text field has the focus, and while a name or a reason is asked for (those lists read
-//! letters and digits themselves).
+//! Plain keys do nothing while a text field has the focus, and while a name or a reason is being chosen (those lists
+//! read letters and digits themselves).
 
 use super::{Panel, dialogs};
 use crate::app::session::{Dialog, Held, Mode};
@@ -11,7 +11,7 @@ use egui::{Event, FocusDirection, Key, Modifiers};
 /// How far an arrow key moves the selected point, px of the picture: alone, with Shift, with Alt.
 const NUDGE_PX: [f64; 3] = [0.1, 1.0, 10.0];
 
-/// Commands that go on while their key is held down.
+/// Commands that repeat while their key is held down.
 const REPEATED: [Command; 8] = [
     Command::NextFrame,
     Command::PreviousFrame,
@@ -26,31 +26,31 @@ const REPEATED: [Command; 8] = [
 /// A key that went down or up.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyStroke {
-    /// What the layout makes of it.
+    /// The logical key of the keyboard layout.
     pub key: Key,
-    /// Where it is.
+    /// The physical key.
     pub physical: Option<Key>,
     /// Down.
     pub pressed: bool,
     /// Still held.
     pub repeat: bool,
-    /// With which modifiers.
+    /// The modifiers.
     pub modifiers: Modifiers,
 }
 
-/// Who else listens to the keyboard.
+/// What else has the keyboard focus.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Focus {
     /// Nobody.
     #[default]
     Free,
-    /// A button or the like, reached by Tab: Enter, Space, Tab and arrows are its own.
+    /// A button or similar, reached by Tab: it handles Enter, Space, Tab and arrows itself.
     Widget,
     /// A text field.
     Text,
 }
 
-/// Reads what was typed since the last time.
+/// Reads the keys of this frame of the window.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if dialogs::captures_keys(ctx) || egui::Popup::is_any_open(ctx) {
         return;
@@ -72,7 +72,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     }
     let steps_clicks = |action: &Action| matches!(action, Action::Command(Command::NextClick | Command::PreviousClick));
     if asked.iter().any(steps_clicks) {
-        // Tab was ours: the focus stays where it is.
+        // Tab was a command: the focus must not move.
         ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
     }
     if !window_focused && panel.app.session.held != Held::default() {
@@ -106,7 +106,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     }
     let plain = !stroke.modifiers.command && !stroke.modifiers.alt;
     match &app.session.mode {
-        // The lists of names and reasons have read what is theirs; the rest sleeps.
+        // The lists of names and reasons have already read their keys.
         Mode::Naming(_) | Mode::Rejecting { .. } if plain => {
             return (command == Some(Command::Cancel)).then_some(Action::Command(Command::Cancel));
         }
@@ -118,7 +118,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
     match command {
         Some(command) if command.is_held() => (!stroke.repeat).then_some(Action::Hold(command, true)),
         Some(command) if stroke.repeat && !REPEATED.contains(&command) => None,
-        // Without points in sight Tab goes from control to control.
+        // Without points Tab moves the focus as usual.
         Some(Command::NextClick | Command::PreviousClick)
             if app.session.quality.open || app.frame().is_none_or(|frame| frame.clicks.is_empty()) =>
         {
@@ -148,7 +148,7 @@ fn nudge(app: &App, stroke: &KeyStroke) -> Option<Action> {
     Some(Action::Nudge { dx_px: dx * step, dy_px: dy * step, held: stroke.repeat })
 }
 
-/// Whether a key is not somebody else's.
+/// Whether a key is not used by the focused control.
 fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
     let function_key = stroke.key.name().len() > 1 && stroke.key.name().starts_with('F');
     match focus {
@@ -164,7 +164,7 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
                 | Key::ArrowUp
                 | Key::ArrowDown
         ),
-        // Its own undo, cursor and clipboard keys stay with it.
+        // Its own undo, cursor and clipboard keys.
         Focus::Text => {
             function_key
                 || stroke.modifiers.command && matches!(stroke.key, Key::S | Key::O | Key::E | Key::K | Key::Q | Key::M)
@@ -172,13 +172,13 @@ fn is_free(stroke: &KeyStroke, focus: Focus) -> bool {
     }
 }
 
-/// Shift and the key of the slash is a question mark on the layouts whose logical key says nothing.
+/// Some layouts report no logical key for the question mark: there it is Shift with the slash key.
 fn question_mark(stroke: KeyStroke) -> KeyStroke {
     let is_slash = stroke.key == Key::Slash && stroke.physical.is_none_or(|physical| physical == Key::Slash);
     if is_slash && stroke.modifiers.shift { KeyStroke { key: Key::Questionmark, ..stroke } } else { stroke }
 }
 
-/// The command of a key: by what the layout makes of it, else by where it is.
+/// The command of a key: by its logical key, else by its physical one.
 fn command_of(app: &App, stroke: &KeyStroke) -> Option<Command> {
     let by = |matches: &dyn Fn(&Chord) -> bool| {
         Command::all().find(|command| app.settings.keys.chords(*command).iter().any(matches))
@@ -194,7 +194,7 @@ fn is_logically(chord: &Chord, stroke: &KeyStroke) -> bool {
         && (chord.shift == modifiers.shift || is_sign(stroke.key) && !chord.shift)
 }
 
-/// Shift and a dot is a colon on some layouts: there the place of the key counts.
+/// On some layouts Shift with the dot is a colon: there the physical key counts.
 fn is_physically(chord: &Chord, stroke: &KeyStroke) -> bool {
     let modifiers = stroke.modifiers;
     is_sign(stroke.key)

@@ -1,4 +1,4 @@
-//! The texts of a drawing, written with the window's own type.
+//! The texts of a drawing, written with the window's own font.
 
 use super::placement::Placement;
 use crate::geometry::ImagePoint;
@@ -45,7 +45,7 @@ pub fn plate(painter: &Painter, at: Pos2, align: Align2, text: &str, style: Plat
     around
 }
 
-/// A drawing's colour as the window has it.
+/// A drawing's colour as an egui colour.
 pub fn colour(colour: Colour) -> Color32 {
     Color32::from_rgba_unmultiplied(colour.r, colour.g, colour.b, colour.a)
 }

@@ -1,4 +1,4 @@
-//! Where every panel lies.
+//! The layout of all panels.
 
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
@@ -12,10 +12,10 @@ const ROW: f32 = 24.0;
 /// From this width on there is room for wider panels, points.
 const WIDE: f32 = 1800.0;
 
-/// Reads keys and pointer; what they ask for is carried out before anything is drawn.
+/// Reads keys and pointer; their actions are carried out before anything is drawn.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if panel.app.session.quality.open {
-        // The picture is hidden, and so is what is typed for it.
+        // The picture is hidden, so its keys do nothing.
         keys::read(panel, ctx);
         return;
     }

@@ -1,4 +1,4 @@
-//! The magnified place under a point that is being placed or dragged, with the whole overlay.
+//! The loupe: a magnified view around a point that is being placed or dragged, with the overlay.
 
 use super::canvas;
 use super::labels::{PlateStyle, plate};
@@ -12,15 +12,15 @@ use egui::{
 
 /// Points of the screen per px of the picture.
 const MAGNIFICATION: f64 = 8.0;
-/// A picture that is enlarged this much already needs no loupe, points per px.
+/// From this zoom on no loupe is needed, points per px.
 const NOT_NEEDED_FROM: f64 = 5.0;
 /// The side of the loupe, points.
 const SIDE: f32 = 160.0;
 /// From the point to the nearest border of the loupe, points.
 const GAP: f32 = 36.0;
-/// What a change of side costs, as points of line that the loupe would hide.
+/// The cost of changing sides, as the length of line that the loupe would hide, points.
 const STAY: f32 = 80.0;
-/// The crosshair is open this far around the point, points.
+/// The gap of the crosshair around the point, points.
 const OPEN: f32 = 9.0;
 
 /// The sides of a point on which the loupe can stand.
@@ -75,7 +75,7 @@ pub fn show(
     painter.rect_stroke(rect, 2.0, Stroke::new(1.5, Color32::from_gray(220)), StrokeKind::Outside);
 }
 
-/// No point is held: the next one chooses its side freely.
+/// Forgets the side: no point is held.
 pub fn rest(ui: &egui::Ui) {
     ui.data_mut(|data| data.remove_temp::<usize>(side_id()));
 }
@@ -84,7 +84,7 @@ fn side_id() -> Id {
     Id::NULL.with("loupe's side")
 }
 
-/// The picture so that a point of it lies exactly in the middle.
+/// Places the picture so that one of its points lies exactly in the middle.
 fn view(at: ImagePoint, rect: Rect, pixels_per_point: f32) -> View {
     let scale = MAGNIFICATION * f64::from(pixels_per_point);
     let size_px = canvas::size_px(rect, pixels_per_point);
@@ -93,7 +93,7 @@ fn view(at: ImagePoint, rect: Rect, pixels_per_point: f32) -> View {
     View { scale: scale as f32, offset_px, size_px, pixels_per_point }
 }
 
-/// Thin lines to the exact place, which itself stays free.
+/// A crosshair whose centre stays free.
 fn crosshair(painter: &egui::Painter, rect: Rect) {
     let centre = rect.center();
     let reach = SIDE / 2.0 - 24.0;
@@ -110,7 +110,7 @@ fn on_side(point: Pos2, side: usize) -> Rect {
     Rect::from_center_size(point + SIDES[side % SIDES.len()] * (GAP + SIDE / 2.0), Vec2::splat(SIDE))
 }
 
-/// The side on which the loupe hides least of the overlay's lines; it changes only for a reason.
+/// The side on which the loupe hides least of the overlay's lines, with a preference for the current side.
 fn free_side(point: Pos2, bounds: Rect, lines: &[[Pos2; 2]], before: Option<usize>) -> usize {
     let cost = |side: usize| {
         let rect = on_side(point, side);

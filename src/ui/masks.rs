@@ -1,4 +1,4 @@
-//! The boxes whose pixels give no features: what they are for, and a cross that deletes each.
+//! Masks on the picture: boxes that are excluded from feature detection, each with its scope and a delete button.
 
 use super::Panel;
 use super::labels::{PlateStyle, plate};
@@ -10,12 +10,12 @@ use egui::{Align2, Color32, FontId, Id, Rect, Role, Sense, Stroke, Vec2, WidgetI
 /// The side of a cross, points.
 const CROSS: f32 = 18.0;
 
-/// A mask that is shown: whether it belongs to the camera, and its place among its like.
+/// A shown mask: whether it belongs to the camera, and its index.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownMask {
-    /// Of every frame of the camera, else of this frame.
+    /// For every frame of the camera, else for this frame only.
     pub of_camera: bool,
-    /// Which, from 0.
+    /// Its index.
     pub index: usize,
     /// The box, px.
     pub pixel_box: PixelBox,
@@ -51,7 +51,7 @@ impl ShownMask {
     }
 }
 
-/// Shows what each mask is for, and its cross.
+/// Shows the scope of each mask and its delete button.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
     for mask in shown(panel.app) {

@@ -1,4 +1,4 @@
-//! The top row: menus, what is open, and whether it is safe on disk.
+//! The top row: menus, the open document, and whether it is saved.
 
 use super::{Panel, symbol, theme};
 use crate::app::session::{Panel as RightPanel, Saving};
@@ -25,7 +25,7 @@ const SECTIONS: [Command; 19] = [
     Command::ShowMasks,
     Command::Compare,
     Command::CameraPanel,
-    Command::GiveToCamera,
+    Command::AssignToCamera,
     Command::SelectShot,
     Command::About,
 ];
@@ -48,11 +48,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 const fn tip(group: MenuGroup) -> &'static str {
     match group {
         MenuGroup::File => "Open, save, export.",
-        MenuGroup::Edit => "Undo, and what is done to a point.",
-        MenuGroup::Frame => "Go from frame to frame, accept and reject.",
-        MenuGroup::Camera => "Where the camera stands: estimate it, load it, enter it.",
-        MenuGroup::View => "What is shown and how large.",
-        MenuGroup::Help => "Commands, keys, about this program.",
+        MenuGroup::Edit => "Undo, and editing points.",
+        MenuGroup::Frame => "Navigate, accept and reject frames.",
+        MenuGroup::Camera => "The camera's base: estimate it, load it, enter it.",
+        MenuGroup::View => "What is shown, and zoom.",
+        MenuGroup::Help => "Commands, keys, about.",
     }
 }
 
@@ -69,7 +69,7 @@ fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     }
 }
 
-/// One entry; what it cannot do now it says in its tooltip.
+/// One entry; if it is not available, its tooltip gives the reason.
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let why_not = panel.app.why_not(command);
     let button = Button::new(command.name())
@@ -118,12 +118,12 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         opened
             .response
-            .on_hover_text("Documents that were open before.")
-            .on_disabled_hover_text("No document has been open before.");
+            .on_hover_text("Documents that you opened before.")
+            .on_disabled_hover_text("You have not opened a document yet.");
     });
 }
 
-/// What a person calls a document: its folder if it is a project, else its file.
+/// The name of a document: its folder if it is a project, else its file.
 pub fn document_name(file: &Path) -> String {
     let is_project = file.file_name().is_some_and(|name| name == PROJECT_FILE);
     let named = if is_project { file.parent().unwrap_or(file) } else { file };
@@ -162,7 +162,7 @@ pub fn file_name(path: &str) -> String {
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.session.changed_outside.is_some() {
         let choose = Button::new(RichText::new("Changed outside").color(theme::BACKDROP)).fill(theme::CAUTION).small();
-        let tip = "Another program changed the document; it is not written until you say whose version stays.";
+        let tip = "Another program changed the document. It is not written until you choose which version to keep.";
         if ui.add(choose).on_hover_text(tip).clicked() {
             panel.actions.push(Action::AskOutside);
         }
@@ -170,34 +170,35 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     match &panel.app.session.saving {
         Saving::Untouched => {}
         Saving::Pending => {
-            ui.label(RichText::new("saving…").color(theme::WEAK)).on_hover_text("The last edit is on its way to disk.");
+            ui.label(RichText::new("saving…").color(theme::WEAK))
+                .on_hover_text("The last edit is being written to disk.");
         }
         Saving::Saved { at } => {
             ui.label(RichText::new(format!("saved {at}")).color(theme::WEAK))
-                .on_hover_text("Every edit is on disk. There is nothing you have to save.");
+                .on_hover_text("Every edit is on disk. You do not have to save.");
         }
         Saving::Failed { message, since } => {
             let since = since.as_ref().map(|at| format!("Edits since {at} are only in memory."));
-            let told = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
+            let edits = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
             let elsewhere =
                 Button::new(RichText::new("Save elsewhere").color(theme::BACKDROP)).fill(theme::BAD).small();
             if ui.add(elsewhere).on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
-            let text = RichText::new(format!("NOT SAVED: {message}. {told}")).color(theme::BAD).strong();
-            ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{message}. {told}"));
+            let text = RichText::new(format!("NOT SAVED: {message}. {edits}")).color(theme::BAD).strong();
+            ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{message}. {edits}"));
         }
     }
 }
 
-/// What goes on in the background.
+/// Background work.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.opening {
         ui.label(RichText::new(opening).color(theme::ACCENT)).on_hover_text("The window stays usable meanwhile.");
         ui.add(egui::Spinner::new().size(12.0));
         let key = panel.app.settings.keys.shown(Command::Cancel);
-        let give_up = symbol::button(ui, symbol::Symbol::Cross, "Give up opening", theme::WEAK);
-        if give_up.on_hover_text(format!("Give up opening. ({key})")).clicked() {
+        let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", theme::WEAK);
+        if give_up.on_hover_text(format!("Stop opening. ({key})")).clicked() {
             panel.actions.push(Action::Command(Command::Cancel));
         }
     }
@@ -209,7 +210,7 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What the trainer is doing, in a few words; a click shows its panel.
+/// What the trainer is doing, in short; a click shows its panel.
 fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
     let status = &panel.app.session.trainer.status;
     let (text, colour) = match (&status.trouble, status.doing.in_brief()) {

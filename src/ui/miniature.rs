@@ -1,4 +1,4 @@
-//! A frame in small, with the lines of its camera: enough to see whether a proposal lies right.
+//! A thumbnail of a frame with the lines of its camera: enough to see whether a proposal is right.
 
 use super::{Panel, theme};
 use crate::app::OpenProject;
@@ -6,7 +6,7 @@ use crate::document::FrameStatus;
 use crate::markings::{MarkingOptions, project_lines};
 use egui::{Color32, CornerRadius, Painter, Pos2, Rect, Shape, Stroke, pos2};
 
-/// How far a line may be from its curve, px of the picture: what a miniature cannot show.
+/// How far a line may be from its curve, px of the picture: invisible at this size.
 const TOLERANCE_PX: f64 = 4.0;
 
 /// Paints a frame's thumbnail into a box, and the field's lines as its camera has them; dashed where it is proposed.
@@ -20,7 +20,7 @@ pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), picture, whole, Color32::WHITE);
     }
-    // The shown frame's field stands for all that share it.
+    // The shown frame's field is used for all frames that share it.
     let Some(field) = panel.app.current().field() else { return };
     let shares = |shown| open.document.field_of(shown) == open.document.field_of(frame);
     let Some(camera) = open.document.pointed(frame).filter(|_| panel.app.frame().is_some_and(shares)) else { return };

@@ -47,7 +47,7 @@ pub use theme::apply as apply_theme;
 
 use crate::app::{Action, App};
 
-/// What every panel gets.
+/// What every panel is given.
 pub struct Panel<'a> {
     /// The state.
     pub app: &'a App,
@@ -55,6 +55,6 @@ pub struct Panel<'a> {
     pub pictures: &'a mut Pictures,
     /// What the user asks for.
     pub actions: &'a mut Vec<Action>,
-    /// What draws: its name and the graphics interface, for the diagnostic report.
+    /// The graphics adapter's name and interface, for the diagnostic report.
     pub adapter: &'a str,
 }

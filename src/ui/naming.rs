@@ -1,4 +1,4 @@
-//! The list of names beside a point that waits for one.
+//! The list of names beside a point that has no name yet.
 
 use super::placement::Placement;
 use super::{Panel, theme};
@@ -10,7 +10,7 @@ use egui::{
     Align2, Area, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
 
-/// The list is at least this wide, points: its hint fits.
+/// The least width of the list, so that its hint fits, points.
 const LEAST_WIDTH: f32 = 300.0;
 /// Where the labels begin, points from a row's left end.
 const LABEL: f32 = 28.0;
@@ -23,7 +23,7 @@ const GAP: f32 = 32.0;
 /// Around the list, points.
 const MARGIN: f32 = 6.0;
 
-/// Reads the keys while names are offered; they reach nobody else then.
+/// Reads the keys while names are offered; nothing else gets them then.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     let Mode::Naming(naming) = &panel.app.session.mode else { return };
     if ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
@@ -46,7 +46,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
             for_others
         });
     });
-    // The keys of the list do not move the keyboard's focus as well.
+    // The keys of the list must not move the keyboard focus as well.
     ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
 }
 
@@ -108,9 +108,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
         });
 }
 
-/// Where a list of a size stands: beside its point, never over it, within the bounds if they are wide enough.
+/// Where a list of a given size is placed: beside its point, never over it, within the bounds if they are wide enough.
 fn beside(point: Pos2, size: Vec2, bounds: Rect) -> Pos2 {
-    // The list of a point that was moved out of view stays at the border.
+    // If the point is out of view the list stays at the border.
     let point = point.clamp(bounds.min, bounds.max);
     let right = point.x + GAP;
     let left = point.x - GAP - size.x;
@@ -137,7 +137,7 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
     );
 }
 
-/// How wide the columns of the list are, points: as every candidate needs, so that filtering moves nothing.
+/// The widths of the columns, points: wide enough for every candidate, so that filtering moves nothing.
 struct Columns {
     label: f32,
     code: f32,
@@ -175,7 +175,7 @@ fn distance_font() -> FontId {
     FontId::proportional(12.0)
 }
 
-/// One name on offer: its number, label, code and how far off it lies.
+/// One candidate: its number, label, code and distance.
 fn row(
     ui: &mut egui::Ui,
     columns: &Columns,
@@ -205,7 +205,7 @@ fn row(
     if response.clicked() {
         return Some(Action::TakeName(index));
     }
-    // Only a pointer that moves takes the highlight from the arrow keys.
+    // Only a moving pointer takes the highlight over from the arrow keys.
     let pointed = response.hovered() && ui.input(|input| input.pointer.delta() != Vec2::ZERO);
     (pointed && !highlighted).then_some(Action::HighlightName(index))
 }
@@ -221,7 +221,7 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let other = if naming.lines { "landmarks" } else { "lines" };
-    let text = format!("Enter or 1–{OFFERED} takes · type to filter · Tab: {other} · Esc");
+    let text = format!("Enter or 1–{OFFERED}: choose · type to filter · Tab: {other} · Esc");
     let at = rect.left_center() + vec2(6.0, 2.0);
     ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), theme::WEAK);
 }

@@ -1,4 +1,4 @@
-//! Messages over the picture's lower left: they tell, offer a way out, and never take the focus.
+//! Messages over the picture's lower left: they inform, may offer a remedy, and never take the focus.
 
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
@@ -7,13 +7,13 @@ use crate::app::session::{Level, Notice};
 use egui::{Align2, Button, Color32, Frame, Id, Label, Margin, Order, Rect, Role, Stroke, Ui, vec2};
 use std::time::Duration;
 
-/// Good news go away after so long, s; not while the pointer is on them.
+/// Informative messages disappear after this time, s; not while the pointer is on them.
 const INFO_SECONDS: f64 = 5.0;
-/// The last part of which they fade.
+/// They fade during the last part of it, s.
 const FADE_SECONDS: f64 = 0.6;
-/// So long it stays at least after the pointer was on it.
+/// The least time that a message stays after the pointer has left it, s.
 const HOVERED_SECONDS: f64 = 2.0;
-/// The widest a message gets, points.
+/// The largest width of a message, points.
 const WIDTH: f32 = 400.0;
 
 /// A message by its number and text (numbers begin anew with every document), and when it was first seen.

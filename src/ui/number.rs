@@ -7,21 +7,21 @@ use std::ops::RangeInclusive;
 
 /// A number that can be dragged and typed.
 pub struct Number<'a> {
-    /// What a screen reader calls it.
+    /// Its accessible name.
     pub name: &'a str,
-    /// What its step of undo is called.
+    /// The name of its step of undo.
     pub step: &'static str,
-    /// What it is and in which unit.
+    /// Its tooltip: meaning and unit.
     pub tip: &'a str,
-    /// As it is now.
+    /// The current value.
     pub value: f64,
-    /// A point of dragging changes it by so much.
+    /// How much it changes per point of dragging.
     pub speed: f64,
     /// Digits after the point.
     pub decimals: usize,
-    /// What it may be.
+    /// The allowed range.
     pub range: RangeInclusive<f64>,
-    /// Its unit, as it is written after the number.
+    /// Its unit, written after the number.
     pub suffix: &'a str,
     /// The field's width, points.
     pub width: f32,
@@ -53,9 +53,9 @@ impl Number<'_> {
         if begins {
             actions.push(Action::BeginEdit(self.step));
         }
-        // A drag that Escape took back does not begin again by itself.
+        // A drag that Escape cancelled does not start again by itself.
         let abandoned = response.dragged() && !begins && app.session.mode != Mode::Editing;
-        // A field that was entered and left says its rounded number; that is no change.
+        // A field that was entered and left reports its rounded number, which is no change.
         let same = !response.dragged() && (value - self.value).abs() <= 0.5 * 10_f64.powi(-(self.decimals as i32));
         if response.changed() && !abandoned && !same && !forgets && value.is_finite() {
             actions.push(change(value));

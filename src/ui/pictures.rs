@@ -7,7 +7,7 @@ use lru::LruCache;
 use std::io;
 use std::num::NonZeroUsize;
 
-/// Thumbnails that stay on the GPU; a filmstrip shows some thirty.
+/// How many thumbnails stay on the GPU; a filmstrip shows about thirty.
 const TEXTURES: NonZeroUsize = NonZeroUsize::MIN.saturating_add(599);
 
 /// Pictures and thumbnails of the open document's frames.
@@ -18,12 +18,12 @@ pub struct Pictures {
     in_view: ThumbnailProgress,
 }
 
-/// How many of the thumbnails in view are there.
+/// How many of the visible thumbnails are available.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ThumbnailProgress {
-    /// These are there, or cannot be had.
+    /// Available, or known to fail.
     pub done: usize,
-    /// Of so many.
+    /// All that are visible.
     pub wanted: usize,
 }
 
@@ -41,7 +41,7 @@ impl Pictures {
         })
     }
 
-    /// The decoded frames, for others who need some of them.
+    /// The decoded frames, for the jobs that need some of them.
     #[must_use]
     pub fn shared(&self) -> SharedPictures {
         self.decoded.shared()
@@ -60,19 +60,19 @@ impl Pictures {
         self.textures.get(&frame).cloned()
     }
 
-    /// Whether a frame's thumbnail cannot be had.
+    /// Whether a frame's thumbnail cannot be made.
     #[must_use]
     pub fn has_no_thumbnail(&self, open: &OpenProject, frame: usize) -> bool {
         picture_source(open, frame).is_some_and(|frame| self.decoded.has_no_thumbnail(&frame))
     }
 
-    /// How many of the thumbnails in view are there.
+    /// How many of the visible thumbnails are available.
     #[must_use]
     pub const fn thumbnails_in_view(&self) -> ThumbnailProgress {
         self.in_view
     }
 
-    /// Asks for what the window is about to show and takes in what has arrived. To be called before the panels.
+    /// Requests what the window is about to show and receives what has arrived. To be called before the panels.
     pub fn update(&mut self, app: &App, ctx: &egui::Context) -> Vec<Action> {
         let news = self.decoded.update(app);
         if news.forget {
@@ -87,7 +87,7 @@ impl Pictures {
         news.actions
     }
 
-    /// Hands the wishes of this repaint to the maker of thumbnails. To be called after the panels.
+    /// Sends this repaint's requests to the thumbnail job. To be called after the panels.
     pub fn finish(&mut self) {
         let wanted = std::mem::take(&mut self.wanted);
         let asked = wanted.len();

@@ -19,14 +19,14 @@ pub struct Placement {
     /// The scale at which the picture just fits.
     pub fit_scale: f64,
     pixels_per_point: f32,
-    /// What lies in the middle of the box, but for the rounding of `offset_px`.
+    /// The point of the picture in the middle of the box, up to the rounding of `offset_px`.
     centre: ImagePoint,
-    /// Where the picture's corner lies, whole physical px from the box's corner: at 100 % pixel lies on pixel.
+    /// The picture's corner from the box's corner in whole physical px, so that at 100 % pixels are aligned.
     offset_px: [f64; 2],
 }
 
 impl Placement {
-    /// Lays a picture into a box.
+    /// Places a picture in a box.
     pub fn new(rect: Rect, pixels_per_point: f32, image_size: ImageSize, view: PictureView) -> Self {
         let size_px = canvas::size_px(rect, pixels_per_point).map(|side| f64::from(side.max(1)));
         let image_px = [image_size.width, image_size.height].map(|side| f64::from(side.max(1)));
@@ -39,7 +39,7 @@ impl Placement {
         Self { rect, image_size, scale, fit_scale, pixels_per_point, centre, offset_px }
     }
 
-    /// The same box showing the picture otherwise.
+    /// The same box with another view of the picture.
     pub fn showing(&self, view: PictureView) -> Self {
         Self::new(self.rect, self.pixels_per_point, self.image_size, view)
     }
@@ -49,7 +49,7 @@ impl Placement {
         self.scale / f64::from(self.pixels_per_point)
     }
 
-    /// A place of the screen in the picture; also beyond its borders.
+    /// A screen position as a point of the picture; also beyond its borders.
     pub fn image_from_screen(&self, at: Pos2) -> ImagePoint {
         let pixels_per_point = f64::from(self.pixels_per_point);
         let along = |screen: f32, corner: f32, offset: f64| {
@@ -68,12 +68,12 @@ impl Placement {
         pos2(along(at.x, self.rect.left(), self.offset_px[0]), along(at.y, self.rect.top(), self.offset_px[1]))
     }
 
-    /// A way on the screen as a way in the picture.
+    /// A screen offset as an offset in the picture.
     pub fn image_from_screen_vector(&self, along: egui::Vec2) -> Vec2 {
         Vec2::new(f64::from(along.x), f64::from(along.y)) / self.points_per_px()
     }
 
-    /// What the renderer is told.
+    /// The placement for the renderer.
     pub fn render_view(&self) -> View {
         View {
             scale: self.scale as f32,
@@ -94,7 +94,7 @@ impl Placement {
         PictureView::Zoomed { scale, centre: within(centre, self.image_size) }
     }
 
-    /// The view after the picture was moved by a way on the screen.
+    /// The view after the picture was moved by a screen offset.
     pub fn panned(&self, along: egui::Vec2) -> PictureView {
         if self.scale <= self.fit_scale {
             return PictureView::Fit;

@@ -1,4 +1,4 @@
-//! The right-hand side during a blind round: what is asked for, where it lies on the field, and how far the round has come.
+//! The right panel during a blind round: the landmark to click, its place on the field, and the progress.
 
 use super::{Panel, field_map, theme};
 use crate::app::{Action, Command};
@@ -36,9 +36,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             let tip = match command {
                 Command::SkipAgain => panel.app.settings.keys.tooltip(command),
                 Command::Undo => {
-                    format!("Take the last blind click back. ({})", panel.app.settings.keys.shown(command))
+                    format!("Undo the last blind click. ({})", panel.app.settings.keys.shown(command))
                 }
-                _ => format!("What was clicked is kept. ({})", panel.app.settings.keys.shown(command)),
+                _ => format!("The clicks so far are kept. ({})", panel.app.settings.keys.shown(command)),
             };
             let button = ui.add_enabled(why_not.is_none(), Button::new(says).min_size(vec2(110.0, 24.0)));
             if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {

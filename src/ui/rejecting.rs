@@ -6,7 +6,7 @@ use crate::app::session::{Mode, reason_label};
 use crate::document::RejectReason;
 use egui::{Align2, Area, Event, Id, Order, Rect, vec2};
 
-/// Reads the keys 1 to 6 while a reason is asked for; they reach nobody else then.
+/// Reads the keys 1 to 6 while a reason is being chosen; nothing else gets them then.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if !matches!(panel.app.session.mode, Mode::Rejecting { .. }) || ctx.text_edit_focused() {
         return;

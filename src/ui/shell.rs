@@ -1,4 +1,4 @@
-//! The window as a whole: hands actions to the app and effects to the outside.
+//! The window as a whole: passes actions to the app and carries out its effects.
 
 use super::files::Files;
 use super::input_queue::InputQueue;
@@ -34,7 +34,7 @@ impl Shell {
         theme::apply(&creation.egui_ctx);
         creation.egui_ctx.add_plugin(InputQueue::default());
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
-        // Quitting goes through the application, which asks before edits are lost.
+        // Quitting goes through the application, which warns before edits are lost.
         creation.egui_ctx.options_mut(|options| options.quit_shortcuts.clear());
         let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
@@ -61,45 +61,45 @@ impl Shell {
         &self.app
     }
 
-    /// Reads keys and pointer and carries out what they ask for, so that everything drawn afterwards shows it.
+    /// Reads keys and pointer and carries out their actions, so that everything drawn afterwards is up to date.
     fn read_input(&mut self, ctx: &egui::Context) {
         let mut actions = Vec::new();
         let mut panel =
             Panel { app: &self.app, pictures: &mut self.pictures, actions: &mut actions, adapter: &self.adapter };
         layout::read(&mut panel, ctx);
         self.apply(actions);
-        // Only now is it known which frame is shown: its lines never lie over another one's picture.
+        // Only now is it known which frame is shown; its lines must never lie over another frame's picture.
         let actions = self.pictures.update(&self.app, ctx);
         self.apply(actions);
     }
 
-    /// Whether the shown frame's picture is there.
+    /// Whether the shown frame's picture is available.
     #[must_use]
     pub fn has_picture(&self) -> bool {
         matches!(self.pictures.current(), PictureState::Ready(..))
     }
 
-    /// Whether every thumbnail in view is there.
+    /// Whether every visible thumbnail is available.
     #[must_use]
     pub const fn has_thumbnails(&self) -> bool {
         let progress = self.pictures.thumbnails_in_view();
         progress.done == progress.wanted
     }
 
-    /// Whether everything that was begun in the background has ended.
+    /// Whether no background work is running.
     #[must_use]
     pub fn is_idle(&self) -> bool {
         !self.runner.is_busy()
     }
 
-    /// Says once for each adapter that drawing runs on the processor.
+    /// Notifies once per adapter that drawing runs on the processor.
     fn tell_about_adapter(&mut self, creation: &eframe::CreationContext<'_>) {
         let Some(state) = &creation.wgpu_render_state else { return };
         let on_processor = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         if on_processor && self.app.settings.told_about_adapter != self.adapter {
             self.app.settings.told_about_adapter.clone_from(&self.adapter);
             let text = format!(
-                "No graphics card was found: {} draws on the processor. Everything works, slower.",
+                "No graphics card was found: {} draws on the processor. Everything works, but slower.",
                 self.adapter
             );
             self.app.session.notify(Level::Info, text);
@@ -107,7 +107,7 @@ impl Shell {
         }
     }
 
-    /// Carries out actions, whoever asks for them.
+    /// Carries out actions.
     pub fn apply(&mut self, actions: impl IntoIterator<Item = Action>) {
         for action in actions {
             let effects = self.app.update(action);
@@ -137,7 +137,7 @@ impl Shell {
         }
     }
 
-    /// Takes in what came from the background, dialogs and other programs.
+    /// Receives what came from background work, dialogs and other programs.
     fn take_in(&mut self, ctx: &egui::Context) {
         let actions = self.runner.poll();
         self.apply(actions);
@@ -169,7 +169,7 @@ impl eframe::App for Shell {
         layout::show(&mut panel, ui);
         self.pictures.finish();
         if !actions.is_empty() {
-            // What a button asked for is shown by the next frame of the window.
+            // The effect of a button is shown in the next frame of the window.
             ui.ctx().request_repaint();
         }
         self.apply(actions);

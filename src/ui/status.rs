@@ -1,4 +1,4 @@
-//! The bottom row: the next step in words, the pointer's place, the zoom, and what undo would take back.
+//! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
 use super::{Panel, theme};
 use crate::app::guidance::next_step;

@@ -1,4 +1,4 @@
-//! Symbols drawn as plain shapes, so that no font has to have them; each button that shows one has a name.
+//! Symbols drawn as shapes, independent of fonts; each button that shows one has an accessible name.
 
 use super::theme;
 use egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
@@ -6,9 +6,9 @@ use egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, U
 /// A symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symbol {
-    /// Away with it.
+    /// Close or delete.
     Cross,
-    /// A check click, held out.
+    /// A check point.
     Diamond,
     /// A point on a line.
     OnLine,
@@ -18,9 +18,9 @@ pub enum Symbol {
     Tick,
     /// The Enter key.
     Return,
-    /// Something to look at.
+    /// A warning.
     Warning,
-    /// Good to know.
+    /// Information.
     Info,
     /// To unfold.
     Folded,
@@ -84,7 +84,7 @@ pub fn show(ui: &mut Ui, symbol: Symbol, colour: Color32) -> Response {
     response
 }
 
-/// A button that shows nothing but a symbol; `name` is what a screen reader says.
+/// A button that shows only a symbol; `name` is its accessible name.
 pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), name));
@@ -92,7 +92,7 @@ pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Respo
     response
 }
 
-/// A button that shows nothing but a symbol and stays pressed.
+/// A toggle button that shows only a symbol.
 pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));

@@ -1,7 +1,7 @@
 //! Colours, spacing and type of the window.
 //!
-//! One accent colour. Everything lies on a grid of 4 points. A status or a verdict is never told by colour alone: each
-//! has a letter or a word and, on the filmstrip, a pattern of its own; the hues are apart for colour-blind eyes too
+//! One accent colour. Everything is aligned to a grid of 4 points. A status or a verdict is never shown by colour alone:
+//! each has a letter or a word and, on the filmstrip, its own pattern; the hues are distinguishable for colour-blind users
 //! (Okabe and Ito's set, lightened for a dark ground).
 
 use crate::document::FrameStatus;
@@ -29,20 +29,20 @@ pub const LINE: Color32 = Color32::from_rgb(48, 52, 58);
 pub const TEXT: Color32 = Color32::from_rgb(208, 213, 219);
 /// Titles and values.
 pub const STRONG: Color32 = Color32::from_rgb(242, 244, 247);
-/// What is said in passing; 5.6 to 1 on a panel.
+/// Secondary text; contrast 5.6 to 1 on a panel.
 pub const WEAK: Color32 = Color32::from_rgb(145, 153, 164);
-/// The one accent: what is chosen, and the way forward.
+/// The accent: what is selected, and the main action.
 pub const ACCENT: Color32 = Color32::from_rgb(64, 146, 255);
-/// The accent as a quiet ground.
+/// The accent as a background.
 pub const ACCENT_GROUND: Color32 = Color32::from_rgb(31, 56, 90);
-/// All is well.
+/// Good.
 pub const GOOD: Color32 = Color32::from_rgb(44, 196, 150);
-/// Look at it.
+/// To be checked.
 pub const CAUTION: Color32 = Color32::from_rgb(242, 183, 64);
-/// Something is wrong.
+/// Wrong.
 pub const BAD: Color32 = Color32::from_rgb(255, 112, 84);
 
-/// The one word of the verdict.
+/// The size of the verdict's word.
 pub const VERDICT: f32 = 20.0;
 
 /// How a status looks.
@@ -65,7 +65,7 @@ pub const fn status_look(status: FrameStatus) -> StatusLook {
     }
 }
 
-/// The colour of a verdict; the word stands beside it.
+/// The colour of a verdict; its word is always shown with it.
 pub const fn verdict_colour(verdict: Verdict) -> Color32 {
     match verdict {
         Verdict::Good => GOOD,
@@ -74,8 +74,8 @@ pub const fn verdict_colour(verdict: Verdict) -> Color32 {
     }
 }
 
-/// Paints the bar of a status: empty, half, dashed, full or crossed out. The dashes of a suggestion are as full as it is
-/// certain.
+/// Paints the bar of a status: empty, half, dashed, full or crossed out. The bar of a suggestion is filled up to its
+/// confidence.
 pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confidence: Option<f64>) {
     let colour = status_look(status).colour;
     let fill = |from: f32, to: f32| {
@@ -123,7 +123,7 @@ pub fn title(ui: &mut egui::Ui, text: &str) {
     ui.label(egui::RichText::new(text).small().color(WEAK).strong());
 }
 
-/// Dresses a window.
+/// Applies the theme to a window.
 pub fn apply(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {

@@ -99,7 +99,7 @@ fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     assert_eq!(bench.app.round().unwrap().skipped(), 1);
     bench.answer(0.8, &mut rng);
     assert!(bench.app.round().is_none());
-    assert!(bench.last_notice().starts_with("11 blind clicks are kept; 1 more"), "{}", bench.last_notice());
+    assert!(bench.last_notice().starts_with("11 blind clicks are kept; after 1 more"), "{}", bench.last_notice());
     for (frame, labelled) in bench.document().frames.iter().zip(&before.frames) {
         assert_eq!((&frame.clicks, &frame.ptz, frame.status), (&labelled.clicks, &labelled.ptz, labelled.status));
     }

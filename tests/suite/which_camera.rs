@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
 use touchline::app::{Action, App, CameraChoice, CameraWatch, Command, Effect, Opened, Settings, WatchPanicked};
-use touchline::calibrate::{BaseProblem, FrameLookup, GiveError, camera_change, check_cameras, solve_document};
+use touchline::calibrate::{AssignError, BaseProblem, FrameLookup, camera_change, check_cameras, solve_document};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
@@ -149,13 +149,13 @@ fn frames_are_given_to_a_camera_and_what_rested_on_the_old_one_goes() {
     let mut document = document(6, 3, 1.0, &mut rng);
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     document.add_camera_like(&"second".into(), &"main".into()).unwrap();
-    document.give_to_camera(&[3, 4, 5, 99], &"second".into(), &fields).unwrap();
+    document.assign_to_camera(&[3, 4, 5, 99], &"second".into(), &fields).unwrap();
     for frame in document.frames.range(3..) {
         assert!(frame.camera.as_str() == "second" && frame.ptz.is_none() && frame.status == FrameStatus::Draft);
     }
     assert!(document.frames.range(..3).all(|frame| frame.ptz.is_some() && frame.status == FrameStatus::Reference));
     document.camera_mut(&"second".into()).unwrap().set_base(&elsewhere());
-    document.give_to_camera(&[0], &"second".into(), &fields).unwrap();
+    document.assign_to_camera(&[0], &"second".into(), &fields).unwrap();
     let warnings = &document.frames[0].solution.as_ref().unwrap().warnings;
     assert!(warnings.iter().any(|warning| warning.code == WarningCode::OtherCamera.as_str()), "{warnings:?}");
     assert!(check_cameras(document.at(Path::new("."))).iter().any(|problem| problem.fault.code() == "other_camera"));
@@ -168,12 +168,12 @@ fn frames_that_cannot_be_given_say_why_and_nothing_changes() {
     let fields = Fields::of(document.at(Path::new("."))).unwrap();
     document.cameras.push(Camera::new("small".into(), ImageSize::new(1280, 720)).into());
     let before = document.clone();
-    let small = document.give_to_camera(&[0, 1], &"small".into(), &fields).unwrap_err();
+    let small = document.assign_to_camera(&[0, 1], &"small".into(), &fields).unwrap_err();
     assert!(small.to_string().contains("0000.jpg is 1920 × 1080 px"), "{small}");
-    let unknown = document.give_to_camera(&[0], &"third".into(), &fields).unwrap_err();
-    assert_eq!(unknown, GiveError::UnknownCamera { camera: "third".to_owned() });
-    assert!(matches!(document.add_camera_like(&"main".into(), &"main".into()), Err(GiveError::NameTaken { .. })));
-    assert_eq!(document.add_camera_like(&" ".into(), &"main".into()), Err(GiveError::NoName));
+    let unknown = document.assign_to_camera(&[0], &"third".into(), &fields).unwrap_err();
+    assert_eq!(unknown, AssignError::UnknownCamera { camera: "third".to_owned() });
+    assert!(matches!(document.add_camera_like(&"main".into(), &"main".into()), Err(AssignError::NameTaken { .. })));
+    assert_eq!(document.add_camera_like(&" ".into(), &"main".into()), Err(AssignError::NoName));
     assert_eq!(document, before);
     assert_eq!(document.free_camera_name(&"main".into()).as_str(), "main 2");
     assert_eq!(document.free_camera_name(&"7".into()).as_str(), "camera 2");
@@ -253,13 +253,13 @@ fn frames_of_the_wrong_camera_are_told_and_given_back_in_one_step() {
     assert_eq!(app.current().better_camera.as_ref().unwrap().camera, "second".into());
     assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
     let camera = CameraChoice::Known("second".into());
-    app.update(Action::GiveToCamera { scope: Scope::Frame, camera: camera.clone() });
+    app.update(Action::AssignToCamera { scope: Scope::Frame, camera: camera.clone() });
     assert_eq!((camera_of(&app, 6), app.current().better_camera.clone()), ("second".into(), None));
     app.update(Action::GoTo(5));
     for frame in [7, 8] {
         app.update(Action::SelectFrame { frame, how: Selecting::Toggle });
     }
-    app.update(Action::GiveToCamera { scope: Scope::Selected, camera });
+    app.update(Action::AssignToCamera { scope: Scope::Selected, camera });
     assert!((5..9).all(|frame| camera_of(&app, frame) == "second"));
     assert!(app.session.frames_selected.is_empty());
     app.update(Action::Command(Command::Undo));
@@ -272,7 +272,7 @@ fn a_new_camera_needs_a_name_of_its_own() {
     let mut app = open(document(4, 4, 1.0, &mut rng));
     let before = app.open().unwrap().document.clone();
     let give = |app: &mut App, name: &str| {
-        app.update(Action::GiveToCamera { scope: Scope::Onwards, camera: CameraChoice::New(name.into()) });
+        app.update(Action::AssignToCamera { scope: Scope::Onwards, camera: CameraChoice::New(name.into()) });
     };
     give(&mut app, "main");
     assert!(app.session.notices.last().unwrap().text.contains("choose another name"));

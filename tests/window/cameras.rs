@@ -1,4 +1,4 @@
-//! Frames selected on the filmstrip and given to a camera, and the venue in the camera panel.
+//! Frames selected on the filmstrip and assigned to a camera, and the venue in the camera panel.
 
 use crate::parts::{Test, tests};
 use crate::window::Window;
@@ -35,16 +35,16 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     assert_eq!((selected, window.app().session.frame), (vec![0, 1, 2, 4], 0));
     camera_panel(&mut window);
     window.harness.get_by_label("4 frames selected");
-    window.harness.get_by_label("Give to a camera…").click();
+    window.harness.get_by_label("Assign to camera…").click();
     window.harness.run_steps(3);
-    assert!(matches!(window.app().session.dialog, Some(Dialog::GiveToCamera(_))));
+    assert!(matches!(window.app().session.dialog, Some(Dialog::AssignToCamera(_))));
     window.harness.get_by_label("Selected frames (4)");
     window.harness.get_by_role_and_label(Role::TextInput, "Name of the new camera").focus();
     window.harness.run_steps(2);
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.harness.run_steps(2);
     window.type_text("high behind");
-    window.harness.get_by_label("Make and give").click();
+    window.harness.get_by_label("Create and assign").click();
     window.harness.run_steps(3);
     let open = window.app().open().unwrap();
     let cameras: Vec<&str> = open.document.frames.iter().map(|frame| frame.camera.as_str()).collect();
@@ -58,7 +58,7 @@ fn the_size_of_the_field_is_confirmed_in_the_panel() {
     let mut window = Window::open(1, [1280.0, 1600.0], 1.0);
     camera_panel(&mut window);
     window.harness.get_by_label("Field size 105 × 68 m is assumed.");
-    window.harness.get_by_role_and_label(Role::Image, "Length and width reach to the outer edge of the lines.");
+    window.harness.get_by_role_and_label(Role::Image, "Length and width are measured to the outer edge of the lines.");
     window.harness.get_by_label("90 to 120 m. IFAB Law 1.3");
     window.harness.get_by_label("Confirm").click();
     window.harness.run_steps(3);

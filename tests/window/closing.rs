@@ -22,7 +22,7 @@ fn ctrl_q_asks_in_the_window_before_edits_are_lost() {
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
-    assert!(window.harness.query_by_label("Quit and lose").is_some(), "it is said in the window");
+    assert!(window.harness.query_by_label("Quit and lose edits").is_some(), "the window warns");
     std::fs::rename(&away, &folder).unwrap();
     // The disk takes it again: what was asked for is done.
     window.wait_for(|shell| shell.app().session.dialog.is_none());

@@ -20,7 +20,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] the_filmstrip_goes_to_frames_and_filters_them;
     [Adapter] the_shown_frame_stays_in_the_filmstrip_however_it_came_there;
     [Adapter] the_palette_finds_a_command_by_typing;
-    [Adapter] a_key_is_changed_on_the_sheet_and_a_conflict_is_told;
+    [Adapter] a_key_conflict_is_reported_when_a_key_is_changed;
     [Adapter] menus_say_what_cannot_be_done_and_the_rows_what_can;
     [Adapter] good_news_fade_and_bad_news_stay_until_they_are_closed;
     [Adapter] a_comment_is_written_and_an_overlay_colour_chosen;
@@ -238,7 +238,7 @@ fn the_palette_finds_a_command_by_typing() {
     assert_eq!(window.app().session.panel, Panel::Frame);
 }
 
-fn a_key_is_changed_on_the_sheet_and_a_conflict_is_told() {
+fn a_key_conflict_is_reported_when_a_key_is_changed() {
     let mut window = Window::open(2, SIZE, 1.0);
     chord(&mut window, Modifiers::SHIFT, Key::Slash);
     assert_eq!(window.app().session.dialog, Some(Dialog::Keys));
@@ -250,7 +250,7 @@ fn a_key_is_changed_on_the_sheet_and_a_conflict_is_told() {
     assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
     let told = &window.app().session.notices.last().unwrap().text;
     assert!(told.contains("“Next frame” has no key any more"), "{told}");
-    window.harness.get_by_label("Reset all keys").click();
+    window.harness.get_by_label("Reset to defaults").click();
     window.harness.run_steps(2);
     assert!(!window.app().settings.keys.is_changed());
     window.key(Key::Escape);

@@ -63,7 +63,7 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
     window.key(Key::F5);
     window.harness.get_by_label_contains("Pan, tilt and focal length over time: 6 references");
     let histogram = window.harness.get_by_label_contains("Histogram. Points: ").rect();
-    window.harness.get_by_label("No check points: K holds a point out of the solve.");
+    window.harness.get_by_label("No check points. K turns a point into one.");
     window.harness.get_by_label_contains("Map of pan and tilt. No reference sees the field near pan");
     let more = histogram.right_bottom() - egui::vec2(10.0, 20.0);
     window.press(more);
@@ -85,7 +85,7 @@ fn without_a_camera_the_page_says_what_will_appear() {
     let mut window = Window::open(2, SIZE, 1.0);
     window.key(Key::F5);
     for said in [
-        "Frames with a camera appear here over time",
+        "Cameras are plotted here over time",
         "How far clicks lie from the lines appears here",
         "Landmarks and lines appear here",
         "No frame of this camera is accepted yet.",

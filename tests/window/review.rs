@@ -67,7 +67,7 @@ fn under_the_pointer_no_row_moves() {
     window.propose(0, 0.98);
     assert_eq!(labels.map(|label| top(&window, label)), before, "accepted, proposed, proposed anew");
     window.harness.get_by_label_contains("No longer a suggestion, frame 2");
-    window.harness.get_by_label("1 new, put in order when the pointer leaves");
+    window.harness.get_by_label("1 new, sorted in when the pointer leaves");
     assert!(top(&window, "frame 4, 0003.png") > before[2]);
     window.harness.hover_at(egui::pos2(400.0, 300.0));
     window.harness.run_steps(3);
@@ -93,7 +93,7 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
-    window.harness.get_by_label("2 suggestions, probably all right; the least certain, 97 %, comes first.");
+    window.harness.get_by_label("2 suggestions, all probably right. The least confident one (97 %) comes first.");
     window.harness.get_by_label("Look at frame 3, 97 %");
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);
@@ -108,7 +108,7 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
 
 fn an_accepted_suggestion_can_be_used_for_training() {
     let mut window = Window::open_suggested(&[Some(0.97)], SIZE);
-    window.harness.get_by_label("Proposed: right with probability 97 %. Nobody has looked at it yet.");
+    window.harness.get_by_label("Proposed, confidence 97 %. Not reviewed yet.");
     assert!(window.harness.query_by_role_and_label(Role::CheckBox, "Use for training").is_none());
     window.key(Key::Enter);
     let switch = window.harness.get_by_role_and_label(Role::CheckBox, "Use for training");

@@ -69,7 +69,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     let mut window = Window::open(6, [1280.0, 860.0], 1.0);
     window.key(Key::F3);
     assert_eq!(window.app().session.panel, Panel::Trainer);
-    window.harness.get_by_label("Waits for the first reference.");
+    window.harness.get_by_label("Waiting for the first reference.");
     window.harness.state_mut().apply([Action::Trainer(Box::new(status()))]);
     window.harness.run_steps(3);
     for said in [
@@ -82,7 +82,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     ] {
         assert!(window.harness.query_all_by_label(said).next().is_some(), "{said}");
     }
-    window.harness.get_by_label_contains("2 of 3 references left out");
+    window.harness.get_by_label_contains("2 of 3 references found");
     window.harness.get_by_label("proposing 30/120");
     window.snapshot_of("trainer", Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 836.0)));
 

@@ -36,22 +36,22 @@ impl App {
     /// Opens the sheet on which frames are given to a camera; it begins with what is selected.
     pub(super) fn ask_camera(&mut self) {
         let scope = if self.session.frames_selected.is_empty() { Scope::Frame } else { Scope::Selected };
-        self.session.dialog = Some(Dialog::GiveToCamera(scope));
+        self.session.dialog = Some(Dialog::AssignToCamera(scope));
     }
 
     /// Gives frames to a camera: one step of undo.
-    pub(super) fn give_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
+    pub(super) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
         let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else { return };
         let (CameraChoice::Known(name) | CameraChoice::New(name)) = choice;
-        let step = Step::on_document(format!("Give {} to {name}", counted(frames.len())));
+        let step = Step::on_document(format!("Assign {} to {name}", counted(frames.len())));
         let is_new = matches!(choice, CameraChoice::New(_));
         let given = self.change_cameras(step, |document, fields| {
             if is_new {
                 document.add_camera_like(name, &like)?;
             }
-            document.give_to_camera(&frames, name, fields)
+            document.assign_to_camera(&frames, name, fields)
         });
         if given.is_some() {
             self.session.dialog = None;
@@ -85,7 +85,7 @@ impl App {
         change: impl FnOnce(
             &mut crate::document::Document,
             &crate::document::Fields,
-        ) -> Result<T, crate::calibrate::GiveError>,
+        ) -> Result<T, crate::calibrate::AssignError>,
     ) -> Option<T> {
         let fields = match self.open.as_mut()?.fields() {
             Ok(fields) => fields,

@@ -79,7 +79,9 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is known.")
             }
-            C::GiveToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize if self.is_read_only() => {
+            C::AssignToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize
+                if self.is_read_only() =>
+            {
                 Some("The document is open to look at only.")
             }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
@@ -205,7 +207,7 @@ impl App {
             C::ShowFeatures => self.show_features(),
             C::ReviewPanel => self.toggle_panel(Panel::Review),
             C::QualityPage => self.toggle_quality(),
-            C::GiveToCamera => self.ask_camera(),
+            C::AssignToCamera => self.ask_camera(),
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),

@@ -1,4 +1,4 @@
-//! Finding out where the camera stands: what is needed, the estimation, what was found.
+//! Estimating the camera's base: what is needed, the progress, the result.
 
 use super::{evidence, section};
 use crate::app::base::BaseWork;
@@ -9,21 +9,19 @@ use crate::document::Camera;
 use crate::ui::{Panel, theme};
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 
-/// Shows what the frames say about the base.
+/// Shows the state of the estimation.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "BASE FROM THE FRAMES");
     match &panel.app.session.base {
         BaseWork::Estimating(work) => {
             ui.add(Label::new(format!("From {}.", work.from)).wrap());
             let share = work.progress.map_or(0.0, |progress| progress.done as f32 / progress.total.max(1) as f32);
-            let told = work.progress.map_or_else(
-                || "Looking for a start…".to_owned(),
+            let description = work.progress.map_or_else(
+                || "Looking for initial values…".to_owned(),
                 |progress| format!("{} of {} adjustments", progress.done, progress.total),
             );
-            let bar = ui.add(ProgressBar::new(share).text(told).desired_height(18.0));
-            bar.on_hover_text(
-                "Each model of lens and pitch is adjusted to each group of points, one held out at a time.",
-            );
+            let bar = ui.add(ProgressBar::new(share).text(description).desired_height(18.0));
+            bar.on_hover_text("Every model of lens and crown is fitted to all groups of points but one, in turn.");
             command(panel, ui, "Stop", Command::DropEstimatedBase);
         }
         BaseWork::Proposed(found) => {
@@ -41,12 +39,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-/// What is still needed, and the button.
+/// What is missing, and the button.
 fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let ready = panel.app.base_readiness();
     if camera.base().is_none() {
         let text = if ready.is_enough() {
-            format!("{} frames tell where the camera stands. More only help.", ready.wide)
+            format!("{} frames are enough to estimate the base. More frames improve it.", ready.wide)
         } else {
             ready.describe()
         };
@@ -74,7 +72,7 @@ fn counted(ready: &BaseReadiness) -> String {
     format!("{}, {}{left_out}", plural(ready.frames, "frame"), plural(ready.clicks, "point"))
 }
 
-/// What was found, and the decision.
+/// The result, and the choice whether to use it.
 fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let card = Frame::new().fill(theme::RAISED).corner_radius(6).inner_margin(Margin::same(8));
     card.show(ui, |ui| {
@@ -83,7 +81,7 @@ fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         ui.add_space(theme::SPACE);
         if panel.app.current().base.is_some() {
             let key = panel.app.settings.keys.shown(Command::Compare);
-            let text = format!("The picture shows the new base. Hold {key} for the one you have.");
+            let text = format!("The picture shows the new base. Hold {key} for the current one.");
             ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
         }
         ui.horizontal(|ui| {
@@ -114,14 +112,18 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         };
         let fit = format!("{:.1} px median, {:.1} px 90 %", estimate.median_px, estimate.p90_px);
-        row("Points fit", fit, "How far all points are from where the base has them.");
+        row("Points fit", fit, "The distances of all points from their projections with this base.");
         if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
-            row("Before", format!("{before:.1} px median"), "The same points with the base as it was.");
+            row("Before", format!("{before:.1} px median"), "The same points with the current base.");
         }
         let metres = |value: f64, sigma: f64| format!("{value:.2} ± {sigma:.2} m");
         row("x along", metres(position.x, sigma.x), "Along the field's length from its centre, with its 1-σ.");
         row("y across", metres(position.y, sigma.y), "Across the field from its centre, with its 1-σ.");
         row("Height", metres(position.z, sigma.z), "Above the field's centre, with its 1-σ.");
-        row("Crown", format!("{:.2} m", estimate.crown_m), "How much the middle is higher than the touchlines.");
+        row(
+            "Crown",
+            format!("{:.2} m", estimate.crown_m),
+            "How much higher the middle of the field is than the touchlines.",
+        );
     });
 }

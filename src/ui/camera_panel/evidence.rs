@@ -1,7 +1,7 @@
-//! What speaks for a base and against it: models, frames, landmarks, points that disagree. A click goes there.
+//! The evidence for an estimated base: models, frames, landmarks, points that disagree. A click goes there.
 
+use super::position_view;
 use super::section;
-use super::stand;
 use crate::app::Action;
 use crate::calibrate::EstimatedBase;
 use crate::document::{Camera, Frame, Target};
@@ -14,13 +14,13 @@ use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 
 /// More frames than this are shown when asked for.
 const FRAMES_SHOWN: usize = 12;
-/// More landmarks than this are not looked at one by one.
+/// More landmarks than this are not listed.
 const LANDMARKS_SHOWN: usize = 12;
 
-/// Shows everything that an estimate says.
+/// Shows the evidence of an estimate.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     disagreements(panel, ui, found);
-    stand::show(panel, ui, found);
+    position_view::show(panel, ui, found);
     models(ui, found);
     frames(panel, ui, found);
     landmarks(panel, ui, found);
@@ -28,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
 
 /// The models that were compared; the chosen one is marked.
 fn models(ui: &mut Ui, found: &EstimatedBase) {
-    section(ui, "MODELS, AT POINTS HELD OUT");
+    section(ui, "LENS MODELS, CROSS-VALIDATED");
     Grid::new("models").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
         for head in ["", "median", "90 %"] {
             ui.label(RichText::new(head).small().color(theme::WEAK));
@@ -38,7 +38,7 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             let chosen = score.model == found.estimate.model;
             let colour = if chosen { theme::STRONG } else { theme::WEAK };
             let mark = if chosen { "•" } else { "  " };
-            let tip = "Each model was tried on points that it had not seen; the marked one was taken.";
+            let tip = "The error of each model on points that it was not fitted to. The marked model was chosen.";
             ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
             ui.label(RichText::new(format!("{:.2} px", score.median_px)).color(colour));
             ui.label(RichText::new(format!("{:.2} px", score.p90_px)).color(colour));
@@ -61,7 +61,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     list(panel, ui, &fits, 3.0 * found.estimate.median_px);
 }
 
-/// The frames that would take part, as the document has them.
+/// The frames that would be used, with their current errors.
 pub fn frames_of_document(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
     let takes_part = |frame: &Frame| {
@@ -130,7 +130,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
     }
 }
 
-/// The frames that somebody left out, to be put back.
+/// The frames that were left out, each with a button to put it back.
 fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::CameraId) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.document.frames.iter().enumerate();
@@ -145,7 +145,7 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::Camera
             }
             ui.label(RichText::new("left out").small().color(theme::WEAK));
             let back = ui.add(Button::new("Put back").small());
-            if back.on_hover_text("This frame takes part in the estimation again.").clicked() {
+            if back.on_hover_text("Use this frame in the estimation again.").clicked() {
                 panel.actions.push(Action::UseForBase { frame: index, used: true });
             }
         });
@@ -181,11 +181,11 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
         }
     }
     if let Some(more) = found.landmarks.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
-        ui.label(RichText::new(format!("{more} more, all better")).small().color(theme::WEAK));
+        ui.label(RichText::new(format!("{more} more, all with smaller errors")).small().color(theme::WEAK));
     }
 }
 
-/// Frames and points that the others contradict, each with its way out.
+/// Frames and points that contradict the others, each with its remedy.
 fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let open: Vec<&DisputedClick> =
         found.estimate.disputed.iter().filter(|disputed| is_unsettled(panel, disputed)).collect();
@@ -201,7 +201,7 @@ fn disagreements(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     }
 }
 
-/// Whether a disputed click is still there under the name that was disputed.
+/// Whether a disputed click still has the disputed name.
 fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
     let click = panel.app.open().and_then(|open| open.frame(disputed.frame)?.clicks.get(disputed.click));
     let better = disputed.fits_better.as_ref().map(|(id, _)| Target::Landmark(id.clone()));
@@ -211,14 +211,12 @@ fn is_unsettled(panel: &Panel<'_>, disputed: &DisputedClick) -> bool {
 fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) {
     let Some(name) = panel.app.open().and_then(|open| open.frame(mirrored.frame)).map(short_name) else { return };
     let (sides, tip) = match mirrored.symmetry {
-        Symmetry::MirrorX => {
-            ("left and right", "Every left name of this frame becomes the right one, and the other way.")
-        }
-        Symmetry::MirrorY => ("near and far", "Every near name of this frame becomes the far one, and the other way."),
-        Symmetry::Turn180 => ("both sides", "Every name of this frame becomes that of the opposite corner."),
+        Symmetry::MirrorX => ("left and right", "Swap left and right in every name of this frame."),
+        Symmetry::MirrorY => ("near and far", "Swap near and far in every name of this frame."),
+        Symmetry::Turn180 => ("both sides", "Replace every name of this frame with that of the opposite corner."),
     };
     let text = format!(
-        "{name} looks mirrored ({sides}): {:.0} px as named, {:.1} px exchanged.",
+        "{name} looks mirrored ({sides}): {:.0} px as named, {:.1} px mirrored.",
         mirrored.median_px, mirrored.median_mirrored_px
     );
     remark(ui, &text, |ui| {
@@ -248,7 +246,7 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
             panel.actions.extend(go.clone());
         }
         if let Some((target, _)) = better
-            && ui.add(Button::new("Rename").small()).on_hover_text("Give this point the name that fits.").clicked()
+            && ui.add(Button::new("Rename").small()).on_hover_text("Rename this point to the name that fits.").clicked()
         {
             panel.actions.extend(go);
             panel.actions.push(Action::Name { click: disputed.click, target });
@@ -267,7 +265,7 @@ fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
     ui.add_space(theme::SPACE);
 }
 
-/// What a list calls a frame: the last part of its name.
+/// A frame's name in lists: the last part of its path.
 fn short_name(frame: &Frame) -> String {
     let name = frame.name();
     name.rsplit(['/', '\\']).next().unwrap_or(&name).to_owned()

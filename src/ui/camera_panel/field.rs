@@ -1,4 +1,4 @@
-//! The field: its template, what differs between venues, how sure its size is, and what the dimensions mean.
+//! The field: its template, the venue's dimensions, whether the size is confirmed, and which edge of the lines it refers to.
 
 use super::{numbers, section};
 use crate::app::{Action, Command};
@@ -23,8 +23,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(spec) = panel.app.shown_field_spec().cloned() else { return };
     let open = panel.app.open();
     if open.zip(panel.app.frame()).is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field) {
-        ui.label(RichText::new("This camera's own").small().color(theme::WEAK))
-            .on_hover_text("Other cameras of the document look at another field.");
+        ui.label(RichText::new("Of this camera only").small().color(theme::WEAK))
+            .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
     if let Some(Err(error)) = &panel.app.current().field {
@@ -44,7 +44,7 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
             for name in builtin_names() {
                 let title = builtin(name).map_or_else(|_| name.to_owned(), |template| template.title.clone());
                 if ui.selectable_label(*spec.template == *name, title).clicked() && *spec.template != *name {
-                    // Parameters belong to a template; the crown is every field's.
+                    // Parameters belong to a template; every field has a crown.
                     let crown = spec.params.get(CROWN).copied();
                     let mut changed = FieldSpec { extra: spec.extra.clone(), ..FieldSpec::new(name) };
                     changed.params.extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
@@ -52,7 +52,7 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
                 }
             }
         });
-    shown.response.accessible_name("Field template").on_hover_text("The sport's field with its landmarks and lines.");
+    shown.response.accessible_name("Field template").on_hover_text("The sport: its field with landmarks and lines.");
 }
 
 fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
@@ -66,7 +66,7 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         let allowed = format!("{} {rule}", range(param));
         ui.add(Label::new(RichText::new(allowed).small().color(theme::WEAK)).truncate()).on_hover_text(&param.source);
     }
-    let tip = "How much the middle is higher than the touchlines, m. Usual: 0.05 to 0.25.";
+    let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
     let value = spec.params.get(CROWN).copied().unwrap_or(0.0);
     let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M);
     row(panel, ui, spec, CROWN, Number { speed: 0.002, decimals: 3, ..crown });
@@ -96,7 +96,7 @@ fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64
     }
 }
 
-/// A parameter; one of the size that is changed is assumed again.
+/// A parameter. Changing length or width makes the size assumed again.
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number: Number<'_>) {
     numbers::line(ui, number.name, number.tip, |ui| {
         number.show(ui, panel.app, panel.actions, |value| {
@@ -110,15 +110,15 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, param: &str, number
     });
 }
 
-/// Whether the size is known.
+/// Whether the size is assumed, confirmed or fitted.
 fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     ui.add_space(theme::SPACE);
     let known = match (spec.describe_assumed_size(), spec.size()) {
-        (Some(told), _) => {
+        (Some(description), _) => {
             ui.horizontal_top(|ui| {
                 symbol::show(ui, Symbol::Warning, theme::CAUTION);
                 ui.vertical(|ui| {
-                    ui.add(Label::new(told).wrap());
+                    ui.add(Label::new(description).wrap());
                     ui.horizontal(|ui| {
                         for (word, command) in [("Confirm", Command::ConfirmFieldSize), ("Fit", Command::FitFieldSize)]
                         {
@@ -136,21 +136,21 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         (None, FieldSize::Fitted) => "Size fitted to the points",
         (None, _) => return,
     };
-    numbers::line(ui, known, "The dataset says so. A change of length or width makes it assumed again.", |ui| {
+    numbers::line(ui, known, "Exported with the dataset. A change of length or width makes it assumed again.", |ui| {
         let doubt = ui.add(Button::new("Not sure").small());
-        if doubt.on_hover_text("The size is assumed after all.").clicked() {
+        if doubt.on_hover_text("Mark the size as assumed again.").clicked() {
             panel.actions.push(Action::EditField(FieldSpec { size: None, ..spec.clone() }));
         }
     });
 }
 
-/// Which edge of the paint of the field's boundary its length and width mean, in words and as a sketch.
+/// Which edge of the boundary lines length and width refer to, as text and as a sketch.
 fn edge(ui: &mut Ui, field: &FieldModel) {
     let Some(edge) = boundary_edge(field) else { return };
     let (says, at) = match edge {
-        PaintEdge::Outer => ("Length and width reach to the outer edge of the lines.", 1.0),
-        PaintEdge::Inner => ("Length and width reach to the inner edge of the lines.", 0.0),
-        PaintEdge::Centre => ("Length and width reach to the middle of the lines.", 0.5),
+        PaintEdge::Outer => ("Length and width are measured to the outer edge of the lines.", 1.0),
+        PaintEdge::Inner => ("Length and width are measured to the inner edge of the lines.", 0.0),
+        PaintEdge::Centre => ("Length and width are measured to the middle of the lines.", 0.5),
     };
     ui.add_space(theme::SPACE);
     ui.horizontal(|ui| {
@@ -171,9 +171,9 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
     });
 }
 
-/// The edge of the first straight line on the ground along the field's border.
+/// The edge that the first straight boundary line refers to.
 fn boundary_edge(field: &FieldModel) -> Option<PaintEdge> {
-    /// What counts as on the border, m.
+    /// The tolerance for lying on the border, m.
     const NEAR_M: f64 = 0.01;
     let on_border = |curve: &Curve| match curve {
         Curve::Segment { from, to } => {

@@ -1,4 +1,4 @@
-//! The boxes whose pixels give no features, as a list.
+//! The masks (boxes that are excluded from feature detection), as a list.
 
 use super::section;
 use crate::app::{Action, Command};
@@ -13,9 +13,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
     if camera.masks.is_empty() && of_frame.is_empty() {
-        ui.label(
-            RichText::new("None. Score bug and logos belong here: Shift-drag a box around each.").color(theme::WEAK),
-        );
+        ui.label(RichText::new("None. Shift-drag a box around the score bug and each logo.").color(theme::WEAK));
     }
     for (of_camera, masks) in [(true, &camera.masks), (false, &of_frame)] {
         for (index, mask) in masks.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! What stands still: the camera's position, base rotation, lens, masks, and the field it looks at. The overlay follows
-//! while a number is dragged, so that a base can be fitted by hand.
+//! The camera panel: position, base rotation, lens, masks, and the field. The overlay follows while a number is dragged, so
+//! that a base can be fitted manually.
 
 mod estimate;
 mod evidence;
@@ -7,7 +7,7 @@ mod field;
 mod masks;
 mod numbers;
 mod over_time;
-mod stand;
+mod position_view;
 
 use super::{Panel, theme};
 use crate::app::{Action, Command};
@@ -16,7 +16,7 @@ use crate::document::Camera;
 use crate::geometry::{Angle, Vec3};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui};
 
-/// Where a main camera usually stands, for a start by hand: behind the near touchline, this far from it, m.
+/// The usual position of a main camera, as a start for manual fitting: this far behind the near touchline, m.
 const START_BEHIND_M: f64 = 30.0;
 /// And this high, m.
 const START_HEIGHT_M: f64 = 15.0;
@@ -26,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let Some(camera) = camera_of(panel) else {
         Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.label(RichText::new("This frame names a camera that the document lacks.").color(theme::WEAK));
+            ui.label(RichText::new("This frame's camera is not in the document.").color(theme::WEAK));
         });
         return;
     };
@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
             of_frames(panel, ui, &camera);
-            // Which sport it is comes before the first point; later it is settled.
+            // The sport has to be chosen before the first point; afterwards the field comes last.
             let settled = camera.base().is_some() || panel.app.session.base.found().is_some();
             if !settled {
                 field::show(panel, ui);
@@ -60,7 +60,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The camera of the shown frame, to be changed and handed back; the first one where there is no frame.
+/// A copy of the shown frame's camera, to be edited; the first camera if there is no frame.
 fn camera_of(panel: &Panel<'_>) -> Option<Camera> {
     let open = panel.app.open()?;
     match panel.app.frame() {
@@ -92,24 +92,24 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// How many frames the camera has, and the way to give some to another one.
+/// The number of the camera's frames, and the button to assign some to another camera.
 fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(open) = panel.app.open() else { return };
     let frames = open.counts().of_camera(&camera.id);
     let selected = panel.app.session.frames_selected.len();
     let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
-    let told = match selected {
-        0 if cameras == 1 => format!("Took all {all} frames"),
+    let description = match selected {
+        0 if cameras == 1 => format!("All {all} frames"),
         0 => format!("Took {frames} of {all} frames"),
         selected => format!("{selected} frames selected"),
     };
     numbers::line(
         ui,
-        &told,
-        "The frames of this camera; Shift or Ctrl and a click on the filmstrip select some.",
+        &description,
+        "The frames of this camera. Shift-click or Ctrl-click on the filmstrip selects some.",
         |ui| {
-            let command = Command::GiveToCamera;
-            let give = ui.add_enabled(panel.app.why_not(command).is_none(), Button::new("Give to a camera…").small());
+            let command = Command::AssignToCamera;
+            let give = ui.add_enabled(panel.app.why_not(command).is_none(), Button::new("Assign to camera…").small());
             if give.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
                 panel.actions.push(Action::Command(command));
             }
@@ -117,7 +117,7 @@ fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     );
 }
 
-/// Nothing is known of where the camera stands.
+/// Shown while the camera's base is not known.
 fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(

@@ -30,7 +30,7 @@ fn row(
     });
 }
 
-/// A label at the left edge, what belongs to it at the right one.
+/// A label at the left edge and its controls at the right one.
 pub fn line(ui: &mut Ui, label: &str, tip: &str, value: impl FnOnce(&mut Ui)) {
     ui.horizontal(|ui| {
         ui.label(label).on_hover_text(tip);
@@ -73,7 +73,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "BASE ROTATION");
     let number = |name, tip, angle: Angle, limit: f64| Number {
         name,
-        step: "Turn camera base",
+        step: "Rotate camera base",
         tip,
         value: angle.degrees(),
         speed: 0.02,
@@ -87,11 +87,11 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     row(panel, ui, camera, "Heading", number("Heading", tip, angles.heading, 180.0), |changed, degrees| {
         write(changed, BaseAngles { heading: Angle::from_degrees(degrees), ..angles });
     });
-    let tip = "How far tilt 0 looks above the horizon.";
+    let tip = "The elevation of tilt 0 above the horizon.";
     row(panel, ui, camera, "Pitch", number("Pitch", tip, angles.pitch, 89.9), |changed, degrees| {
         write(changed, BaseAngles { pitch: Angle::from_degrees(degrees), ..angles });
     });
-    let tip = "How far the camera leans to its right.";
+    let tip = "How far the camera is rotated to its right about the viewing direction.";
     row(panel, ui, camera, "Roll", number("Roll", tip, angles.roll, 180.0), |changed, degrees| {
         write(changed, BaseAngles { roll: Angle::from_degrees(degrees), ..angles });
     });
@@ -99,14 +99,15 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     matrix(ui, &base.base_from_world);
 }
 
-/// The matrix as text, to be read and copied.
+/// The matrix as text, with a copy button.
 fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
     for line in base_from_world.row_iter() {
         let cells: Vec<String> = line.iter().map(|cell| format!("{cell:+.6}")).collect();
         ui.label(RichText::new(cells.join("  ")).monospace().color(theme::WEAK))
-            .on_hover_text("base_from_world: turns a direction in the world (x right, y away, z up) into the base.");
+            .on_hover_text("base_from_world: rotates directions from world (x right, y away, z up) to base.");
     }
-    let copy = ui.add(Button::new("Copy matrix").small()).on_hover_text("Copy base_from_world as JSON, every digit.");
+    let copy =
+        ui.add(Button::new("Copy matrix").small()).on_hover_text("Copy base_from_world as JSON with all digits.");
     if copy.clicked() {
         ui.ctx().copy_text(as_json(base_from_world));
     }
@@ -158,10 +159,10 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         suffix,
         width: FIELD,
     };
-    let tip = "Radial distortion: a point at radius r (of the focal length) moves out by k1·r² of r. 0: none.";
+    let tip = "Radial distortion: a point at radius r (in focal lengths) moves outwards by k1·r³. 0: none.";
     let value = number("k1", tip, curve.value, 0.0005, 5, "");
     row(panel, ui, camera, "k1", value, |changed, value| curve_of(changed).value = value);
-    let tip = "The focal length at which k1 is as given.";
+    let tip = "The focal length for which k1 is given.";
     let at = number("k1 at focal", tip, curve.at_focal_px, 5.0, 1, " px");
     row(panel, ui, camera, "k1 holds at focal", at, |changed, px| curve_of(changed).at_focal_px = px);
     let tip = "How much k1 changes per 1000 px of focal length.";
@@ -169,14 +170,14 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
 }
 
-/// The camera's k1 curve, made if it has none.
+/// The camera's k1 curve, created if it has none.
 fn curve_of(camera: &mut Camera) -> &mut K1Curve {
     camera.distortion.get_or_insert_default().k1.get_or_insert_default()
 }
 
-/// How far position and rotation are known.
+/// The 1-σ uncertainty of position and rotation.
 pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    section(ui, "HOW FAR THIS IS KNOWN (1-σ)");
+    section(ui, "UNCERTAINTY (1-σ)");
     let known = camera.sigma.as_ref();
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);
@@ -194,7 +195,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         }
         ui.end_row();
         for (label, unit, values, of_position, decimals, limit) in
-            [("Place", " m", position, true, 2, 50.0), ("Turn", "°", rotation, false, 3, 45.0)]
+            [("Position", " m", position, true, 2, 50.0), ("Rotation", "°", rotation, false, 3, 45.0)]
         {
             ui.label(label);
             for (axis, letter) in ["x", "y", "z"].into_iter().enumerate() {

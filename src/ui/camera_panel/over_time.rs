@@ -1,4 +1,4 @@
-//! How well the camera fits its frames over time; where it stops fitting is marked. A click goes there.
+//! Residuals of the camera's frames over time, with a mark where it stops fitting. A click goes there.
 
 use super::section;
 use crate::app::{Action, Command};
@@ -10,18 +10,18 @@ use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke,
 
 /// The plot's height, points.
 const HEIGHT: f32 = 72.0;
-/// The scale goes up to this at least, px at 1920 px width.
+/// The scale's least upper end, px at 1920 px width.
 const SCALE_PX: f64 = 8.0;
-/// Fewer frames make no course.
+/// The fewest frames that are plotted.
 const MIN_FRAMES: usize = 3;
 
-/// A frame of the camera whose clicks can be wrong.
+/// A frame of the camera with enough clicks for its residuals to be evidence.
 struct Point {
     frame: usize,
     rms_px: f64,
 }
 
-/// Shows the residuals of a camera's frames in their order, and what is to be done where they jump.
+/// Shows the residuals of a camera's frames in order, and the remedy where they jump.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let points = points(panel, camera);
     if points.len() < MIN_FRAMES {
@@ -63,8 +63,8 @@ fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
 fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-    let told = format!("Fit of {} frames over time, {} to {}", points.len(), first.frame + 1, last.frame + 1);
-    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &told));
+    let description = format!("Fit of {} frames over time, {} to {}", points.len(), first.frame + 1, last.frame + 1);
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, CornerRadius::same(4), theme::BACKDROP);
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
@@ -75,7 +75,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     };
     let area = plot.area;
     let x_of = |frame: usize| plot.x_of(frame as f64);
-    // By the root: a few px stay apart although others are off by fifty.
+    // A square-root scale: a few px stay distinguishable beside fifty.
     let at = |point: &Point| plot.at(point.frame as f64, point.rms_px.sqrt());
     painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, theme::LINE));
     painter.text(rect.left_top() + vec2(6.0, 1.0), Align2::LEFT_TOP, format!("{highest:.0} px"), small(), theme::WEAK);
@@ -117,7 +117,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     }
 }
 
-/// The upper end of the scale: what nearly all frames stay below, and a little more.
+/// The upper end of the scale: slightly above nearly all frames.
 fn scale_px(points: &[Point], least_px: f64) -> f64 {
     let mut sorted: Vec<f64> = points.iter().map(|point| point.rms_px).collect();
     sorted.sort_by(f64::total_cmp);

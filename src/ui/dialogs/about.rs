@@ -1,4 +1,4 @@
-//! Version, licence, citation, and a report for those who mend the program.
+//! Version, licence, citation, and a diagnostic report for bug reports.
 
 use super::sheet;
 use crate::app::App;
@@ -17,7 +17,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.label("Calibrates a pan-tilt-zoom sports camera from two clicks.");
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "LICENCE");
-        ui.label("MIT. Use it, change it, pass it on; the licence text comes with it.");
+        ui.label("MIT. You may use, change and share it; the licence text is included.");
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "IF YOU PUBLISH, CITE THE PAPER");
         ui.add(Label::new(CITATION).wrap().selectable(true));
@@ -29,13 +29,16 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         let report = report(panel.app, panel.adapter, ui.ctx());
         ui.add(Label::new(RichText::new(&report).monospace().color(theme::WEAK)).wrap().selectable(true));
         let copy = ui.button("Copy diagnostic report");
-        if copy.on_hover_text("Copy versions, graphics and counts; no path and no picture is in it.").clicked() {
+        if copy
+            .on_hover_text("Copy versions, graphics adapter and counts. It contains no paths and no pictures.")
+            .clicked()
+        {
             ui.ctx().copy_text(report);
         }
     });
 }
 
-/// Versions, graphics and counts; nothing that says whose match it is.
+/// Versions, graphics adapter and counts; nothing that identifies the match.
 fn report(app: &App, adapter: &str, ctx: &Context) -> String {
     let screen = ctx.content_rect().size();
     let adapter = if adapter.is_empty() { "none" } else { adapter };

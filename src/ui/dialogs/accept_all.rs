@@ -1,4 +1,4 @@
-//! Suggestions to be accepted together: how many, which, the least certain first.
+//! Accepting suggestions together: how many and which, the least confident first.
 
 use super::{has_just_opened, sheet};
 use crate::app::review::{BulkAccept, DISAGREES_PX, percent};
@@ -11,11 +11,11 @@ use egui::{
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(720.0, 500.0);
-/// A miniature's size, points.
+/// The size of a thumbnail, points.
 const PICTURE: egui::Vec2 = vec2(134.0, 76.0);
-/// The line below it, points.
+/// The height of its caption, points.
 const CAPTION: f32 = 18.0;
-/// Between two of them, points.
+/// The gap between thumbnails, points.
 const GAP: f32 = 8.0;
 
 /// Shows the sheet.
@@ -24,7 +24,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let bulk = panel.app.review().bulk(&panel.app.session.review);
     sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
         ui.horizontal(|ui| {
-            ui.label("Every suggestion that is right with at least");
+            ui.label("Confidence at least");
             review::threshold(panel, ui);
         });
         ui.add(Label::new(RichText::new(describe(panel, &bulk)).color(theme::STRONG)).wrap());
@@ -41,16 +41,16 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 fn describe(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
     let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
         let best = panel.app.review().rows.iter().filter_map(|row| row.confidence).max_by(f64::total_cmp);
-        let best = best.map_or_else(String::new, |best| format!(" The most certain has {}.", percent(best)));
-        return format!("No suggestion is that certain.{best}");
+        let best = best.map_or_else(String::new, |best| format!(" The highest is {}.", percent(best)));
+        return format!("No suggestion has this confidence.{best}");
     };
     let count = bulk.rows.len();
     let plural = if count == 1 { "" } else { "s" };
-    // Each is right with its own probability: what is expected to be wrong follows.
+    // The expected number of wrong ones follows from the confidences.
     let wrong: f64 = bulk.rows.iter().filter_map(|row| row.confidence).map(|confidence| 1.0 - confidence).sum();
     let expected =
-        if wrong < 0.5 { "probably all right".to_owned() } else { format!("{wrong:.0} of them probably wrong") };
-    format!("{count} suggestion{plural}, {expected}; the least certain, {}, comes first.", percent(lowest))
+        if wrong < 0.5 { "all probably right".to_owned() } else { format!("about {wrong:.0} of them wrong") };
+    format!("{count} suggestion{plural}, {expected}. The least confident one ({}) comes first.", percent(lowest))
 }
 
 fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
@@ -60,16 +60,16 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     }
     let mut with = before;
     let says = match bulk.left_out {
-        0 => format!("Also those more than {DISAGREES_PX:.0} px off the way between their neighbours"),
-        count => format!("Also the {count} more than {DISAGREES_PX:.0} px off the way between their neighbours"),
+        0 => format!("Include those more than {DISAGREES_PX:.0} px out of line with their neighbours"),
+        count => format!("Include the {count} more than {DISAGREES_PX:.0} px out of line with their neighbours"),
     };
-    ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours is a wrong camera, a cut, or a fast pan.");
+    ui.checkbox(&mut with, says).on_hover_text("A jump between neighbours means a wrong camera, a cut, or a fast pan.");
     if with != before {
         panel.actions.push(Action::SetWithDisagreeing(with));
     }
 }
 
-/// The suggestions in small; a click goes to one.
+/// Thumbnails of the suggestions; a click goes to one.
 fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
     let row = PICTURE.y + CAPTION;
@@ -120,7 +120,7 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
         accept.request_focus();
     }
     let undo = panel.app.settings.keys.shown(Command::Undo);
-    if accept.on_hover_text(format!("Accept all of these at once; {undo} takes it back. (Enter)")).clicked() {
+    if accept.on_hover_text(format!("Accept all of these at once. {undo} undoes it. (Enter)")).clicked() {
         panel.actions.push(Action::AcceptAll);
     }
     if ui.button("Cancel").on_hover_text("Leave them as suggestions. (Esc)").clicked() {

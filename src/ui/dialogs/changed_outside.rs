@@ -1,4 +1,4 @@
-//! Another program changed the document: whose version stays.
+//! Another program changed the document: choosing which version to keep.
 
 use super::sheet;
 use crate::app::{Action, Command, OutsideChoice};
@@ -10,18 +10,10 @@ const CHOICES: [(OutsideChoice, &str, &str); 3] = [
     (
         OutsideChoice::Merge,
         "Merge",
-        "Frame by frame: what only one side changed is taken from it; what both changed stays as it is here. One step of undo.",
+        "Combine both versions frame by frame. Where both changed a frame, yours is kept. One step of undo.",
     ),
-    (
-        OutsideChoice::Replace,
-        "Replace it",
-        "The document as it is here is written; the other version is kept beside it.",
-    ),
-    (
-        OutsideChoice::TakeTheirs,
-        "Open the other version",
-        "What was edited here is set aside and can be taken in later.",
-    ),
+    (OutsideChoice::Replace, "Replace it", "Write your version. The other version is kept as a copy beside it."),
+    (OutsideChoice::TakeTheirs, "Open the other version", "Your edits are set aside and can be merged later."),
 ];
 
 /// Shows the sheet.
@@ -29,9 +21,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Changed by another program", vec2(560.0, 320.0), |panel, ui| {
         let file = panel.app.session.changed_outside.as_ref().map(|file| file.display().to_string());
         let text = format!(
-            "{} was changed since it was opened here. Your edits are in its journal; the document is not written until you \
-             choose.",
-            file.unwrap_or_else(|| "The document".to_owned())
+            "Another program changed {} after you opened it. Your edits are safe in its journal; the document is not written \
+             until you choose.",
+            file.unwrap_or_else(|| "the document".to_owned())
         );
         ui.add(Label::new(RichText::new(text).color(theme::STRONG)).wrap());
         ui.add_space(2.0 * theme::SPACE);

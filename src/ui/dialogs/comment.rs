@@ -18,7 +18,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         ui.label(RichText::new(file_name(&name)).color(theme::WEAK));
         let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");
-        let response = response.on_hover_text("What whoever opens this frame should know.");
+        let response = response.on_hover_text("A note for anybody who opens this frame.");
         if opened {
             response.request_focus();
         }

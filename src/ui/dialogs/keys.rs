@@ -5,12 +5,12 @@ use crate::app::{Action, Chord, Command, Keymap, MenuGroup};
 use crate::ui::{Panel, theme};
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
 
-/// Keys that are not commands and stay as they are.
+/// Keys that are not commands and cannot be changed.
 const FIXED: [(&str, &str); 8] = [
-    ("Click", "place a point, take hold of one"),
-    ("1–5, letters", "take a name, filter the names"),
+    ("Click", "place a point, or grab one"),
+    ("1–5, letters", "choose a name, filter the names"),
     ("Arrows", "move the selected point 0.1 px; Shift 1 px, Alt 10 px"),
-    ("Tab", "while a point is named: landmarks or lines"),
+    ("Tab", "while naming a point: switch between landmarks and lines"),
     ("Wheel", "zoom to the pointer"),
     ("Space-drag, middle drag", "move the picture"),
     ("Shift while dragging", "a tenth of the pointer's speed"),
@@ -20,12 +20,12 @@ const FIXED: [(&str, &str); 8] = [
 /// The width of a key, points.
 const KEY: f32 = 168.0;
 
-/// The command that waits for its new key.
+/// The command that is about to get a new key.
 fn waiting() -> Id {
     Id::unique("command that waits for a key")
 }
 
-/// Whether the next key is to become a command's.
+/// Whether the next key press is recorded for a command.
 pub fn captures_keys(ctx: &Context) -> bool {
     ctx.data(|data| data.get_temp::<Option<Command>>(waiting())).flatten().is_some()
 }
@@ -45,18 +45,18 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     }
     sheet(panel, ctx, "Keys", vec2(860.0, 560.0), |panel, ui| {
         ui.horizontal(|ui| {
-            let told = match chosen {
-                Some(command) => format!("Press the new key for “{}”. Esc leaves it as it is.", command.name()),
+            let hint = match chosen {
+                Some(command) => format!("Press the new key for “{}”. Esc keeps the old one.", command.name()),
                 None => "Click a key to change it.".to_owned(),
             };
             let colour = if chosen.is_some() { theme::ACCENT } else { theme::WEAK };
-            ui.label(RichText::new(told).color(colour));
+            ui.label(RichText::new(hint).color(colour));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let changed = panel.app.settings.keys.is_changed();
-                let reset = ui.add_enabled(changed, Button::new("Reset all keys"));
+                let reset = ui.add_enabled(changed, Button::new("Reset to defaults"));
                 let reset = reset
-                    .on_hover_text("Give every command the key it was delivered with.")
-                    .on_disabled_hover_text("Every key is as it was delivered.");
+                    .on_hover_text("Give every command its default key.")
+                    .on_disabled_hover_text("Every command has its default key.");
                 if reset.clicked() {
                     panel.actions.push(Action::ResetKeys);
                 }
@@ -120,7 +120,7 @@ fn fixed(ui: &mut Ui) {
     });
 }
 
-/// The next key that goes down becomes the command's.
+/// Records the next key press for the command.
 fn capture(panel: &mut Panel<'_>, ctx: &Context, command: Command) {
     let pressed = ctx.input_mut(|input| {
         let found = input.events.iter().find_map(|event| match event {

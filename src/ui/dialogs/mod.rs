@@ -1,12 +1,12 @@
-//! What lies over the window: palette, keys, about, overlay style, comment, which camera, path, and what has to be decided
-//! about saving. Escape closes each of them, and so does a click beside it.
+//! Dialogs: palette, keys, about, overlay style, comment, camera assignment, path, and the questions about saving. Escape or
+//! a click beside a dialog closes it.
 
 mod about;
 mod accept_all;
+mod assign;
 mod changed_outside;
 mod comment;
 mod fuzzy;
-mod give;
 mod keys;
 mod not_saved;
 mod orphans;
@@ -32,7 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
-        Some(Dialog::GiveToCamera(scope)) => give::show(panel, ctx, scope),
+        Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
         Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
         Some(Dialog::Orphans) => orphans::show(panel, ctx),
@@ -40,8 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
     }
 }
 
-/// Whether this dialog was not there in the frame of the window before: then it takes the focus and forgets what was
-/// typed into it the last time.
+/// Whether this dialog has just opened: then it takes the focus and forgets what was typed into it before.
 fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     let (memory, now) = (Id::unique(("dialog was shown", dialog)), ctx.cumulative_frame_nr());
     ctx.data_mut(|data| {
@@ -51,7 +50,7 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     })
 }
 
-/// What lies behind a dialog: darker, and a click on it closes.
+/// The darkened backdrop of a dialog; a click on it closes the dialog.
 fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     let all = ctx.content_rect();
     Area::new(Id::unique("curtain")).order(Order::Middle).fixed_pos(all.min).show(ctx, |ui| {
@@ -63,7 +62,7 @@ fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     });
 }
 
-/// A sheet with a title in the middle of the window.
+/// A dialog with a title in the middle of the window.
 fn sheet(
     panel: &mut Panel<'_>,
     ctx: &Context,

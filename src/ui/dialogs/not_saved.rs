@@ -1,4 +1,4 @@
-//! Before edits are lost: what is not saved, and the ways out.
+//! The warning before unsaved edits are lost.
 
 use super::sheet;
 use crate::app::session::{Leaving, Saving};
@@ -9,8 +9,8 @@ use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
     let (title, does) = match leaving {
-        Leaving::Close => ("Quit without saving?", "Quit and lose"),
-        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose"),
+        Leaving::Close => ("Quit without saving?", "Quit and lose edits"),
+        Leaving::Open(_) | Leaving::OpenDemo => ("Open without saving?", "Open and lose edits"),
     };
     sheet(panel, ctx, title, vec2(520.0, 220.0), |panel, ui| {
         let (what, does) = match &panel.app.session.saving {
@@ -21,9 +21,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 );
                 (format!("{edits} {message}."), does)
             }
-            Saving::Pending => ("Your last edits are still on their way to disk.".to_owned(), does),
+            Saving::Pending => ("Your last edits are still being written to disk.".to_owned(), does),
             Saving::Untouched | Saving::Saved { .. } => (
-                "Another program changed the document. Your edits stay in its journal and are offered when it is opened \
+                "Another program changed the document. Your edits stay in its journal and are offered when you open it \
                  again."
                     .to_owned(),
                 "Quit",
@@ -38,7 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 panel.actions.push(Action::CloseDialog);
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
-            if ui.button("Cancel").on_hover_text("Go on working; saving is tried again. (Esc)").clicked() {
+            if ui.button("Cancel").on_hover_text("Continue working; saving is tried again. (Esc)").clicked() {
                 panel.actions.push(Action::CloseDialog);
             }
             if ui.button(RichText::new(does).color(theme::BAD)).on_hover_text("This cannot be undone.").clicked() {

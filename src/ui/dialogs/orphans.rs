@@ -1,4 +1,4 @@
-//! Edits of another version of the document, which were set aside.
+//! Edits of another version of the document that were set aside.
 
 use super::sheet;
 use crate::app::Action;
@@ -9,7 +9,7 @@ use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Edits set aside", vec2(560.0, 320.0), |panel, ui| {
-        let text = "These edits were made to another version of this document, and are not in it.";
+        let text = "These edits were made to another version of this document and are not part of it.";
         ui.add(Label::new(RichText::new(text).color(theme::STRONG)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         ScrollArea::vertical().id_salt("edits set aside").show(ui, |ui| {
@@ -23,17 +23,17 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, orphan: &Orphan) {
     let count = orphan.edits.len();
     let last = orphan.edits.last().map(String::as_str).unwrap_or_default();
-    let text = if count == 1 { format!("1 edit: {last}") } else { format!("{count} edits, the last one: {last}") };
+    let text = if count == 1 { format!("1 edit: {last}") } else { format!("{count} edits, the last: {last}") };
     ui.add(Label::new(text).truncate()).on_hover_text(orphan.path.display().to_string());
     ui.horizontal(|ui| {
-        let merge = ui.button("Take in").on_hover_text(
-            "Join them with the document, frame by frame; what was changed on both sides becomes as it is in them. One step \
-             of undo.",
+        let merge = ui.button("Merge").on_hover_text(
+            "Merge them into the document frame by frame. Where both sides changed a frame, these edits win. One step of \
+             undo.",
         );
         if merge.clicked() {
             panel.actions.push(Action::MergeOrphan(orphan.path.clone()));
         }
-        let save = ui.button("Save as a document").on_hover_text("Write what they lead to as a document beside this one.");
+        let save = ui.button("Save as a document").on_hover_text("Save the result of these edits as a separate document beside this one.");
         if save.clicked() {
             panel.actions.push(Action::SaveOrphan(orphan.path.clone()));
         }

@@ -59,7 +59,7 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
         for (name, value, range, tip) in [
             ("Width", &mut style.width, 0.5..=12.0, "The width of a line on the screen, points."),
             ("Opacity", &mut style.opacity, 0.05..=1.0, "1 is solid; hold H to hide the lines."),
-            ("Outline", &mut style.outline, 0.0..=4.0, "The dark rim on each side, points; 0: none."),
+            ("Outline", &mut style.outline, 0.0..=4.0, "The dark outline on each side, points; 0: none."),
         ] {
             ui.label(name);
             ui.add(Slider::new(value, range).fixed_decimals(2)).accessible_name(name).on_hover_text(tip);
@@ -71,14 +71,13 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
         ui.end_row();
         ui.label("");
         ui.checkbox(&mut style.residuals_times_ten, "Residuals × 10")
-            .on_hover_text("Draw what separates a point from the solution ten times as long.");
+            .on_hover_text("Draw the distance between a point and the solution ten times as long.");
         ui.end_row();
     });
     ui.add_space(theme::SPACE);
     let delivered = OverlayStyle::default();
     let reset = ui.add_enabled(*style != delivered, Button::new("As delivered"));
-    let reset =
-        reset.on_hover_text("Back to the delivered style.").on_disabled_hover_text("This is how it was delivered.");
+    let reset = reset.on_hover_text("Restore the default style.").on_disabled_hover_text("This is the default style.");
     if reset.clicked() {
         *style = delivered;
     }

@@ -1,4 +1,4 @@
-//! Every command by typing.
+//! The command palette: any command by typing.
 
 use super::{curtain, fuzzy, has_just_opened};
 use crate::app::{Action, App, Command};
@@ -12,10 +12,10 @@ use egui::{
 const WIDTH: f32 = 520.0;
 /// The height of a row, points.
 const ROW: f32 = 28.0;
-/// As many rows are in view.
+/// The number of visible rows.
 const ROWS: f32 = 11.0;
 
-/// What has been typed and chosen.
+/// The typed text and the chosen row.
 #[derive(Clone, Default)]
 struct State {
     typed: String,
@@ -46,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
 }
 
 fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool) {
-    // Before the field sees them: arrows choose, Enter takes.
+    // Read before the text field sees them: arrows choose, Enter confirms.
     let (step, take) = ui.input_mut(|input| {
         let down = input.count_and_consume_key(Modifiers::NONE, Key::ArrowDown) as isize;
         let up = input.count_and_consume_key(Modifiers::NONE, Key::ArrowUp) as isize;
@@ -57,7 +57,8 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
         .desired_width(f32::INFINITY)
         .font(FontId::proportional(15.0))
         .margin(Margin::symmetric(8, 6));
-    let response = ui.add(field).accessible_name("Command").on_hover_text("Arrows choose, Enter does it, Esc closes.");
+    let response =
+        ui.add(field).accessible_name("Command").on_hover_text("Arrows choose, Enter runs the command, Esc closes.");
     if opened {
         response.request_focus();
     }
@@ -71,7 +72,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     ui.spacing_mut().item_spacing.y = 0.0;
     if found.is_empty() {
         ui.add_space(theme::SPACE);
-        ui.weak(format!("No command is called “{}”.", state.typed.trim()));
+        ui.weak(format!("No command matches “{}”.", state.typed.trim()));
     }
     ScrollArea::vertical().max_height(ROWS * ROW).auto_shrink([false, true]).show(ui, |ui| {
         for (index, command) in found.iter().enumerate() {
@@ -84,7 +85,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     });
 }
 
-/// The commands that match, best first; all of them in the order of the menus where nothing is typed.
+/// The commands that match, best first; all of them in menu order while nothing is typed.
 fn found(typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
     if typed.trim().is_empty() {

@@ -1,4 +1,4 @@
-//! A path by typing, where the system has no file dialog.
+//! Typing a path, where the system has no file dialog.
 
 use super::{has_just_opened, sheet};
 use crate::app::{Action, Question};
@@ -6,7 +6,7 @@ use crate::ui::{Panel, theme};
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 
-/// What is asked, what the button says, and an example.
+/// The title, the button's text, and an example.
 const fn describe(question: Question) -> (&'static str, &'static str, &'static str) {
     match question {
         Question::Project => ("Open a project or dataset", "Open", "/matches/final/project.json"),
@@ -29,9 +29,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let mut typed = known.filter(|_| !opened).unwrap_or_default();
     let (title, does, example) = describe(question);
     sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
-        ui.label(RichText::new("This system shows no file dialog; type or paste the path.").color(theme::WEAK));
+        ui.label(RichText::new("No file dialog is available. Type or paste the path.").color(theme::WEAK));
         let field = TextEdit::singleline(&mut typed).hint_text(example).desired_width(f32::INFINITY);
-        let response = ui.add(field).accessible_name("Path").on_hover_text("A path on this machine; Enter takes it.");
+        let response =
+            ui.add(field).accessible_name("Path").on_hover_text("A path on this computer. Enter confirms it.");
         if opened {
             response.request_focus();
         }
@@ -41,11 +42,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let path = typed.trim();
             let take = ui.add_enabled(!path.is_empty(), Button::new(does).fill(theme::ACCENT_GROUND));
-            let take = take.on_hover_text("Take this path. (Enter)").on_disabled_hover_text("Type a path first.");
+            let take = take.on_hover_text("Use this path. (Enter)").on_disabled_hover_text("Type a path first.");
             if (take.clicked() || entered) && !path.is_empty() {
                 panel.actions.push(Action::Answer(question, PathBuf::from(path)));
             }
-            if ui.button("Cancel").on_hover_text("Leave everything as it is. (Esc)").clicked() {
+            if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
                 panel.actions.push(Action::CloseDialog);
             }
         });

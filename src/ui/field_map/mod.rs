@@ -1,5 +1,5 @@
-//! The field from above: where the camera looks, what has been clicked, and a way to name a point or to pick what is
-//! clicked next. It turns to the camera's side; names never change with the view.
+//! The field map: the field from above with the camera's view and the clicks. It can name a point or choose what to click
+//! next. It is rotated to the camera's side; names never depend on the view.
 
 mod pick;
 
@@ -23,15 +23,15 @@ use egui::{
 };
 use std::sync::Arc;
 
-/// What lies around the field, m.
+/// The margin around the field, m.
 const MARGIN_M: f64 = 6.0;
-/// How fine the map's own px are; the screen's are found by zooming.
+/// The resolution of the map's own px.
 const PX_PER_M: f64 = 10.0;
 /// The map's height as a share of its width.
 const SHAPE: f32 = 0.65;
 /// A landmark that has not been clicked.
 const UNCLICKED: Colour = Colour { r: 214, g: 226, b: 218, a: 150 };
-/// What a name in hand or under the pointer is ringed with.
+/// The colour of the chosen or pointed landmark's ring.
 const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 
 /// Shows the map across the available width.
@@ -62,7 +62,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let painter = ui.painter_at(rect);
     let on_map = Place { field: &field, map: &map, placement: &placement, spots: &spots };
     camera_icon(panel.app, &painter, &on_map);
-    if let Some(target) = in_hand(panel.app) {
+    if let Some(target) = chosen(panel.app) {
         ring(&painter, &on_map, &target);
     }
     let pointed = pointed.filter(|_| panel.app.round().is_none());
@@ -106,7 +106,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     let rect = placement.rect;
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 0.0, labels::colour(SURROUND));
-    // What the label shows stays hidden during a blind round.
+    // The label stays hidden during a blind round.
     let hidden = app.round().is_some();
     let clicks = app.frame().filter(|_| !hidden).map(|frame| frame.clicks.as_slice()).unwrap_or_default();
     let scene = OverlayScene {
@@ -142,7 +142,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     }
 }
 
-/// The landmarks that can be picked: those on the ground as dots, what stands above them as small rings.
+/// The landmarks that can be picked: those on the ground as dots, those above the ground as small rings.
 fn dots<'a>(
     field: &FieldModel,
     placement: &Placement,
@@ -166,8 +166,8 @@ fn dots<'a>(
     Drawing { markers: markers.collect(), ..Drawing::default() }
 }
 
-/// The name that is about to be given or placed.
-fn in_hand(app: &App) -> Option<Target> {
+/// The landmark or line that has been chosen and is about to be placed.
+fn chosen(app: &App) -> Option<Target> {
     match &app.session.mode {
         Mode::Naming(naming) => naming.chosen().map(|candidate| candidate.target.clone()),
         Mode::Placing(target) => Some(target.clone()),
@@ -197,7 +197,7 @@ fn ring(painter: &Painter, place: &Place<'_>, target: &Target) {
     }
 }
 
-/// Says what is under the pointer; the text may leave the map, but not the window.
+/// Shows the name under the pointer; the text may leave the map, but not the window.
 fn name(ui: &egui::Ui, at: Pos2, text: &str) {
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, Id::NULL.with("field map's name")));
     let font = FontId::proportional(12.5);
@@ -213,7 +213,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
     );
 }
 
-/// Where the camera stands; beyond the map, at its border in that direction.
+/// The camera's position; if it lies beyond the map, at the border in its direction.
 fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
     let Some(base) = app.current().base else { return };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);

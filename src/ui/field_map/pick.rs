@@ -1,4 +1,4 @@
-//! What of the field lies under the pointer on its map.
+//! Finding the landmark or line under the pointer on the field map.
 
 use crate::document::Target;
 use crate::field::{Curve, FieldModel, Landmark};
@@ -7,15 +7,15 @@ use crate::scene::field_map::FieldMap;
 use crate::ui::placement::Placement;
 use egui::{Pos2, Vec2, vec2};
 
-/// A landmark this near to the pointer is meant, points.
+/// The picking distance of landmarks, points.
 const LANDMARK_REACH_PT: f32 = 12.0;
-/// A line this near to the pointer is meant, points.
+/// The picking distance of lines, points.
 const LINE_REACH_PT: f32 = 8.0;
-/// What stands above another landmark is drawn this far outside of it, points.
+/// How far outside a landmark the one above it is drawn, points.
 const RAISED_PT: f32 = 9.0;
-/// Landmarks nearer to each other than this stand one above the other, m.
+/// Landmarks nearer to each other on the ground than this count as one above the other, m.
 const SAME_PLACE_M: f64 = 0.3;
-/// Pieces of a curve when the distance to it is measured.
+/// The number of pieces of a curve for measuring distances.
 const PIECES: u32 = 48;
 
 /// Where each landmark of the field is drawn on the screen, in the field's order.
@@ -35,9 +35,9 @@ pub fn spots(field: &FieldModel, map: &FieldMap, placement: &Placement) -> Vec<P
         .collect()
 }
 
-/// Away from the field on the map, over whichever border the landmark stands on.
+/// The outward direction on the map, across the border that the landmark lies on.
 fn outwards(field: &FieldModel, map: &FieldMap, landmark: &Landmark) -> Vec2 {
-    /// A landmark beyond this share of the half field stands on its border.
+    /// A landmark beyond this share of the half field counts as on its border.
     const BORDER: f64 = 0.98;
     let over = |at: f64, extent: f64| if at.abs() > BORDER * extent / 2.0 { at.signum() as f32 } else { 0.0 };
     let sign = if map.turned { -1.0 } else { 1.0 };

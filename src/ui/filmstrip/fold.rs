@@ -1,4 +1,4 @@
-//! Frames in a row that the forest has no answer for, as one cell.
+//! A run of frames that the forest has no answer for, as one cell.
 
 use super::item::{BAR, CAPTION};
 use crate::app::Action;
@@ -7,7 +7,7 @@ use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
-/// How far the sheets of the stack lie apart, points.
+/// The distance between the sheets of the stack, points.
 const SHEET: f32 = 3.0;
 
 /// Shows the cell; a click goes to the frame in the middle, which unfolds them.
@@ -39,7 +39,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
     if response.hovered() || response.has_focus() {
         painter.rect_stroke(top.expand(1.0), CornerRadius::same(4), Stroke::new(1.0, theme::WEAK), StrokeKind::Outside);
     }
-    let tip = format!("{said}. The forest does not know what they show: a label on one of them may answer the others.");
+    let tip = format!("{said}. The forest does not recognise them. A label on one of them may answer the others.");
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(middle));
     }

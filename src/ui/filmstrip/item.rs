@@ -16,7 +16,7 @@ use egui::{
 
 /// The height of the line below a thumbnail, points.
 pub const CAPTION: f32 = 14.0;
-/// The mark of a frame that is clicked again.
+/// The mark of a gold frame.
 const GOLD: Color32 = Color32::from_rgb(255, 208, 70);
 /// The height of the status bar, points.
 pub const BAR: f32 = 4.0;
@@ -87,7 +87,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     let number = if current { theme::STRONG } else { theme::WEAK };
     painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), number);
     let mark = match confidence(frame) {
-        // Whole per cent: a number with a decimal would touch the next frame's.
+        // Whole per cent, as a decimal would touch the next frame's number.
         Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), look.letter),
         None => look.letter.to_string(),
     };
@@ -122,7 +122,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     painter.rect_stroke(picture.expand(1.0), CornerRadius::same(4), frame_line, StrokeKind::Outside);
 }
 
-/// The probability that a suggestion is right; none for a frame of another status.
+/// The confidence of a suggestion; none for a frame of another status.
 fn confidence(frame: &Frame) -> Option<f64> {
     let suggested = frame.status == crate::document::FrameStatus::Suggested;
     frame.solution.as_ref().filter(|_| suggested).and_then(|solution| solution.confidence)
@@ -140,7 +140,7 @@ fn tooltip(response: Response, index: usize, frame: &Frame) {
         let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!("Frame {} · {}{}", index + 1, status_label(frame.status), reason.unwrap_or_default()));
         if let Some(confidence) = confidence(frame) {
-            ui.label(format!("Right with probability {}", percent(confidence)));
+            ui.label(format!("Confidence {}", percent(confidence)));
         }
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
             ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));

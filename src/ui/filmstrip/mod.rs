@@ -1,4 +1,4 @@
-//! The frames in a row, by shot: thumbnail, status, what is wrong. Only what is in view is laid out.
+//! The filmstrip: frames by shot with thumbnail, status and warnings. Only visible frames are laid out.
 
 mod fold;
 mod item;
@@ -27,7 +27,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.scope_builder(UiBuilder::new().max_rect(frames), |ui| strip_of_frames(panel, ui));
 }
 
-/// Which frames are shown, with how many there are of each.
+/// The filter, with the number of frames of each kind.
 fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(open) = panel.app.open().filter(|open| !open.document.frames.is_empty()) else { return };
     let counts = open.counts();
@@ -49,8 +49,8 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.need_me);
     ui.label(RichText::new(format!("{references} reference{}", if references == 1 { "" } else { "s" })).small())
         .on_hover_text("Frames that you have accepted.");
-    let told = if needed == 0 { "nothing needs you".to_owned() } else { format!("{needed} need you") };
-    ui.label(RichText::new(told).small().color(theme::WEAK))
+    let needed = if needed == 0 { "nothing needs you".to_owned() } else { format!("{needed} need you") };
+    ui.label(RichText::new(needed).small().color(theme::WEAK))
         .on_hover_text("Frames that are neither accepted nor marked as not calibratable.");
 }
 
@@ -99,7 +99,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.data_mut(|data| data.insert_temp(memory, shown));
 }
 
-/// What the strip showed the last time.
+/// What the strip showed last.
 #[derive(Clone, Copy, Debug)]
 struct Shown {
     frame: usize,
@@ -110,8 +110,8 @@ struct Shown {
     anchor: Option<(usize, f32)>,
 }
 
-/// Where the strip is to be scrolled to, points; none: it stays. The current frame comes into view when it or the filter
-/// changes; where cells fold and unfold before it, what was in view stays in its place.
+/// Where the strip is to be scrolled to, points; none: it stays. The current frame is scrolled into view when it or the filter
+/// changes. Where cells fold or unfold before it, the visible frames keep their places.
 fn offset(frame: usize, filter: Filter, strip: &Strip<'_>, before: Option<Shown>, width: f32) -> Option<f32> {
     let before = before.filter(|before| before.filter == filter);
     let kept = before.and_then(|before| {

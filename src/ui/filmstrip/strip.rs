@@ -1,4 +1,4 @@
-//! Which frames stand where in the strip.
+//! The layout of the filmstrip.
 
 use crate::app::OpenProject;
 use crate::app::session::Filter;
@@ -7,12 +7,12 @@ use std::ops::Range;
 
 /// Between two frames of a shot, points.
 const GAP: f32 = 4.0;
-/// Before the first frame of a shot, points; its name stands there.
+/// Before the first frame of a shot, where its name is shown, points.
 pub const SHOT_GAP: f32 = 18.0;
-/// So many frames in a row without an answer fold into one cell.
+/// The fewest frames without an answer in a row that fold into one cell.
 const FOLDED: usize = 4;
 
-/// What stands in a place of the strip.
+/// A place of the strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cell {
     /// A frame of the document.
@@ -29,7 +29,7 @@ pub enum Cell {
 }
 
 impl Cell {
-    /// The first frame of the document that it stands for.
+    /// The first frame of the document in it.
     pub const fn first(self) -> usize {
         match self {
             Self::Frame(first) | Self::Unanswered { first, .. } => first,
@@ -46,7 +46,7 @@ impl Cell {
 
 /// The frames that a filter shows, side by side, with a wider gap before each shot.
 pub struct Strip<'a> {
-    /// What stands in each place.
+    /// The cells in order.
     pub cells: Vec<Cell>,
     /// Where each shot begins, within `cells`, and its name.
     shots: Vec<(usize, Option<&'a Clip>)>,
@@ -57,7 +57,7 @@ impl<'a> Strip<'a> {
     /// Lays the frames of a document out, `item` points wide each. The `shown` frame is never folded away.
     pub fn new(open: &'a OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
         let mut cells: Vec<Cell> = Vec::new();
-        // How many of the last cells are frames without an answer.
+        // The number of cells at the end that are frames without an answer.
         let mut run = 0;
         let folds =
             |index: usize, frame: &Frame| filter != Filter::Unanswered && index != shown && frame.is_unanswered();
@@ -92,7 +92,7 @@ impl<'a> Strip<'a> {
         at as f32 * (self.item + GAP) + shot as f32 * SHOT_GAP
     }
 
-    /// Where a frame of the document stands.
+    /// The cell of a frame of the document.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
         let at = self.cells.partition_point(|cell| cell.last() < frame);
         let stands = |cell: &Cell| match *cell {
@@ -124,7 +124,7 @@ impl<'a> Strip<'a> {
         needed.clamp(0.0, (self.width() - width).max(0.0))
     }
 
-    /// What stands before the first frame of a shot; none within a shot, and none if nothing belongs to a shot.
+    /// The title before the first frame of a shot; none within a shot, and none if no frame belongs to a shot.
     pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
         let shot = self.shots.binary_search_by_key(&at, |(begin, _)| *begin).ok()?;
         let named = self.shots.len() > 1 || self.shots[0].1.is_some();
@@ -132,7 +132,7 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// Folds the last `run` cells into one where they are enough.
+/// Folds the last `run` cells into one if there are enough.
 fn fold(cells: &mut Vec<Cell>, run: usize) {
     if run < FOLDED {
         return;
@@ -143,7 +143,7 @@ fn fold(cells: &mut Vec<Cell>, run: usize) {
     cells.push(Cell::Unanswered { first, last, count: run });
 }
 
-/// How many of the first `count` numbers `is_before` holds for; it holds for a beginning of them.
+/// How many of the first `count` numbers satisfy `is_before`, which holds for a prefix of them (binary search).
 fn partition(count: usize, is_before: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while low < high {

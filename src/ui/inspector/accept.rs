@@ -29,7 +29,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, theme::STRONG), StrokeKind::Inside);
         }
         let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
-        // Word and symbol together stand in the middle.
+        // Text and symbol are centred together.
         let word = Rect::from_center_size(rect.center() - vec2(12.0, 0.0), galley.size());
         let sign = Rect::from_center_size(word.right_center() + vec2(16.0, 0.0), vec2(16.0, 16.0));
         painter.galley(word.min, galley, text);

@@ -78,9 +78,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
-    let told = app.current().solved().is_none_or(FrameSolution::residuals_are_evidence);
+    let has_evidence = app.current().solved().is_none_or(FrameSolution::residuals_are_evidence);
     let text_left = rect.left() + 38.0;
-    let text_width = rect.right() - buttons - RESIDUAL[usize::from(!told)] - 4.0 - text_left;
+    let text_width = rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
     let strength = if click.target.is_none() { colour } else { theme::TEXT };
     let mut line = LayoutJob::simple(name.clone(), FontId::proportional(13.0), strength, text_width);
     line.wrap = TextWrapping::truncate_at_width(text_width);
@@ -103,7 +103,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     });
 }
 
-/// Whether another point, or none, was selected when the window was drawn before.
+/// Whether the selection changed since the last frame of the window.
 fn has_been_selected(ui: &Ui, index: usize) -> bool {
     let memory = egui::Id::unique("selected point in view");
     ui.data_mut(|data| {
@@ -140,7 +140,7 @@ const fn shown(colour: drawing::Colour) -> Color32 {
     Color32::from_rgb(colour.r, colour.g, colour.b)
 }
 
-/// How far a point is from where the solution has it, in words.
+/// The text of a point's residual.
 struct Residual {
     text: String,
     colour: Color32,
@@ -178,13 +178,13 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     ui.label(RichText::new(format!("{}  {name}", index + 1)).color(theme::STRONG));
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
     if click.check {
-        ui.label("Check point: held out of the solve, its error is shown.");
+        ui.label("Check point: left out of the solve, its error is shown.");
     } else if app.current().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {
-        ui.label("Two points leave nothing to compare: a small residual would prove nothing.");
+        ui.label("Two points can always be fitted, so their residual proves nothing.");
     }
     let keys = &app.settings.keys;
     ui.label(
-        RichText::new(format!("Double-click or {} gives it another name.", keys.shown(Command::RenameClick)))
+        RichText::new(format!("Double-click or press {} to rename it.", keys.shown(Command::RenameClick)))
             .color(theme::WEAK),
     );
 }

@@ -1,4 +1,4 @@
-//! What is folded by default: uncertainties, residuals, the second root, the camera, every warning.
+//! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every warning.
 
 use crate::app::{Action, App, Command};
 use crate::document::{Solution, Target};
@@ -7,7 +7,7 @@ use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
-/// Shows the details, or the line that unfolds them.
+/// Shows the details, or the line that expands them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let open = panel.app.settings.details;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
@@ -46,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     camera(app, ui);
 }
 
-/// Whether the details were folded when the window was drawn before.
+/// Whether the details were collapsed in the last frame of the window.
 fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
     let memory = egui::Id::unique("details are shown");
     ui.data_mut(|data| {
@@ -61,7 +61,7 @@ const VALUE: f32 = 172.0;
 
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
     ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
-    // A value that is too long for the panel must not widen it.
+    // A long value must not widen the panel.
     let value = Label::new(RichText::new(value.into()).color(theme::TEXT)).truncate();
     ui.scope(|ui| {
         ui.set_max_width(VALUE.min(ui.max_rect().width()));
@@ -83,16 +83,16 @@ fn uncertainty(ui: &mut Ui, solved: &FrameSolution) {
         let focal = format!("±{:.1} px  ({share:.2} %)", solved.sigma_focal_px());
         pair(ui, "Focal length", focal, "1-σ of the focal length.");
         let corner = format!("±{:.1} px", solved.worst_corner_sigma_px);
-        pair(ui, "Worst corner", corner, "1-σ of the lines at the picture's worst corner.");
+        pair(ui, "Worst corner", corner, "1-σ of the lines at the worst corner of the picture.");
     });
     ui.add_space(theme::SPACE);
 }
 
-/// What the points say about themselves.
+/// Separation, fit and distortion.
 fn evidence(ui: &mut Ui, solved: &FrameSolution) {
     grid(ui, "evidence", |ui| {
         if let Some(separation) = solved.separation_px {
-            let tip = "The largest distance between two landmarks. The farther apart, the better the focal length.";
+            let tip = "The largest distance between two landmarks. Points farther apart give a better focal length.";
             pair(ui, "Separation", format!("{separation:.0} px"), tip);
         }
         let fit = match solved.misfit() {
@@ -101,7 +101,7 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
             }
             _ => "no evidence: two points always fit".to_owned(),
         };
-        pair(ui, "Fit", fit, "How far the points are from where the solution has them.");
+        pair(ui, "Fit", fit, "The distances of the points from their projections.");
         if solved.k1 != 0.0 {
             pair(ui, "k1", format!("{:.4}", solved.k1), "Radial distortion at this focal length.");
         }
@@ -130,24 +130,24 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
         }
     });
     for check in &solved.checks {
-        let told = match (check.error_px, check.z_score) {
+        let description = match (check.error_px, check.z_score) {
             (Some(px), Some(z)) => format!("Check point {}: {px:.1} px off, {z:.1} σ", check.click + 1),
             (Some(px), None) => format!("Check point {}: {px:.1} px off", check.click + 1),
             (None, _) => format!("Check point {}: out of sight", check.click + 1),
         };
-        ui.label(told);
+        ui.label(description);
     }
     ui.add_space(theme::SPACE);
 }
 
-/// With its sign and two digits; what rounds to nothing is +0.00.
+/// With its sign and two digits; -0.00 becomes +0.00.
 fn signed(px: f64) -> String {
     format!("{:+.2}", if px.abs() < 0.005 { 0.0 } else { px })
 }
 
-/// The landmarks that would gain most; a click on one places it next.
+/// The landmarks that would reduce the uncertainty most; a click on one places it next.
 fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
-    /// More would not be read.
+    /// The number of landmarks that are listed.
     const SHOWN: usize = 4;
     let next: Vec<_> = panel.app.current().next_clicks.iter().take(SHOWN).cloned().collect();
     if next.is_empty() {
@@ -158,7 +158,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
         let target = Target::Landmark(next.id.clone());
         let label = panel.app.label(&target);
         let tip = format!(
-            "{label}: the worst corner would be ±{:.1} px, {}. Click here, then its place in the picture.",
+            "{label}: the worst corner would be ±{:.1} px, {}. Click here, then click it in the picture.",
             next.worst_corner_px,
             next.gain()
         );
@@ -173,7 +173,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
     let Some(other) = panel.app.current().other_root() else { return };
     ui.horizontal_wrapped(|ui| {
-        ui.label(format!("{:.0} and {:.0} px both fit.", solved.ptz.focal_px, other.focal_px));
+        ui.label(format!("Both {:.0} and {:.0} px fit.", solved.ptz.focal_px, other.focal_px));
         let command = Command::SwitchRoot;
         if ui.add(Button::new("Switch").small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
             panel.actions.push(Action::Command(command));
@@ -192,11 +192,11 @@ fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
     ui.add_space(theme::SPACE);
 }
 
-/// What the document says of a solution that was not solved here.
+/// What the document records about a solution that was not computed here.
 fn recorded(ui: &mut Ui, solution: &Solution) {
     grid(ui, "recorded", |ui| {
         if let Some(rms_px) = solution.rms_px {
-            pair(ui, "Fit", format!("{rms_px:.1} px rms"), "As the document has it.");
+            pair(ui, "Fit", format!("{rms_px:.1} px rms"), "As recorded in the document.");
         }
         if let Some(confidence) = solution.confidence {
             let tip = "The probability that the lines are right within 10 px at 1920 px width.";

@@ -9,7 +9,7 @@ mod verdict;
 use super::{Panel, field_map, theme};
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 
-/// Below the points there have to be so many points for solution and verdict.
+/// The least height below the list of points, for solution and verdict, points.
 const BELOW_CLICKS: f32 = 276.0;
 
 /// Shows the panel.

@@ -12,9 +12,9 @@ use egui::{Align, Button, Layout, RichText, Ui};
 const LABEL: f32 = 34.0;
 /// Between two columns, points.
 const GAP: f32 = 8.0;
-/// Where a camera looks before anything is known, when numbers are set by hand.
+/// The start values when numbers are set manually.
 const START_TILT_DEG: f64 = -10.0;
-/// The focal length then, in widths of the picture.
+/// The start focal length, in widths of the picture.
 const START_FOCAL_WIDTHS: f64 = 1.2;
 
 /// Shows the solution.
@@ -43,9 +43,9 @@ fn source(app: &App, frame: &Frame) -> String {
     }
     match frame.solution.as_ref().and_then(|solution| solution.source) {
         Some(SolutionSource::Clicks) => from_points(frame),
-        Some(SolutionSource::Manual) => "set by hand".to_owned(),
+        Some(SolutionSource::Manual) => "set manually".to_owned(),
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
-            "proposed, moved by a point".to_owned()
+            "proposed, corrected by a point".to_owned()
         }
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
@@ -112,7 +112,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
             let number = Number {
                 name: "Field of view",
                 step: "Set field of view",
-                tip: "The horizontal field of view, degrees; another way to say the focal length.",
+                tip: "The horizontal field of view, degrees; equivalent to the focal length.",
                 value: view_deg(ptz.focal_px, width_px),
                 speed: 0.05,
                 decimals: 2,
@@ -128,7 +128,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
     });
 }
 
-/// The worst corner, and the way back from numbers set by hand.
+/// The worst corner, and the button that discards numbers set manually.
 fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     let stored = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
     let sigma = panel.app.current().solved().map(|solved| solved.worst_corner_sigma_px).or(stored);
@@ -139,23 +139,23 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
                 ui.label(RichText::new(format!("±{sigma:.1} px")).color(theme::STRONG));
             }
             None => {
-                ui.label(RichText::new("Uncertainty not known").color(theme::WEAK));
+                ui.label(RichText::new("Uncertainty unknown").color(theme::WEAK));
             }
         }
         if panel.app.current().by_hand && !frame.clicks.is_empty() {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let again = ui.add(Button::new("Solve again").small());
-                if again.on_hover_text("Let the points decide again, instead of numbers set by hand.").clicked() {
+                if again.on_hover_text("Solve from the points again and discard the numbers set manually.").clicked() {
                     panel.actions.push(Action::SolveAgain);
                 }
             });
         }
     })
     .response
-    .on_hover_text("1-σ of the drawn lines at the picture's worst corner, the camera's own uncertainty included.");
+    .on_hover_text("1-σ of the drawn lines at the worst corner of the picture, including the uncertainty of the base.");
 }
 
-/// No numbers yet: why, and how to set them by hand.
+/// No numbers yet: why, and how to set them manually.
 fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     if panel.app.current().base.is_none() {
         ui.label(RichText::new("The camera's position is not known yet.").color(theme::WEAK));
@@ -163,7 +163,7 @@ fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     }
     ui.label(RichText::new("Not solved yet.").color(theme::WEAK));
     let by_hand =
-        ui.button("Set by hand").on_hover_text("Start from a usual view and drag pan, tilt and focal length.");
+        ui.button("Set manually").on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
     if by_hand.clicked() {
         let focal_px = START_FOCAL_WIDTHS * f64::from(frame.image_size.width);
         panel.actions.push(Action::EditPtz(Ptz::from_degrees(0.0, START_TILT_DEG, focal_px)));

@@ -1,4 +1,4 @@
-//! One word on the solution, its reason, and at most one way out.
+//! The verdict on the solution in one word, its reason, and at most one remedy.
 
 use crate::app::review::percent;
 use crate::app::selection::Scope;
@@ -28,8 +28,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         symbol::show(ui, sign, colour);
                     }
                     let word = judgement.verdict.to_string();
-                    ui.label(RichText::new(word).size(theme::VERDICT).color(colour).strong())
-                        .on_hover_text("Good: nothing speaks against it. Check: look first. Wrong: a contradiction.");
+                    ui.label(RichText::new(word).size(theme::VERDICT).color(colour).strong()).on_hover_text(
+                        "Good: no evidence against it. Check: look before you accept. Wrong: something contradicts it.",
+                    );
                 });
                 ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(theme::TEXT)).wrap());
                 ways_out(panel, ui, &judgement.reason);
@@ -37,13 +38,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             (None, Some(Err(error))) => said(ui, &describe_error(error)),
             (None, _) if app.frame().is_some_and(proposed) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
-                let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not know what it shows");
+                let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not recognise it");
                 said(ui, &format!("No proposal: {reason}."));
             }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
-                said(ui, "Taken from the document. No point of this frame says anything about it.");
+                said(ui, "From the document. This frame has no points to check it with.");
             }
-            (None, _) => said(ui, "No verdict before there is a solution."),
+            (None, _) => said(ui, "There is no verdict until there is a solution."),
         }
         training_switch(panel, ui);
     });
@@ -54,13 +55,13 @@ fn proposed(frame: &Frame) -> bool {
     matches!(frame.status, FrameStatus::Suggested | FrameStatus::Reference) && frame.is_suggestion()
 }
 
-/// How certain a proposal is.
+/// The state and the confidence of a proposal.
 fn proposal(app: &App, ui: &mut Ui) {
     let Some(frame) = app.frame() else { return };
     let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-    let certain = confidence.map(|confidence| format!(": right with probability {}", percent(confidence)));
+    let certain = confidence.map(|confidence| format!(", confidence {}", percent(confidence)));
     let accepted = frame.status == FrameStatus::Reference;
-    let state = if accepted { "Accepted as it is." } else { "Nobody has looked at it yet." };
+    let state = if accepted { "Accepted unchanged." } else { "Not reviewed yet." };
     said(ui, &format!("Proposed{}. {state}", certain.unwrap_or_default()));
 }
 
@@ -86,9 +87,9 @@ fn said(ui: &mut Ui, text: &str) {
 fn describe_error(error: &CalibrationError) -> String {
     match error {
         CalibrationError::Solve(SolveError::TooFewObservations { equations: 2 }) => {
-            "One more point decides.".to_owned()
+            "One more point is needed.".to_owned()
         }
-        CalibrationError::Solve(SolveError::TooFewObservations { .. }) => "Two points decide.".to_owned(),
+        CalibrationError::Solve(SolveError::TooFewObservations { .. }) => "Two points are needed.".to_owned(),
         error => sentence(&error.to_string()),
     }
 }
@@ -111,10 +112,10 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     }
     ui.horizontal(|ui| {
         if let Some(better) = better {
-            let says = format!("Give to {}", better.camera);
-            if ui.add(Button::new(says).truncate()).on_hover_text("This frame was taken by that camera.").clicked() {
+            let says = format!("Assign to {}", better.camera);
+            if ui.add(Button::new(says).truncate()).on_hover_text("This frame fits that camera better.").clicked() {
                 let camera = CameraChoice::Known(better.camera.clone());
-                panel.actions.push(Action::GiveToCamera { scope: Scope::Frame, camera });
+                panel.actions.push(Action::AssignToCamera { scope: Scope::Frame, camera });
             }
         } else if let Some((command, word)) = mend {
             if ui.button(word).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
@@ -123,15 +124,15 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             compare(panel, ui);
         }
         if more > 0 {
-            let told = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
-            if ui.add(told).on_hover_text("Show every warning in the details below.").clicked() {
+            let rest = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
+            if ui.add(rest).on_hover_text("Show all warnings in the details below.").clicked() {
                 panel.actions.push(Action::SetDetails(true));
             }
         }
     });
 }
 
-/// What mends the frame in one click: the command, and what its button says.
+/// The command that fixes the frame in one click, and its button's text.
 fn mend(app: &App) -> Option<(Command, &'static str)> {
     let solved = app.current().solved()?;
     if let Some(found) = app.current().other_names() {
@@ -146,7 +147,7 @@ fn mend(app: &App) -> Option<(Command, &'static str)> {
     (two_roots && app.current().other_root().is_some()).then_some((Command::SwitchRoot, "Switch"))
 }
 
-/// A button that shows the other solution for as long as it is held down, as its key does.
+/// A button that shows the other solution while it is held, like its key.
 fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     let response = ui.button("Compare").on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
     let pressed = egui::Id::unique("compare is pressed");
@@ -158,7 +159,7 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// How many warnings are not the reason of the verdict.
+/// The number of warnings beside the one that is the verdict's reason.
 fn hidden(app: &App, reason: &str) -> usize {
     let warnings = app.current().solved().map_or(&[][..], |solved| &solved.warnings);
     warnings.iter().filter(|warning| warning.message != reason).count()

@@ -28,21 +28,21 @@ const NUMBERS_END: f32 = 18.0;
 const BETWEEN: f32 = 10.0;
 /// A column of a plot with many points, points.
 const COLUMN: f32 = 2.0;
-/// The pointer takes hold of what is this near, points.
+/// The pointer picks what is this near, points.
 const REACH: f32 = 14.0;
-/// So many frames are ringed at most, and so many named below.
+/// The most frames that are ringed, and that are named below.
 const RINGED: usize = 300;
 const NAMED: usize = 6;
-/// Shots that are narrower than this are not parted by lines, points.
+/// Shots narrower than this are not separated by lines, points.
 const NARROW: f32 = 5.0;
-/// Frames that stand out stretch a scale to this many times what the others need, not farther.
+/// Outliers stretch a scale to at most this multiple of what the others need.
 const STRETCH: f64 = 2.5;
 
 /// The section's title.
 const TITLE: &str = "PAN, TILT, FOCAL LENGTH";
-/// What stands there without a frame that has a camera.
+/// Shown while no frame has a camera.
 const NOTHING: &str =
-    "Frames with a camera appear here over time: accept a few, and let the forest propose cameras for the others.";
+    "Cameras are plotted here over time. Accept a few frames and let the forest propose cameras for the others.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -62,7 +62,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// What the marks mean, what time is counted in, and how much of it is shown; from the right.
+/// The legend, the unit of time, and the zoom; laid out from the right.
 fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
     let actions = &mut *panel.actions;
     let mut button = |ui: &mut Ui, says: &str, command: Command, enabled: bool, tip: &str| {
@@ -71,13 +71,13 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             actions.push(Action::Command(command));
         }
     };
-    button(ui, "All", Command::ZoomToFit, is_part, "Show all of the time.");
-    button(ui, "+", Command::ZoomIn, true, "Show less of the time, larger.");
-    button(ui, "−", Command::ZoomOut, is_part, "Show more of the time.");
+    button(ui, "All", Command::ZoomToFit, is_part, "Show the whole time axis.");
+    button(ui, "+", Command::ZoomIn, true, "Zoom into the time axis.");
+    button(ui, "−", Command::ZoomOut, is_part, "Zoom out of the time axis.");
     if course.has_video_time {
         for (axis, says, tip) in [
-            (TimeAxis::Video, "Video time", "Count time as the video does."),
-            (TimeAxis::Frame, "Frames", "Count frames."),
+            (TimeAxis::Video, "Video time", "Use the video's time."),
+            (TimeAxis::Frame, "Frames", "Use frame numbers."),
         ] {
             if ui.add(Button::selectable(course.axis == axis, says).small()).on_hover_text(tip).clicked() {
                 actions.push(Action::SetTimeAxis(axis));
@@ -94,7 +94,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course, is_part: bool) {
             }
         }
         if !course.standing_out.is_empty() {
-            legend::entry(ui, &format!("{} off their neighbours' way", course.standing_out.len()), legend::ring);
+            legend::entry(ui, &format!("{} out of line with neighbours", course.standing_out.len()), legend::ring);
         }
     });
 }
@@ -127,8 +127,8 @@ impl Stack {
 
     /// Draws the plots and reads the pointer; the point under it is returned.
     fn show<'a>(&self, panel: &mut Panel<'_>, ui: &Ui, course: &'a Course, whole: [f64; 2]) -> Option<&'a CoursePoint> {
-        let told = describe(course);
-        self.response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &told));
+        let description = describe(course);
+        self.response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, &description));
         let under = self.response.hover_pos().and_then(|pointer| self.nearest(course, pointer));
         if ui.is_rect_visible(self.rect) {
             self.paint(panel, ui, course, under);
@@ -168,7 +168,7 @@ impl Stack {
         self.plots[2].steps(&painter, ticks.iter().map(|(at, words)| (*at, words.as_str())));
     }
 
-    /// The point that is nearest to the pointer, in the plot where the pointer is.
+    /// The point nearest to the pointer, in the plot under the pointer.
     fn nearest<'a>(&self, course: &'a Course, pointer: Pos2) -> Option<&'a CoursePoint> {
         let place = self.plots.iter().position(|plot| pointer.y <= plot.area.bottom() + BETWEEN)?;
         let (plot, quantity) = (&self.plots[place], Quantity::ALL[place]);
@@ -177,7 +177,7 @@ impl Stack {
         near.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// A click goes to the frame; Ctrl and the wheel or two fingers enlarge the time, dragging and Shift with the wheel move it.
+    /// A click goes to the frame; Ctrl with the wheel or pinching zooms the time axis, dragging and Shift with the wheel move it.
     fn read_pointer(&self, panel: &mut Panel<'_>, ui: &Ui, under: Option<&CoursePoint>, whole: [f64; 2]) {
         let is_part = self.span != whole;
         if let Some(point) = under.filter(|_| self.response.clicked()) {
@@ -215,7 +215,7 @@ fn describe(course: &Course) -> String {
     format!("Pan, tilt and focal length over time: {}", counts.join(", "))
 }
 
-/// Pans run on beyond ±180° without a jump; their numbers are those of the directions.
+/// Pans continue beyond ±180° without a jump; their labels are wrapped.
 fn name_directions(ruler: &mut Ruler) {
     for (pan_deg, words) in ruler.ticks.iter_mut().filter(|(pan_deg, _)| pan_deg.abs() > 180.0) {
         let decimals = words.split_once('.').map_or(0, |(_, decimals)| decimals.len());
@@ -223,8 +223,8 @@ fn name_directions(ruler: &mut Ruler) {
     }
 }
 
-/// From the smallest to the largest value within a span. Frames that stand out count as long as the others can still be
-/// told apart.
+/// From the smallest to the largest value within a span. Outliers are included as long as the other frames remain
+/// distinguishable.
 fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
     let over = |range: [f64; 2], value: f64| [range[0].min(value), range[1].max(value)];
     let none = [f64::INFINITY, f64::NEG_INFINITY];
@@ -242,7 +242,7 @@ fn scale(course: &Course, quantity: Quantity, span: [f64; 2]) -> [f64; 2] {
     }
 }
 
-/// A line where a shot ends, unless the shots are too narrow to be told apart.
+/// A line where a shot ends, unless the shots are too narrow.
 fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     let from = course.cuts.partition_point(|at| *at < plot.x[0]);
     let upto = course.cuts.partition_point(|at| *at <= plot.x[1]);
@@ -256,7 +256,7 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
 }
 
-/// The points of a span: each by itself with lines between those of a shot, or as columns where there are many.
+/// The points of a span: single points joined within a shot, or columns where there are many.
 fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quantity) {
     let at = |point: &CoursePoint| plot.at(point.at, point.value(quantity));
     match drawn(points, quantity, plot.x, (plot.area.width() / COLUMN) as usize) {
@@ -281,12 +281,12 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
     }
 }
 
-/// The frame under the pointer in words; without one, what can be done.
+/// The description of the frame under the pointer; without one, how to use the plot.
 fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&CoursePoint>) {
     let Some((point, frame)) = under.and_then(|point| Some((point, panel.app.open()?.frame(point.frame)?))) else {
         let time = if course.axis == TimeAxis::Frame { "Frame number" } else { "Time of the video" };
         let text =
-            format!("{time} to the right. A click goes to the frame; Ctrl and wheel, + and − enlarge, dragging moves.");
+            format!("{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move.");
         ui.label(RichText::new(text).small().color(theme::WEAK));
         return;
     };
@@ -295,16 +295,16 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
 }
 
-/// A frame in words.
+/// The description of a frame.
 fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String {
     let [pan_deg, tilt, focal] = point.values;
     let pan = Angle::from_degrees(pan_deg).wrapped();
     let shot = frame.clip.as_ref().map(|clip| format!(", shot {clip}")).unwrap_or_default();
     let time = if axis == TimeAxis::Video { format!(", {:.2} s", point.at) } else { String::new() };
     let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-    let right = confidence.map(|confidence| format!(", right with {}", percent(confidence))).unwrap_or_default();
+    let right = confidence.map(|confidence| format!(", confidence {}", percent(confidence))).unwrap_or_default();
     let apart = point.apart_px.filter(|px| *px >= 1.0);
-    let apart = apart.map(|px| format!(", {px:.0} px off its neighbours' way")).unwrap_or_default();
+    let apart = apart.map(|px| format!(", {px:.0} px out of line with its neighbours")).unwrap_or_default();
     let (name, number) = (file_name(&frame.name()), point.frame + 1);
     format!(
         "{name}, frame {number}{shot}{time}: pan {pan:.2}, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
@@ -322,7 +322,7 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
          than these are apart."
     );
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Off their neighbours' way:").small().color(theme::BAD)).on_hover_text(tip);
+        ui.label(RichText::new("Out of line with neighbours:").small().color(theme::BAD)).on_hover_text(tip);
         for point in course.standing_out.iter().take(NAMED).map(|&place| &course.points[place]) {
             let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else { continue };
             let says = format!("{} {:.0} px", file_name(&frame.name()), point.apart_px.unwrap_or(0.0));

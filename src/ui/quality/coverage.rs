@@ -14,9 +14,9 @@ use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, v
 const HEIGHT: f32 = 120.0;
 const HEIGHT_SHARE: f32 = 0.3;
 
-/// What stands there without a base.
+/// Shown while there is no base.
 const NOTHING: &str =
-    "Where references look over pan and tilt appears here, once the camera's base is known and a frame is accepted.";
+    "This map of pan and tilt shows where references look, once the camera's base is known and a frame is accepted.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -54,7 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     );
 }
 
-/// What is said while nothing is accepted: the whole field is missing.
+/// Shown while nothing is accepted: the whole field is missing.
 const NOTHING_ACCEPTED: &str = "No frame of this camera is accepted yet.";
 
 fn is_empty(coverage: &Coverage) -> bool {
@@ -69,16 +69,16 @@ fn keys(ui: &mut Ui, seen: &Seen) {
         }
     };
     ui.horizontal_wrapped(|ui| {
-        legend::entry(ui, "seen by a reference", square(seen_by(1), 9.0));
-        legend::entry(ui, "by four and more", square(seen_by(4), 9.0));
+        legend::entry(ui, "seen by 1 reference", square(seen_by(1), 9.0));
+        legend::entry(ui, "by 4 or more", square(seen_by(4), 9.0));
         legend::entry(ui, "field that none sees", square(MISSING, 9.0));
         if !is_empty(&seen.suggestions) {
-            legend::entry(ui, "a suggestion looks there", square(theme::CAUTION, 4.0));
+            legend::entry(ui, "seen by a suggestion", square(theme::CAUTION, 4.0));
         }
     });
 }
 
-/// What looks where the pointer is; a click goes to the frame whose middle is nearest.
+/// The frames that look at the pointer's direction; a click goes to the frame whose centre is nearest.
 fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &Seen, pointer: Pos2) {
     let Some((cell, [pan_deg, tilt_deg])) = map.under(pointer) else { return };
     let app = panel.app;
@@ -103,7 +103,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
     map.painter.circle_stroke(on_map(point), 4.0, Stroke::new(1.5, theme::STRONG));
     ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
     let name = file_name(&frame.name());
-    let text = format!("{seen} The middle of {name} is nearest: a click goes there.");
+    let text = format!("{seen} Click to go to {name}, whose centre is nearest.");
     map.response.clone().on_hover_text_at_pointer(text);
     if map.response.clicked() {
         panel.actions.push(Action::LookAt { frame: point.frame, click: None });

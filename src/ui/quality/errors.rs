@@ -1,4 +1,4 @@
-//! How large the errors at clicks are, and at check clicks. A click goes to the worst one of a bar.
+//! Histograms of the errors of clicks and of check points. A click goes to the worst one of a bar.
 
 use super::{card, legend, nothing_yet};
 use crate::app::Action;
@@ -16,7 +16,7 @@ const HEIGHT: f32 = 86.0;
 const NUMBERS: f32 = 30.0;
 const BELOW: f32 = 16.0;
 
-/// What stands there without an error that says something.
+/// Shown while no error is evidence.
 const NOTHING: &str = "How far clicks lie from the lines appears here. Two clicks leave nothing to compare: place a third one on \
                        some frames, or a check point (K).";
 
@@ -24,11 +24,11 @@ const NOTHING: &str = "How far clicks lie from the lines appears here. Two click
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let errors = &panel.app.quality().errors;
     let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
-        let tip = "The distance of a click from where the frame's camera shows what it names, scaled to a picture 1920 px wide.";
+        let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
         ui.label(RichText::new("px at 1920 px width").small().color(theme::WEAK)).on_hover_text(tip);
         if !errors.clicks.is_empty() {
-            let right = "What as many right clicks would give, by the click noise of what they name.";
-            legend::entry(ui, "right clicks", |painter, at| {
+            let right = "The histogram expected of the same number of correct clicks, from the click noise of their landmarks and lines.";
+            legend::entry(ui, "correct clicks", |painter, at| {
                 painter.hline(at.x - 4.0..=at.x + 4.0, at.y, Stroke::new(1.5, theme::GOOD));
             })
             .on_hover_text(right);
@@ -49,30 +49,31 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn without_evidence(ui: &mut Ui, errors: &ClickErrors) {
     let text = match errors.without_evidence {
         0 => return,
-        1 => "1 frame has too few clicks to compare anything (two, for example): not counted.".to_owned(),
-        count => format!("{count} frames have too few clicks to compare anything (two, for example): not counted."),
+        1 => "1 frame is not counted: too few clicks for its errors to be evidence.".to_owned(),
+        count => format!("{count} frames are not counted: too few clicks for their errors to be evidence."),
     };
     nothing_yet(ui, &text);
 }
 
-/// The histogram of the clicks that took part, or of those held out.
+/// The histogram of the clicks that were used, or of the check points.
 fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool) {
     let (what, about) = if check {
-        ("Check points", "Points that no camera was fitted to.")
+        ("Check points", "Points that were not used to fit a camera.")
     } else {
-        ("Points", "Points that cameras were fitted to: their errors are a little smaller than those of other points.")
+        ("Points", "Points that cameras were fitted to. Their errors are slightly smaller than those of other points.")
     };
     let Some(spread) = spread else {
         if check {
-            nothing_yet(ui, "No check points: K holds a point out of the solve.");
+            nothing_yet(ui, "No check points. K turns a point into one.");
         }
         return;
     };
     let (histogram, step_px) = (&spread.histogram, spread.histogram.step_px);
-    let told = format!("{what}: {}, median {}, 90 % below {}", spread.count, px(spread.median_px), px(spread.most_px));
-    ui.label(RichText::new(&told).small().color(theme::STRONG)).on_hover_text(about);
+    let description =
+        format!("{what}: {}, median {}, 90 % below {}", spread.count, px(spread.median_px), px(spread.most_px));
+    ui.label(RichText::new(&description).small().color(theme::STRONG)).on_hover_text(about);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {told}")));
+    response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {description}")));
     let area = Rect::from_min_max(rect.min + vec2(NUMBERS, 4.0), rect.max - vec2(4.0, BELOW));
     let highest = histogram.expected.iter().copied().fold(histogram.highest() as f64, f64::max);
     let ruler = Ruler::around([0.0, highest.max(1.0)], 2.0);
@@ -90,7 +91,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     read_pointer(panel, ui, &plot, histogram, response);
 }
 
-/// The bars, and the steps that right clicks would make.
+/// The bars, and the steps expected of correct clicks.
 fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
     let last = histogram.bins.len() - 1;
     for (place, bin) in histogram.bins.iter().enumerate().filter(|(_, bin)| bin.count > 0) {
@@ -126,8 +127,8 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, plot: &Plot, histogram: &Histogr
         format!("{} to {}", number(from), px(from + histogram.step_px))
     };
     let count = if bin.count == 1 { "1 click".to_owned() } else { format!("{} clicks", bin.count) };
-    let right = format!("{:.0} if all names and cameras were right (green)", histogram.expected[place]);
-    let there = if bin.worst.is_some() { " A click goes to the worst of them." } else { "" };
+    let right = format!("{:.0} expected if all names and cameras are correct (green)", histogram.expected[place]);
+    let there = if bin.worst.is_some() { " Click to go to the worst one." } else { "" };
     if let Some((frame, click)) = bin.worst {
         ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
         if response.clicked() {

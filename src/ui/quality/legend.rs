@@ -16,7 +16,7 @@ pub fn colour(kind: PointKind) -> Color32 {
     theme::status_look(kind.status()).colour
 }
 
-/// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for what is begun.
+/// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for a draft.
 pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
     let stroke = Stroke::new(1.2, colour(kind));
     match kind {
@@ -39,7 +39,7 @@ pub fn ring(painter: &Painter, at: Pos2) {
     painter.circle_stroke(at, 5.5, Stroke::new(1.5, theme::BAD));
 }
 
-/// A mark with its words, which stay together on a line.
+/// A mark with its text, kept together on one line.
 pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Response {
     let font = TextStyle::Small.resolve(ui.style());
     let galley = ui.painter().layout_no_wrap(words.to_owned(), font, theme::TEXT);
@@ -51,7 +51,7 @@ pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Re
     response
 }
 
-/// What a kind is called, with how many there are.
+/// The name of a kind with its count.
 pub fn counted(kind: PointKind, count: usize) -> String {
     let (one, more) = match kind {
         PointKind::Reference => ("reference", "references"),

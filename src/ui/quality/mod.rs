@@ -1,6 +1,6 @@
 //! The quality page: how good labels and proposals are. It takes the window; each section is a file and a card.
 //!
-//! A section shows what [`crate::app::quality`] derived. A click goes to the frame, and the page makes way for the picture.
+//! A section shows what [`crate::app::quality`] derived. A click goes to the frame and closes the page.
 
 mod agreement;
 mod course;
@@ -40,7 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The title, the camera that the page speaks of, and the way back.
+/// The title, the camera that the page is about, and the close button.
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
@@ -71,10 +71,10 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
     });
-    shown.response.accessible_name("Camera").on_hover_text("The camera that this page speaks of.");
+    shown.response.accessible_name("Camera").on_hover_text("The camera that this page is about.");
 }
 
-/// Sections beside each other, as high as the highest of them.
+/// Sections beside each other, all as high as the highest.
 fn row<const N: usize>(panel: &mut Panel<'_>, ui: &mut Ui, sections: [fn(&mut Panel<'_>, &mut Ui); N]) {
     ui.columns(N, |columns| {
         let grounds: Vec<ShapeIdx> = columns.iter().map(|column| column.painter().add(Shape::Noop)).collect();
@@ -90,7 +90,7 @@ fn row<const N: usize>(panel: &mut Panel<'_>, ui: &mut Ui, sections: [fn(&mut Pa
     });
 }
 
-/// A section of the page: its title, and beside it on the right what belongs to the whole of it.
+/// A section of the page: its title with the section's controls at the right, and its contents.
 fn card(
     panel: &mut Panel<'_>,
     ui: &mut Ui,
@@ -110,7 +110,7 @@ fn card(
     });
 }
 
-/// What a section says while it has nothing to show: what will appear, and what to do for it.
+/// The text of an empty section: what will appear, and what to do for it.
 fn nothing_yet(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
 }

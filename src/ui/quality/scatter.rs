@@ -1,4 +1,4 @@
-//! Ways between two clicks on the same spots, as dots around the middle. The nearest dot can be pointed at and clicked.
+//! Offsets between two clicks on the same spots, as dots around the centre. The nearest dot can be pointed at and clicked.
 
 use crate::geometry::Vec2;
 use crate::ui::theme;
@@ -11,7 +11,7 @@ const REACH: f32 = 10.0;
 
 /// A plot of offsets, px at 1920 px width.
 pub struct Scatter<'a> {
-    /// What it is called for those who do not see it.
+    /// Its accessible name.
     pub name: &'a str,
     /// The offsets.
     pub offsets: &'a [Vec2],
@@ -61,7 +61,7 @@ impl Scatter<'_> {
         under.map(|index| (index, response.clicked()))
     }
 
-    /// How far the plot reaches, px: nine of ten dots lie well inside; what lies beyond is drawn at the border.
+    /// The plot's range, px: nine of ten dots lie well inside; those beyond are drawn at the border.
     fn reach_px(&self) -> f64 {
         let mut sizes: Vec<f64> = self.offsets.iter().map(Vec2::norm).collect();
         sizes.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Which landmarks and lines are hit badly, the worst first. A click goes to the worst click on one.
+//! Landmarks and lines by the errors of their clicks, the worst first. A click goes to the worst click on one.
 
 use super::{card, nothing_yet};
 use crate::app::Action;
@@ -11,9 +11,8 @@ use egui::{Button, Id, RichText, Ui};
 /// More landmarks than this are shown when asked for.
 const SHOWN: usize = 11;
 
-/// What stands there without an error that says something.
-const NOTHING: &str =
-    "Landmarks and lines appear here with how well they are hit, once some frames have three clicks or more.";
+/// Shown while no error is evidence.
+const NOTHING: &str = "Errors by landmark and line appear here once some frames have three clicks or more.";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -21,7 +20,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The stroke is where the median of right clicks would lie, by what is known of how well people hit this \
                    landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
-        let words = if targets.is_empty() { "" } else { "median; | of right clicks" };
+        let words = if targets.is_empty() { "" } else { "median; | expected" };
         ui.label(RichText::new(words).small().color(theme::WEAK)).on_hover_text(tip);
     };
     card(panel, ui, "ERRORS BY LANDMARK", legend, |panel, ui| {
@@ -32,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         let unfolded = Id::unique("all landmarks of the quality page");
         let all = ui.data(|data| data.get_temp::<bool>(unfolded).unwrap_or(false));
         let shown = if all { targets.len() } else { targets.len().min(SHOWN) };
-        // A single click far off does not make all other bars invisible.
+        // One outlier must not make all other bars invisible.
         let known = targets.iter().filter(|errors| errors.is_known()).map(|errors| errors.median_px);
         let largest = known.chain(targets.iter().map(|errors| 2.0 * errors.expected_px)).fold(0.1, f64::max);
         ui.spacing_mut().item_spacing.y = 0.0;

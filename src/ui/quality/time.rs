@@ -1,9 +1,9 @@
-//! Numbers along the time.
+//! Tick marks of a time axis.
 
 use crate::app::quality::TimeAxis;
 use crate::report::figure::Ruler;
 
-/// Numbers along the time, about so many.
+/// Tick marks of a time axis, about `count` of them.
 pub fn time_ticks(axis: TimeAxis, span: [f64; 2], wanted: f64) -> Vec<(f64, String)> {
     /// Steps that a clock has, s.
     const CLOCK_S: [f64; 13] = [1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0];

@@ -1,5 +1,5 @@
-//! The list of suggestions: a miniature with the proposed lines, how certain it is, how far from its neighbours. Only what
-//! is in view is laid out. Under the pointer nothing moves; without it the row of the shown frame stays where it is.
+//! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from its neighbours. Only
+//! visible rows are laid out. While the pointer is over the list no row moves; otherwise the shown frame's row keeps its place.
 
 use crate::app::Action;
 use crate::app::review::{ReviewOrder, ReviewRow, percent};
@@ -14,11 +14,11 @@ use egui::{
 
 /// The height of a row, points.
 const ROW: f32 = 44.0;
-/// A miniature's size, points.
+/// A thumbnail's size, points.
 const PICTURE: egui::Vec2 = vec2(64.0, 36.0);
 /// The width of the bar that shows the confidence, points.
 const BAR: f32 = 64.0;
-/// The height of the line above what has come while the list is held, points.
+/// The height of the separator above rows that arrived while the pointer was over the list, points.
 const LATE: f32 = 22.0;
 
 /// Shows the list.
@@ -74,10 +74,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// What changed since the list was drawn last.
+/// What changed since the list was last drawn.
 enum Moved {
     Nothing,
-    /// The row of the shown frame, by so many rows.
+    /// The shown frame's row has moved by this many rows.
     Row {
         by: f32,
     },
@@ -85,7 +85,7 @@ enum Moved {
     Order,
 }
 
-/// What the list shows: the frame, the order, the frame's place.
+/// What the list showed last: the frame, the order, the frame's row.
 type Shows = (usize, ReviewOrder, Option<usize>);
 
 fn what_moved(ui: &Ui, now: Shows) -> Moved {
@@ -105,10 +105,10 @@ fn what_moved(ui: &Ui, now: Shows) -> Moved {
     }
 }
 
-/// What stands below it has come since the pointer is over the list.
+/// The separator above rows that arrived while the pointer was over the list.
 fn late_line(ui: &Ui, first: Rect, count: usize) {
     let line = Rect::from_min_max(first.left_top() - vec2(0.0, LATE), first.right_top());
-    let text = format!("{count} new, put in order when the pointer leaves");
+    let text = format!("{count} new, sorted in when the pointer leaves");
     let response = ui.interact(line, Id::unique("review late"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
     let painter = ui.painter();
@@ -116,7 +116,7 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
     painter.text(line.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), theme::WEAK);
 }
 
-/// What lies above the line is accepted together.
+/// The line that separates the rows above the threshold from the rest.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
     painter.hline(row.x_range(), row.top(), Stroke::new(1.0, theme::ACCENT));
     let said = painter.layout_no_wrap(percent(threshold), FontId::proportional(10.0), theme::ACCENT);
@@ -130,7 +130,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let response = ui.interact(place, Id::unique(("review row", row.frame)), Sense::click());
     let current = row.frame == panel.app.session.frame;
     let name = file_name(&frame.name());
-    // Of one that has gone only what became of it counts.
+    // Of a row that is no longer a suggestion only its outcome is shown.
     let confidence = match row.confidence {
         _ if row.gone => status_label(frame.status).to_lowercase(),
         Some(confidence) => percent(confidence),
@@ -175,7 +175,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text.clone(), colour);
     }
     let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
-    let is = if row.gone { "" } else { "right with probability " };
+    let is = if row.gone { "" } else { "confidence " };
     let tip = format!("{}: {is}{confidence}{neighbours}. Click to look at it.", frame.name());
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(row.frame));

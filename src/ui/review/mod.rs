@@ -1,4 +1,4 @@
-//! What is proposed, to be looked through: the list in an order, what is accepted together, what has no answer.
+//! The review panel: the list of suggestions, accepting them together, and the frames without an answer.
 
 mod list;
 
@@ -19,9 +19,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.review().rows.is_empty() {
         Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
             let none = if panel.app.session.trainer.status.forest.is_some() {
-                "No suggestion waits for you."
+                "There are no suggestions to review."
             } else {
-                "Nothing is proposed. The forest proposes cameras once it has learnt from a few references."
+                "There are no proposals yet. The forest proposes cameras once it has been trained on a few references."
             };
             ui.add(Label::new(RichText::new(none).color(theme::WEAK)).wrap());
         });
@@ -66,7 +66,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
         Frame::new().inner_margin(Margin::symmetric(8, 0)).show(ui, |ui| {
             let mut one = panel.app.session.review.one_per_shot;
             let before = one;
-            ui.checkbox(&mut one, "One per shot").on_hover_text("Of each shot only the first in this order is listed.");
+            ui.checkbox(&mut one, "One per shot").on_hover_text("List only the first of each shot in this order.");
             if one != before {
                 panel.actions.push(Action::SetOnePerShot(one));
             }
@@ -75,7 +75,7 @@ fn orders(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.add_space(theme::SPACE);
 }
 
-/// Below the list: what has no answer to rely on as one row, what is accepted together, and the shown frame's button.
+/// Below the list: a row for the frames without a reliable answer, the bulk acceptance, and the shown frame's button.
 fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
     label_next(panel, ui);
     if !panel.app.review().rows.is_empty() {
@@ -108,20 +108,21 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// How certain is certain enough, and how many that are.
+/// The bulk acceptance: the threshold, and how many suggestions pass it.
 fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let (taken, left_out, lowest) = panel.app.review().bulk_size(&panel.app.session.review);
         let command = Command::AcceptAllAbove;
         let says = ui.add(Button::new(format!("Accept {taken} above…")));
-        let lowest = lowest.map_or_else(String::new, |lowest| format!(" The least certain has {}.", percent(lowest)));
+        let lowest =
+            lowest.map_or_else(String::new, |lowest| format!(" The lowest confidence is {}.", percent(lowest)));
         if says.on_hover_text(format!("{}{lowest}", panel.app.settings.keys.tooltip(command))).clicked() {
             panel.actions.push(Action::Command(command));
         }
         threshold(panel, ui);
         if left_out > 0 {
             ui.label(RichText::new(format!("{left_out} disagree")).small().color(theme::CAUTION))
-                .on_hover_text("Certain, but far off the way between the frames before and after: look at each.");
+                .on_hover_text("Confident, but out of line with the frames before and after. Check each one.");
         }
     });
 }
@@ -131,7 +132,7 @@ pub fn threshold(panel: &mut Panel<'_>, ui: &mut Ui) {
     let before = 100.0 * panel.app.session.review.threshold;
     let mut percent = before;
     let field = DragValue::new(&mut percent).range(0.0..=99.9).speed(0.2).max_decimals(1).suffix(" %");
-    let tip = "Suggestions that are right with at least this probability are accepted together.";
+    let tip = "Suggestions with at least this confidence are accepted together.";
     ui.add(field).accessible_name("Accept above, per cent").on_hover_text(tip);
     if percent != before {
         panel.actions.push(Action::SetReviewThreshold(percent / 100.0));

@@ -1,4 +1,4 @@
-//! Where references look, over pan and tilt, what of it the forest finds again, and where a label helps most.
+//! The map of pan and tilt: where references look, which of them the forest finds again, and where a label helps most.
 
 use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 use crate::ui::coverage_map::{CoverageMap, label_next, missing};

@@ -1,4 +1,4 @@
-//! The background trainer: what it is doing, what it learns from, what the forest is worth, where a reference is missing.
+//! The background trainer: its progress, its references, the forest's accuracy, and where references are missing.
 
 mod map;
 mod worth;
@@ -44,7 +44,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 worth::show(panel, ui, quality);
             } else if status.forest.is_some() && !matches!(status.doing, Doing::Measuring(_)) {
                 section(ui, "WORTH");
-                let text = "Known once references of two shots, or some seconds apart, are accepted.";
+                let text = "Available once references from two shots, or a few seconds apart, are accepted.";
                 weak(ui, text);
             }
         });
@@ -66,11 +66,11 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// What goes on, how far it has come, and the way to stop it.
+/// The current work, its progress, and the pause button.
 fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let said = match status.doing {
-        Doing::Nothing if status.references == 0 => "Waits for the first reference.".to_owned(),
-        Doing::Nothing => "Nothing to do: every frame is answered that can be.".to_owned(),
+        Doing::Nothing if status.references == 0 => "Waiting for the first reference.".to_owned(),
+        Doing::Nothing => "Up to date: every frame that can be answered is.".to_owned(),
         doing => format!("{}.", doing.describe()),
     };
     ui.add(Label::new(said).wrap());
@@ -87,7 +87,7 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         remark(ui, Symbol::Warning, theme::CAUTION, trouble);
     }
     if let Some(reason) = &status.not_kept {
-        let text = format!("Forest and features are kept in memory only: {reason}");
+        let text = format!("Forest and features are only kept in memory: {reason}");
         remark(ui, Symbol::Info, theme::WEAK, &text);
     }
 }
@@ -158,7 +158,7 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: Suspect) {
 
 fn forest(ui: &mut Ui, facts: ForestFacts) {
     section(ui, "FOREST");
-    let took = facts.took.map_or_else(|| "kept from earlier".to_owned(), |took| format!("{:.1} s", took.as_secs_f64()));
+    let took = facts.took.map_or_else(|| "loaded from disk".to_owned(), |took| format!("{:.1} s", took.as_secs_f64()));
     let mut rows = vec![("References", facts.references.to_string())];
     if facts.features > 0 {
         rows.push(("Features", thousands(facts.features)));
@@ -166,7 +166,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
     rows.extend([
         ("Trees", facts.trees.to_string()),
         ("Leaves", thousands(facts.leaves)),
-        ("Learning took", took),
+        ("Training time", took),
         ("Generation", facts.generation.to_string()),
     ]);
     Grid::new("forest").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
@@ -179,7 +179,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
 }
 
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
-    section(ui, "PROPOSES");
+    section(ui, "PROPOSALS");
     let cameras = if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", status.answered) };
     ui.horizontal(|ui| {
         ui.label(format!("{cameras} proposed."));

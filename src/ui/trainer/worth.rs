@@ -1,4 +1,4 @@
-//! What the forest is worth: references that were left out and asked for.
+//! The forest's accuracy, tested on references that were left out of the training.
 
 use crate::app::Action;
 use crate::app::where_to_label::whole_degrees;
@@ -7,13 +7,13 @@ use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
 use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
 
-/// The worst are listed up to so many.
+/// How many of the worst are listed.
 const SHOWN: usize = 6;
 
-/// Shows the measure and the worst of what was asked for.
+/// Shows the accuracy and the worst results.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     ui.add(Label::new(summary(quality)).wrap()).on_hover_text(
-        "A forest is trained without these references and asked for them. px at 1920 px width, where the overlay is off most.",
+        "A forest is trained without these references and tested on them. Errors are those of the worst point of the overlay, px at 1920 px width.",
     );
     let mut worst: Vec<&LeftOut> = quality.asked.iter().collect();
     worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)).then(a.frame.cmp(&b.frame)));
@@ -22,20 +22,20 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
     }
 }
 
-/// The measure in two sentences.
+/// The accuracy in two sentences.
 fn summary(quality: &Quality) -> String {
-    let together = match quality.left_out_by {
-        LeftOutBy::Shot => "with all others of their shot",
-        LeftOutBy::Time => "with all within 5 s",
-        LeftOutBy::Neighbours => "with those next to them",
+    let without = match quality.left_out_by {
+        LeftOutBy::Shot => "other references of the shot",
+        LeftOutBy::Time => "neighbours (5 s)",
+        LeftOutBy::Neighbours => "adjacent references",
     };
-    let median = quality.median_px().map(|px| format!(", {px:.1} px off (median)")).unwrap_or_default();
+    let median = quality.median_px().map(|px| format!(", median error {px:.1} px")).unwrap_or_default();
     let wrong = quality.wrong().count();
-    let wrong = if wrong > 0 { format!(" {wrong} more than {WRONG_PX:.0} px off.") } else { String::new() };
-    format!("{} of {} references left out {together} are found{median}.{wrong}", quality.found(), quality.asked.len())
+    let wrong = if wrong > 0 { format!(" {wrong} with more than {WRONG_PX:.0} px.") } else { String::new() };
+    format!("Test without {without}: {} of {} references found{median}.{wrong}", quality.found(), quality.asked.len())
 }
 
-/// What was not found is the worst.
+/// The error; infinite if not found.
 fn error_px(asked: &LeftOut) -> f64 {
     asked.found.map_or(f64::INFINITY, |found| found.error_px)
 }
@@ -73,8 +73,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     ui.painter().galley(number_at, number, colour);
     let left_at = egui::pos2(rect.left() + 4.0, middle(left.size().y));
     ui.painter().galley(left_at, left, theme::TEXT);
-    let confidence =
-        asked.found.map(|found| format!(" It was said to be right with {:.0} %.", 100.0 * found.confidence));
+    let confidence = asked.found.map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(asked.frame));
@@ -87,7 +86,7 @@ mod tests {
     use crate::proposals::FoundAgain;
 
     #[test]
-    fn the_measure_counts_what_was_found_and_what_was_wrong() {
+    fn the_summary_counts_found_and_wrong_references() {
         let asked = |frame, error_px: Option<f64>| LeftOut {
             frame,
             pan_deg: 0.0,
@@ -98,8 +97,7 @@ mod tests {
         let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 2, asked };
         assert_eq!(
             summary(&quality),
-            "3 of 4 references left out with all others of their shot are found, 3.0 px off (median). 1 more than 20 px \
-             off."
+            "Test without other references of the shot: 3 of 4 references found, median error 3.0 px. 1 with more than 20 px."
         );
         assert_eq!(error_px(&quality.asked[1]), f64::INFINITY);
     }

@@ -1,4 +1,4 @@
-//! The picture during a blind round: nothing lies over it but the click that the pointer holds and what is asked for.
+//! The picture during a blind round: it shows only the dragged click and the name of the landmark to click.
 
 use super::hints::{PLATE, beside};
 use super::pointer::Hold;
@@ -12,7 +12,7 @@ use crate::ui::placement::Placement;
 use crate::ui::{Panel, canvas, loupe};
 use egui::{Align2, Color32, CursorIcon, FontId, Painter, Stroke, vec2};
 
-/// The click that is held: the reach of its arms and the gap at its middle, points.
+/// The crosshair of the dragged click: the length of its arms and the gap in its middle, points.
 const ARM: [f32; 2] = [4.0, 11.0];
 
 /// Shows the picture.

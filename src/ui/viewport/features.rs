@@ -1,4 +1,4 @@
-//! The features of the shown frame, and what the forest made of them.
+//! The features of the shown frame, and how the forest used them.
 
 use crate::app::App;
 use crate::proposals::{FeatureUse, UsedFeatures};
@@ -10,7 +10,7 @@ use egui::{Align2, Color32, FontId, Painter, Stroke, vec2};
 /// How large a feature is drawn, points.
 const RADIUS: f32 = 2.5;
 
-/// Draws them while they are wanted and known.
+/// Draws them if they are switched on and known.
 pub fn show(app: &App, painter: &Painter, placement: &Placement) {
     let trainer = &app.session.trainer;
     if !trainer.show_features {

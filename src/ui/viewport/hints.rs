@@ -1,4 +1,4 @@
-//! What is said on the picture: what a point is called, what the next click places, why there is no picture.
+//! Texts on the picture: names of points, what the next click places, why there is no picture.
 
 use super::scene::waits_for_name;
 use crate::app::Command;
@@ -10,14 +10,14 @@ use crate::ui::placement::Placement;
 use crate::ui::{Panel, rejecting, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 
-/// The plate behind what is said.
+/// The plate behind a text.
 pub const PLATE: Color32 = Color32::from_black_alpha(200);
-/// How long the name that was given without asking is shown, s.
+/// How long a name that was chosen automatically is shown, s.
 const NAME_SHOWN_S: f64 = 4.0;
 /// From a point to the text about it, points.
 const BESIDE: Vec2 = vec2(20.0, 16.0);
 
-/// Everything that is said over a picture.
+/// All texts over a picture.
 pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
     pulse(panel, ui, placement, &painter);
@@ -37,7 +37,7 @@ pub fn over_picture(panel: &mut Panel<'_>, ui: &mut egui::Ui, placement: &Placem
     }
 }
 
-/// What holds for the whole picture.
+/// The text about the whole picture.
 fn banner(panel: &Panel<'_>) -> Option<String> {
     let session = &panel.app.session;
     let frame = panel.app.frame()?;
@@ -49,16 +49,16 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         ));
     }
     if session.held.compare {
-        let shown = if has_proposal(panel) { "The base you have" } else { "The other solution" };
+        let shown = if has_proposal(panel) { "The current base" } else { "The other solution" };
         return Some(shown.to_owned());
     }
     if has_proposal(panel) {
-        return Some("The estimated base, not taken over yet".to_owned());
+        return Some("The estimated base, not applied yet".to_owned());
     }
     if frame.status == FrameStatus::Rejected {
         let reason = frame.reason.map_or("", reason_label);
         let key = keys.shown(Command::Reject);
-        return Some(format!("Not calibratable: {reason}. {key} takes the mark away.").replace(": .", "."));
+        return Some(format!("Not calibratable: {reason}. {key} removes the mark.").replace(": .", "."));
     }
     (session.next_on_line && session.mode == Mode::Idle)
         .then(|| format!("The next click is a point on a line. {} changes that.", keys.shown(Command::PlaceOnLine)))
@@ -68,7 +68,7 @@ fn has_proposal(panel: &Panel<'_>) -> bool {
     panel.app.current().proposal.is_some()
 }
 
-/// Points without a name draw the eye, gently.
+/// Highlights points without a name.
 fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     if panel.app.session.held.hide_overlay {
         return;
@@ -83,7 +83,7 @@ fn pulse(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     }
 }
 
-/// What the point in hand is called, and what the next click places.
+/// The name of the held point, and what the next click places.
 fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
     let session = &panel.app.session;
     let (click, hint) = match &session.mode {
@@ -123,7 +123,7 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
     }
 }
 
-/// Whether this click's name is news; asks for a repaint when it stops being that.
+/// Whether this click was named automatically a moment ago; requests a repaint for when that is over.
 fn recently(ui: &egui::Ui, click: Option<usize>) -> bool {
     let now = ui.input(|input| input.time);
     let id = super::id().with("named unasked");
@@ -141,7 +141,7 @@ fn recently(ui: &egui::Ui, click: Option<usize>) -> bool {
     known.is_some() && left > 0.0
 }
 
-/// The picture cannot be shown: says why where it would be.
+/// Shows why there is no picture, in its place.
 pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
     let lay_out = |text: &str, size, colour| painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap);

@@ -24,9 +24,9 @@ use pointer::{Hold, Pointer, Surroundings};
 
 pub use wheel::Gesture;
 
-/// A picture that is waited for shorter than this is not missed, s.
+/// A picture that arrives within this time needs no waiting indicator, s.
 const PATIENCE_S: f64 = 0.15;
-/// How bright the picture before is while the next one is waited for.
+/// The brightness of the previous picture while the next one is loading.
 const DIMMED: f32 = 0.4;
 /// How bright the picture is below masks.
 const BELOW_MASKS: f32 = 0.75;
@@ -58,7 +58,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     let layer = before.layer_id;
     let is_free =
         |at| before.rect.contains(at) && before.enabled() && ctx.layer_id_at(at).is_none_or(|on_top| on_top == layer);
-    // A label that is hidden is not taken hold of either.
+    // A hidden label cannot be dragged either.
     let hidden = panel.app.round().is_some();
     let clicks: Vec<ImagePoint> = frame.clicks.iter().filter(|_| !hidden).map(|click| click.image).collect();
     let around = Surroundings {
@@ -96,9 +96,9 @@ fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::
 
 /// Why there is no picture.
 enum Missing {
-    /// It is on its way.
+    /// It is loading.
     Yet,
-    /// It will not come, and why.
+    /// It failed, and why.
     Never(String),
 }
 
@@ -134,7 +134,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     }
 }
 
-/// The picture before, dimmed once the next one keeps the user waiting.
+/// The previous picture, dimmed once the next one takes longer.
 fn show_last(ui: &egui::Ui, placement: &Placement, rect: Rect) {
     let now = ui.input(|input| input.time);
     let (last, since) =
@@ -192,7 +192,7 @@ fn show_frame(
     naming::show(panel, ui, placement);
 }
 
-/// The pointer says what a press would do.
+/// Sets the pointer's shape to what a press would do.
 fn cursor(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold) {
     let icon = match hold {
         Hold::Picture(_) => CursorIcon::Grabbing,

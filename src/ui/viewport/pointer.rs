@@ -9,11 +9,11 @@ use crate::geometry::{ImagePoint, PixelBox};
 use crate::ui::placement::Placement;
 use egui::{Event, Modifiers, PointerButton, Pos2};
 
-/// A click this near to the pointer is taken hold of, points.
+/// The distance within which a press grabs a click, points.
 pub const REACH_PT: f32 = 8.0;
-/// A hand that moves less than this while pressing did not mean to drag, points.
+/// A press that moves less than this is not a drag, points.
 const SLACK_PT: f32 = 2.0;
-/// What Shift makes of the pointer's speed.
+/// The factor on the pointer's speed while Shift is held.
 const FINE: f64 = 0.1;
 
 /// What the pointer holds.
@@ -28,7 +28,7 @@ pub enum Hold {
         at: ImagePoint,
         /// Where the pointer went down, and whether it has left that place.
         pressed: Pos2,
-        /// The pointer has moved enough to mean it.
+        /// The pointer has moved far enough to be a drag.
         moving: bool,
     },
     /// The picture.
@@ -53,23 +53,23 @@ impl Hold {
     }
 }
 
-/// What the pointer needs to know of the rest.
+/// The state that the pointer depends on.
 pub struct Surroundings<'a> {
     /// Where the picture lies.
     pub placement: Placement,
     /// Where the frame's clicks are.
     pub clicks: &'a [ImagePoint],
-    /// What has been begun.
+    /// The mode of the application.
     pub mode: &'a Mode,
-    /// Where the application has the pointer, px of the picture.
+    /// The pointer's position as the application has it, px of the picture.
     pub hover: Option<ImagePoint>,
-    /// The picture is there: points can be placed on it.
+    /// Whether there is a picture on which points can be placed.
     pub ready: bool,
-    /// Masks are drawn instead of points.
+    /// Whether masks are drawn instead of points.
     pub masks: bool,
-    /// The space bar is down: dragging moves the picture.
+    /// Whether the space bar is down: dragging moves the picture.
     pub space: bool,
-    /// Whether a place of the screen belongs to the picture, and nothing lies over it.
+    /// Whether a screen position belongs to the picture and nothing covers it.
     pub is_free: &'a dyn Fn(Pos2) -> bool,
 }
 
@@ -101,7 +101,7 @@ impl Pointer {
     }
 }
 
-/// The nearest of the clicks within reach of a place of the screen.
+/// The nearest click within reach of a screen position.
 pub fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Option<usize> {
     clicks
         .iter()
@@ -115,7 +115,7 @@ pub fn click_at(placement: &Placement, clicks: &[ImagePoint], at: Pos2) -> Optio
 struct Reading<'a> {
     pointer: &'a mut Pointer,
     around: &'a Surroundings<'a>,
-    /// As it becomes while events are read.
+    /// The state while events are read.
     placement: Placement,
     actions: Vec<Action>,
 }
@@ -132,9 +132,9 @@ impl Reading<'_> {
                     self.released(*button);
                 }
             }
-            // What is held waits for the pointer to come back.
+            // A drag continues when the pointer comes back.
             Event::PointerGone if self.pointer.hold == Hold::Nothing => self.pointer.at = None,
-            // Nobody says that the button went up over another window.
+            // There is no event if the button goes up over another window.
             Event::WindowFocused(false) => self.let_go(),
             _ => {
                 if let Some(gesture) = Gesture::from_event(event) {
@@ -158,7 +158,7 @@ impl Reading<'_> {
                     self.pointer.hold = Hold::Mask { from: corner, to: corner, of_camera: modifiers.shift };
                     return;
                 }
-                // With a name in hand the next click places it, however near another point lies.
+                // Once a name is chosen the next click places it, however near another point lies.
                 let on = match self.around.mode {
                     Mode::Placing(_) => None,
                     _ => click_at(&self.placement, self.around.clicks, at),
@@ -183,7 +183,7 @@ impl Reading<'_> {
                 let along = self.placement.image_from_screen_vector(to - if began { pressed } else { from });
                 let at = at.moved(along * if modifiers.shift { FINE } else { 1.0 });
                 self.pointer.hold = Hold::Click { at, pressed, moving: true };
-                // Only the last place of a frame counts.
+                // Only the last position within a frame counts.
                 if let Some(Action::Drag(_)) = self.actions.last() {
                     self.actions.pop();
                 }
@@ -292,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn a_press_takes_the_nearest_click_and_a_trembling_hand_does_not_move_it() {
+    fn a_press_grabs_the_nearest_click_and_small_movements_do_not_drag_it() {
         let mut pointer = Pointer::default();
         let events = [button(pos2(201.0, 203.0), true), Event::PointerMoved(pos2(202.0, 204.0))];
         let actions = read(&mut pointer, &events, Modifiers::NONE, &Mode::Idle);
@@ -321,7 +321,7 @@ mod tests {
     }
 
     #[test]
-    fn with_a_name_in_hand_a_click_near_another_point_places_a_new_one() {
+    fn with_a_chosen_name_a_click_near_another_point_places_a_new_one() {
         let mode = Mode::Placing(crate::document::Target::Landmark("centre_mark".into()));
         let actions = read(&mut Pointer::default(), &[button(pos2(200.0, 200.0), true)], Modifiers::NONE, &mode);
         assert_eq!(actions, [Action::Press { at: ImagePoint::new(400.0, 400.0), on: None }]);

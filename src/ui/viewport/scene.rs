@@ -1,4 +1,4 @@
-//! What lies over the picture: the field, the clicks, a camera that is tried out, masks.
+//! The overlay: the field, the clicks, the camera of a highlighted name, masks.
 
 use super::pointer::Hold;
 use crate::app::{App, session::Mode};
@@ -9,13 +9,13 @@ use crate::ui::masks;
 use crate::ui::overlay::Overlay;
 use std::sync::Arc;
 
-/// A camera that is tried out stands back behind the frame's own, or is seen as not final.
+/// The opacity of a camera that is only previewed.
 const PREVIEW_OPACITY: f32 = 0.75;
-/// The frame's own camera steps back while another one is tried out.
+/// The opacity of the frame's own camera while another one is previewed.
 const BEHIND_PREVIEW: f32 = 0.35;
 
 impl Overlay {
-    /// What lies over the shown frame at a zoom (physical px per px of the picture).
+    /// The overlay of the shown frame at a zoom (physical px per px of the picture).
     pub fn new(app: &App, hold: &Hold, zoom: f64) -> Self {
         Self::without(app, None, hold, zoom)
     }
@@ -75,7 +75,7 @@ impl Overlay {
     }
 }
 
-/// Whether a click of the frame waits for its name and nobody is about to give it one.
+/// Whether a click of the frame has no name and is not being named.
 pub fn waits_for_name(app: &App, click: usize) -> bool {
     let busy = match &app.session.mode {
         Mode::Naming(naming) => naming.click == click,

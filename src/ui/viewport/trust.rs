@@ -1,4 +1,4 @@
-//! How far the lines are to be trusted, over the picture: band or heat map with its legend, and where to click next.
+//! The uncertainty of the lines over the picture: band or heat map with its legend, and where to click next.
 
 use crate::app::App;
 use crate::app::session::Mode;
@@ -15,18 +15,18 @@ use crate::ui::{Panel, theme};
 use egui::{Align2, Color32, FontId, Id, Mesh, Painter, Rect, Shape, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
 
-/// How much of the picture a heat map hides.
+/// The opacity of the heat map.
 const HEAT_OPACITY: f32 = 0.45;
-/// So many landmarks are proposed in the picture.
+/// The number of landmarks that are proposed in the picture.
 const PROPOSED: usize = 3;
-/// Proposals nearer than this are as good as one, points.
+/// Proposals nearer to each other than this are merged, points.
 const CROWDED: f32 = 90.0;
-/// They pulse for so long, then rest, s.
+/// How long they pulse, s.
 const PULSING_S: f64 = 5.0;
 /// The legend's size, points.
 const LEGEND: egui::Vec2 = vec2(232.0, 52.0);
 
-/// The layer that shows the uncertainty below the lines, if it is asked for and known.
+/// The layer that shows the uncertainty below the lines, if it is switched on and known.
 pub fn layer(app: &App) -> Option<Layer> {
     let (solved, camera) = known(app)?;
     let image_size = app.frame()?.image_size;
@@ -62,27 +62,27 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let inside = card.shrink2(vec2(10.0, 7.0));
     let font = FontId::proportional(12.0);
     let Some((solved, camera)) = known(app) else {
-        let text = "Uncertainty: points come first";
+        let text = "Uncertainty: place points first";
         painter.text(inside.left_center(), Align2::LEFT_CENTER, text, font, theme::WEAK);
         return;
     };
     let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
     let here = app.session.hover.filter(|at| placement.image_size.contains(*at)).and_then(sigma_at);
-    let told = here.map_or_else(
+    let value = here.map_or_else(
         || format!("worst corner ±{:.1} px", solved.worst_corner_sigma_px),
         |px| format!("here ±{px:.1} px"),
     );
-    let title = format!("1-σ of the lines: {told}");
+    let title = format!("1-σ of the lines: {value}");
     painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::STRONG);
     if app.session.uncertainty == UncertaintyView::Band {
-        let text = "The band holds a line 68 times in 100.";
+        let text = "The band contains the true line in 68 of 100 cases.";
         painter.text(inside.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), theme::TEXT);
     } else {
         scale(painter, Rect::from_min_max(pos2(inside.left(), inside.top() + 18.0), inside.max), placement);
     }
 }
 
-/// The colours with their px.
+/// The colour scale.
 fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
     let bar = Rect::from_min_max(rect.min, pos2(rect.right(), rect.top() + 8.0));
     let steps = (HEAT_STOPS.len() - 1) as f32;
@@ -109,7 +109,7 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
     painter.add(Shape::mesh(mesh));
 }
 
-/// The best landmarks that do not crowd each other.
+/// The best landmarks that are not too close to each other.
 fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClick> {
     let mut found: Vec<&NextClick> = Vec::new();
     for next in ranked {
@@ -122,7 +122,7 @@ fn apart<'a>(ranked: &'a [NextClick], placement: &Placement) -> Vec<&'a NextClic
     found
 }
 
-/// What is being proposed, and since when.
+/// The proposed landmarks, and since when they are shown.
 #[derive(Clone, Default)]
 struct Proposing {
     frame: usize,
@@ -130,7 +130,7 @@ struct Proposing {
     since: f64,
 }
 
-/// The landmarks that would gain most, as rings that pulse for a while.
+/// The landmarks that would reduce the uncertainty most, as rings that pulse for a while.
 pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placement) {
     let app = panel.app;
     let Some(frame) = app.frame() else { return };
@@ -158,12 +158,12 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
         let at = placement.screen_from_image(next.at);
         painter.circle_stroke(at, 13.0 + 2.5 * phase, Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring));
         let text = FontId::proportional(11.0);
-        let told = if rank == 0 { next.gain() } else { format!("±{:.1} px", next.worst_corner_px) };
+        let description = if rank == 0 { next.gain() } else { format!("±{:.1} px", next.worst_corner_px) };
         crate::ui::labels::plate(
             painter,
             at + vec2(0.0, 24.0),
             Align2::CENTER_CENTER,
-            &told,
+            &description,
             crate::ui::labels::PlateStyle::new(text, theme::CAUTION, Color32::from_black_alpha(150)),
         );
     }

@@ -1,15 +1,15 @@
-//! What a wheel or two fingers on a pad mean.
+//! The gestures of a wheel or of two fingers on a touch pad.
 
 use egui::{Event, MouseWheelSource, MouseWheelUnit, Vec2};
 
 /// One notch of the wheel.
 const ZOOM_PER_LINE: f64 = 1.2;
-/// Zooming by fingers with Ctrl: a factor of e per so many points.
+/// Zooming with two fingers and Ctrl: points per factor e.
 const ZOOM_POINTS: f64 = 200.0;
-/// A line of a wheel as points.
+/// One line of a wheel, points.
 const POINTS_PER_LINE: f32 = 40.0;
 
-/// What the user wants of the view.
+/// The gesture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gesture {
     /// Enlarge by a factor.
@@ -19,7 +19,7 @@ pub enum Gesture {
 }
 
 impl Gesture {
-    /// A wheel zooms, fingers on a pad move; Ctrl and pinching always zoom; Shift with a wheel moves sideways.
+    /// A wheel zooms, two fingers move; Ctrl and pinching always zoom; Shift with a wheel moves sideways.
     pub fn from_event(event: &Event) -> Option<Self> {
         match event {
             Event::Zoom(factor) => Some(Self::Zoom(f64::from(*factor))),

@@ -1,4 +1,4 @@
-//! The stadium from above and from the side: where the camera stands, how surely, and where its frames look.
+//! The stadium from above and from the side: the camera's position with its uncertainty, and where its frames look.
 
 use super::section;
 use crate::calibrate::EstimatedBase;
@@ -10,11 +10,11 @@ use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 
 /// The view's height, points.
 const HEIGHT: f32 = 176.0;
-/// Of which the side view takes the right part, points wide.
+/// The width of the side view at the right, points.
 const SIDE: f32 = 64.0;
-/// The ellipse is drawn at least this large, enlarged by a round number that is told.
+/// The least size of the drawn ellipse, points; it is enlarged by a round factor, which is shown.
 const VISIBLE: f64 = 14.0;
-/// The frames' directions are drawn at least this long, m.
+/// The least length of the frames' directions as drawn, m.
 const LOOK_M: f64 = 45.0;
 
 /// Shows both views.
@@ -23,9 +23,9 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "WHERE IT STANDS");
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let position = found.estimate.base.position_m;
-    let told =
+    let description =
         format!("From above: the camera at x {:.1}, y {:.1}, height {:.1} m", position.x, position.y, position.z);
-    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &told));
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 4.0, theme::BACKDROP);
     let top = Rect::from_min_max(rect.min, pos2(rect.right() - SIDE, rect.bottom()));
@@ -57,7 +57,7 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
     for (index, fit) in found.frames.iter().zip(&estimate.frames) {
         let Some(fit) = fit else { continue };
         let direction = (heading + fit.ptz.pan).radians();
-        // To the middle line, or straight on where it looks along the field.
+        // To the field's long axis, or straight on where it looks along the field.
         let reach_m = (position.y.abs() / direction.cos().abs().max(0.2)).max(LOOK_M);
         let end = position + Vec3::new(direction.sin(), direction.cos(), 0.0) * reach_m;
         let (width, colour) = if *index == shown {
@@ -106,7 +106,7 @@ fn ellipse(covariance: Matrix2<f64>) -> Vec<Vector2<f64>> {
     (0..CORNERS).map(corner).collect()
 }
 
-/// By which round number the ellipse is enlarged to be seen at a scale (points per m).
+/// The round factor that makes the ellipse visible at a scale (points per m).
 fn enlargement(covariance: Matrix2<f64>, scale: f64) -> f64 {
     let radius_m = covariance.symmetric_eigenvalues().max().max(0.0).sqrt();
     let seen = |times: &&f64| radius_m * scale * **times >= VISIBLE;
