@@ -282,7 +282,7 @@ fn the_commands_weight_clicks_as_the_document_says() {
             let ran = touchline(folder.path(), &format!("{command} {name}"));
             let solved = document_from_bytes(ran.stdout.as_bytes()).unwrap();
             let sigmas = solved.frames[4].solution.as_ref().unwrap().worst_corner_sigma_px.unwrap();
-            (sigmas, ran.stderr.contains("weighed by their annotator's own click noise"))
+            (sigmas, ran.stderr.contains("weighted by their annotator's own click noise"))
         };
         let ((usual, silent), (own, said)) = (sigma("usual.json"), sigma("own.json"));
         assert!(own < 0.95 * usual && !silent && said, "{command}: {own} of {usual}");

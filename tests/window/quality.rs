@@ -84,12 +84,12 @@ fn errors_landmarks_and_coverage_lead_to_the_frame_that_is_worst() {
 fn without_a_camera_the_page_says_what_will_appear() {
     let mut window = Window::open(2, SIZE, 1.0);
     window.key(Key::F5);
-    for said in [
+    for text in [
         "Cameras are plotted here over time",
-        "How far clicks lie from the lines appears here",
-        "Landmarks and lines appear here",
+        "The errors of clicks appear here.",
+        "Errors by landmark and line appear here",
         "No frame of this camera is accepted yet.",
     ] {
-        window.harness.get_by_label_contains(said);
+        window.harness.get_by_label_contains(text);
     }
 }

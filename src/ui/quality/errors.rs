@@ -17,8 +17,8 @@ const NUMBERS: f32 = 30.0;
 const BELOW: f32 = 16.0;
 
 /// Shown while no error is evidence.
-const NOTHING: &str = "How far clicks lie from the lines appears here. Two clicks leave nothing to compare: place a third one on \
-                       some frames, or a check point (K).";
+const NOTHING: &str = "The errors of clicks appear here. Two clicks alone can always be fitted: place a third one on some frames, \
+                       or a check point (K).";
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
