@@ -1,16 +1,16 @@
 //! What changes state, and what the outside then has to do.
 
 use super::base::EstimateFailure;
-use super::choices::{Scope, Selecting, TimeAxis};
+use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
-use super::{CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
+use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
 use crate::calibrate::{CameraChange, EstimatedBase};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
-use crate::proposals::{Proposal, UsedFeatures};
+use crate::proposals::{FoundMask, Proposal, UsedFeatures};
 use crate::scene::OverlayStyle;
 use crate::solve::base::BaseProgress;
 use crate::store::{Orphan, OrphanEdits, Outside};
@@ -113,19 +113,28 @@ pub enum Action {
         /// The box, px.
         mask: PixelBox,
     },
-    /// A mask of the camera becomes one of the shown frame only, or the other way.
-    MoveMask {
-        /// Of the camera so far, else of the frame.
-        of_camera: bool,
+    /// A mask is to cover other frames.
+    ScopeMask {
+        /// The list that it is in so far.
+        list: MaskList,
         /// Which, from 0.
         index: usize,
+        /// Which frames.
+        scope: MaskScope,
     },
     /// A mask is removed.
     RemoveMask {
-        /// Of the camera, else of the frame.
-        of_camera: bool,
+        /// The list that it is in.
+        list: MaskList,
         /// Which, from 0.
         index: usize,
+    },
+    /// What the search for burned-in graphics found in the document in this file.
+    BurntIn {
+        /// The document's file.
+        file: PathBuf,
+        /// The graphics, outside the masks that there are.
+        found: Vec<FoundMask>,
     },
 
     /// A number begins to change; the name is the undo step's.
@@ -370,7 +379,7 @@ impl Action {
             | Self::RejectAs(_)
             | Self::SetComment(_)
             | Self::AddMask { .. }
-            | Self::MoveMask { .. }
+            | Self::ScopeMask { .. }
             | Self::RemoveMask { .. }
             | Self::BeginEdit(_)
             | Self::EditPtz(_)
@@ -384,6 +393,7 @@ impl Action {
             | Self::UseForBase { .. }
             | Self::MirrorNames { .. } => ActionKind::Edit,
             Self::Proposals(_)
+            | Self::BurntIn { .. }
             | Self::Trainer(_)
             | Self::Features(_)
             | Self::BaseProgress(_)
@@ -552,6 +562,8 @@ pub enum Effect {
     CancelEstimate,
     /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
     WatchCamera(Box<CameraWatch>),
+    /// Look for burned-in graphics and report [`Action::BurntIn`].
+    FindBurntIn(Box<BurntInSearch>),
     /// Tell the background trainer something.
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].

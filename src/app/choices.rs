@@ -40,6 +40,52 @@ impl Scope {
     }
 }
 
+/// One of the lists of masks that cover a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MaskList {
+    /// Those of the camera for all of its frames.
+    Camera,
+    /// Those of the camera that have a range of frames, or were found.
+    Ranged,
+    /// Those of the frame alone.
+    Frame,
+}
+
+/// Which frames a mask is to cover.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaskScope {
+    /// Every frame of the camera.
+    All,
+    /// The shown frame's shot.
+    Shot,
+    /// The frames that are selected on the filmstrip; of a video all between the first and the last.
+    Selected,
+    /// The shown frame of a video and those after it.
+    FromHere,
+    /// The shown frame of a video and those before it.
+    UpToHere,
+    /// The shown frame alone.
+    Frame,
+}
+
+impl MaskScope {
+    /// Every scope, the largest first.
+    pub const ALL: [Self; 6] = [Self::All, Self::Shot, Self::Selected, Self::FromHere, Self::UpToHere, Self::Frame];
+
+    /// What a person reads.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::All => "Every frame",
+            Self::Shot => "This shot",
+            Self::Selected => "Selected frames",
+            Self::FromHere => "From this frame on",
+            Self::UpToHere => "Up to this frame",
+            Self::Frame => "This frame",
+        }
+    }
+}
+
 /// What time is counted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimeAxis {

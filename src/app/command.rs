@@ -37,6 +37,7 @@ pub enum Command {
     PreviousReference,
     Accept,
     AcceptAndStay,
+    AcceptAnyway,
     AcceptAllAbove,
     UseForTraining,
     MarkGold,
@@ -75,6 +76,8 @@ pub enum Command {
     AssignToCamera,
     SelectShot,
     NewCameraFromChange,
+    KeepBurntIn,
+    ChangeBurntIn,
     ConfirmFieldSize,
     FitFieldSize,
     Palette,
@@ -183,6 +186,7 @@ rows! {
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
+    AcceptAnyway, "accept_anyway", Frame, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is no training frame unless you say so.", [];
     AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
     UseForTraining, "use_for_training", Frame, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
@@ -214,6 +218,8 @@ rows! {
     LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
     AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
+    KeepBurntIn, "keep_burnt_in", Camera, "Mask what looks burned in", "Turn the score bugs, watermarks and black boxes that were found into masks of the camera. One step of undo.", [];
+    ChangeBurntIn, "change_burnt_in", Camera, "Change what looks burned in…", "Do the same and open the masks, to move, delete or draw some.", [];
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
     FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
     SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot. Shift-click or Ctrl-click on the filmstrip selects single frames.", [];
@@ -297,6 +303,7 @@ impl Command {
             | Self::PreviousClick
             | Self::Accept
             | Self::AcceptAndStay
+            | Self::AcceptAnyway
             | Self::AcceptAllAbove
             | Self::UseForTraining
             | Self::MarkGold
@@ -320,6 +327,8 @@ impl Command {
             | Self::AssignToCamera
             | Self::SelectShot
             | Self::NewCameraFromChange
+            | Self::KeepBurntIn
+            | Self::ChangeBurntIn
             | Self::ConfirmFieldSize
             | Self::FitFieldSize => CommandKind::Picture,
             Self::OpenProject

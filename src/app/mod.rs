@@ -6,6 +6,7 @@
 
 mod action;
 pub mod base;
+mod burnt_in;
 mod camera_watch;
 mod choices;
 mod command;
@@ -23,6 +24,7 @@ pub mod reclick;
 pub mod review;
 mod review_choice;
 pub mod selection;
+mod sentence;
 pub mod session;
 mod settings;
 mod trainer;
@@ -31,13 +33,16 @@ mod versioned;
 pub mod where_to_label;
 
 pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, OutsideChoice};
+pub use burnt_in::BurntInSearch;
 pub use camera_watch::{CameraWatch, WatchPanicked};
+pub use choices::{MaskList, MaskScope};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;
 pub use derived::FrameCounts;
 pub use keymap::{Chord, ChordError, Keymap};
 pub use open_project::OpenProject;
+pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, SettingsError};
 pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus};

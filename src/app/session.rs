@@ -6,8 +6,9 @@ use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::{Command, Comparison, TrainerState};
-use crate::document::{CameraId, Frame, FrameStatus, RejectReason, Target};
+use crate::document::{CameraId, Frame, FrameId, FrameStatus, RejectReason, Target};
 use crate::geometry::ImagePoint;
+use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
 use crate::store::Orphan;
 use std::collections::BTreeSet;
@@ -75,7 +76,22 @@ pub struct Session {
     pub orphans: Vec<Orphan>,
     /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
     pub fit_scale: f64,
+    /// Graphics that look burned into the pictures, until somebody decides about them.
+    pub burnt_in: Vec<FoundMask>,
+    /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
+    pub doubted: Option<Doubted>,
     next_notice: u64,
+}
+
+/// A frame that was to be accepted although its verdict is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Doubted {
+    /// Which frame.
+    pub frame: FrameId,
+    /// The document's version then: after a change it is asked again.
+    pub version: u64,
+    /// It was to stay shown.
+    pub stay: bool,
 }
 
 /// Copies of the document that were written elsewhere.
@@ -338,8 +354,16 @@ pub struct Notice {
     pub level: Level,
     /// One or two sentences.
     pub text: String,
-    /// A way out, as a button.
-    pub offer: Option<(&'static str, Command)>,
+    /// The ways out, as buttons.
+    pub offers: Vec<(&'static str, Command)>,
+}
+
+impl Notice {
+    /// Whether a command is one of its ways out.
+    #[must_use]
+    pub fn offers(&self, command: Command) -> bool {
+        self.offers.iter().any(|(_, offered)| *offered == command)
+    }
 }
 
 /// How serious a message is.
@@ -347,6 +371,8 @@ pub struct Notice {
 pub enum Level {
     /// Good to know; goes away by itself.
     Info,
+    /// Asks for a decision; stays until it is answered or closed.
+    Question,
     /// Stays until it is closed.
     Warning,
     /// Something failed; stays until it is closed.
@@ -375,20 +401,36 @@ pub enum Question {
 impl Session {
     /// Shows a message; one that says the same is replaced.
     pub fn notify(&mut self, level: Level, text: impl Into<String>) {
-        self.notify_with(level, text, None);
+        self.notify_with(level, text, []);
     }
 
-    /// Shows a message with a way out.
-    pub fn notify_with(&mut self, level: Level, text: impl Into<String>, offer: Option<(&'static str, Command)>) {
+    /// Shows a message with ways out.
+    pub fn notify_with(
+        &mut self,
+        level: Level,
+        text: impl Into<String>,
+        offers: impl IntoIterator<Item = (&'static str, Command)>,
+    ) {
         /// More would hide the picture.
         const SHOWN: usize = 4;
         let text = text.into();
         self.notices.retain(|notice| notice.text != text);
         self.next_notice += 1;
-        self.notices.push(Notice { id: self.next_notice, level, text, offer });
+        self.notices.push(Notice { id: self.next_notice, level, text, offers: offers.into_iter().collect() });
         if self.notices.len() > SHOWN {
             let gone = self.notices.iter().position(|notice| notice.level == Level::Info).unwrap_or(0);
             self.notices.remove(gone);
         }
+    }
+
+    /// Whether a message offers a command.
+    #[must_use]
+    pub fn offers(&self, command: Command) -> bool {
+        self.notices.iter().any(|notice| notice.offers(command))
+    }
+
+    /// Takes back the messages that offer a command: it has been done, or makes no sense any more.
+    pub fn retract(&mut self, command: Command) {
+        self.notices.retain(|notice| !notice.offers(command));
     }
 }

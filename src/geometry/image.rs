@@ -130,4 +130,10 @@ impl PixelBox {
     pub fn contains(&self, point: ImagePoint) -> bool {
         point.x >= self.x && point.y >= self.y && point.x < self.x + self.width && point.y < self.y + self.height
     }
+
+    /// Its middle.
+    #[must_use]
+    pub const fn centre(&self) -> ImagePoint {
+        ImagePoint::new(self.x + self.width / 2.0, self.y + self.height / 2.0)
+    }
 }

@@ -13,6 +13,7 @@ mod desk;
 mod error;
 mod frame_worker;
 mod opening;
+mod picture_tasks;
 mod pictures;
 mod runner;
 mod saver;

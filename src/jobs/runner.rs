@@ -1,10 +1,11 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
+use super::picture_tasks::burnt_in;
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
-    Background, BackgroundReport, JobError, Saver, SaverOptions, SaverReport, SharedPictures, Trainer, TrainerOptions,
-    TrainerReport, Wake, demo,
+    Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
+    TrainerOptions, TrainerReport, Wake, demo,
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
@@ -39,12 +40,28 @@ enum Kind {
     Estimate,
     /// It looks at a camera over time; the look's ticket.
     Watch(u64),
+    /// It looks for burned-in graphics.
+    BurntIn,
     /// Anything that runs to its end.
     Other,
 }
 
-/// Tells the window how far a task has come; a break says that nobody waits any more.
-type Tell<'a> = &'a (dyn Fn(Action) -> ControlFlow<()> + Sync);
+/// What a task tells the window through. A break says that nobody waits any more.
+#[derive(Clone, Copy)]
+struct Watch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
+
+impl Watch<'_> {
+    /// Tells how far the task has come.
+    fn tell(self, action: Action) -> ControlFlow<()> {
+        self.0.progress(action);
+        self.goes_on()
+    }
+
+    /// Whether to go on.
+    fn goes_on(self) -> ControlFlow<()> {
+        if self.0.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
 
 /// Something under way.
 struct Task {
@@ -90,7 +107,7 @@ impl Runner {
             Effect::EstimateBase { with_size, document, folder, camera } => {
                 self.begin("base", Kind::Estimate, move |watch| {
                     let found = estimate(document.at(&folder), &camera, with_size, &|progress| {
-                        watch(Action::BaseProgress(progress))
+                        watch.tell(Action::BaseProgress(progress))
                     });
                     Ok(Outcome::Action(Action::BaseEstimated(found.map_err(EstimateFailure::Impossible))))
                 });
@@ -100,6 +117,13 @@ impl Runner {
                 let (ticket, change) = (watch.ticket, watch.look().map(Box::new));
                 Ok(Outcome::Action(Action::CameraWatched { ticket, change: Ok(change) }))
             }),
+            Effect::FindBurntIn(search) => {
+                self.give_up(Kind::BurntIn);
+                let pictures = self.pictures.clone();
+                self.begin("burned-in graphics", Kind::BurntIn, move |watch| {
+                    Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
+                });
+            }
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -167,7 +191,7 @@ impl Runner {
                     BackgroundReport::Panicked(message) => actions.push(match task.kind {
                         Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
-                        Kind::Opening | Kind::Other => {
+                        Kind::Opening | Kind::BurntIn | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }
                     }),
@@ -254,7 +278,7 @@ impl Runner {
     fn open(&mut self, name: &str, path: impl FnOnce() -> Result<PathBuf, JobError> + Send + 'static) {
         let held = self.held.clone();
         self.begin(name, Kind::Opening, move |watch| {
-            open_anything(&path()?, held.as_ref(), &|text| watch(Action::Progress(text)))
+            open_anything(&path()?, held.as_ref(), &|text| watch.tell(Action::Progress(text)))
                 .map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
@@ -276,14 +300,9 @@ impl Runner {
         &mut self,
         name: &str,
         kind: Kind,
-        task: impl FnOnce(Tell<'_>) -> Result<Outcome, JobError> + Send + 'static,
+        task: impl FnOnce(Watch<'_>) -> Result<Outcome, JobError> + Send + 'static,
     ) {
-        let background = Background::spawn(name, self.wake.clone(), move |reporter| {
-            task(&|action| {
-                reporter.progress(action);
-                if reporter.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-        });
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| task(Watch(reporter)));
         match background {
             Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
             Err(source) => {

@@ -55,8 +55,8 @@ pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [Tr
         let cameras: Vec<Option<PtzCamera>> =
             of_camera.iter().map(|&at| camera.pointed(&document.frames[training_samples[at].frame])).collect();
         let pictures: Vec<&Features> = of_camera.iter().map(|&at| &*training_samples[at].features).collect();
-        let least_px = MOVED_PX * camera.image_size.scale_from_1920();
-        let burnt = burnt_in(&pictures, &|one, other, point| moved(&cameras, [one, other], point, least_px));
+        let scale = camera.image_size.scale_from_1920();
+        let burnt = burnt_in(&pictures, &|one, other, point| moved(&cameras, [one, other], point, scale));
         let frames: Vec<usize> = of_camera.iter().map(|&at| training_samples[at].frame).collect();
         for graphic in &burnt.graphics {
             let ends = [graphic.first, graphic.last];
@@ -83,11 +83,17 @@ pub(super) fn leave_out_burnt_in(document: &Document, training_samples: &mut [Tr
 }
 
 /// Whether what one reference shows at a point lies elsewhere in another, as their labels say.
-fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, least_px: f64) -> bool {
+fn moved(cameras: &[Option<PtzCamera>], pair: [usize; 2], point: ImagePoint, scale: f64) -> bool {
     let [Some(one), Some(other)] = pair.map(|at| cameras[at].as_ref()) else { return false };
+    moved_by_labels(one, other, point, scale)
+}
+
+/// Whether what one labelled picture shows at a point lies elsewhere in another; `scale` is the picture's width in units of
+/// 1920 px.
+pub(super) fn moved_by_labels(one: &PtzCamera, other: &PtzCamera, point: ImagePoint, scale: f64) -> bool {
     let Ok(ray) = one.ray_from_image(point) else { return false };
     // What the other does not see at all has moved out of its picture.
-    !other.image_from_ray(ray).is_ok_and(|image| image.distance_px(point) <= least_px)
+    !other.image_from_ray(ray).is_ok_and(|image| image.distance_px(point) <= MOVED_PX * scale)
 }
 
 /// A document whose cameras have the masks that were found.

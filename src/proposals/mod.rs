@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`read_picture`], [`FramePictures`], [`FeatureStore`] | pictures of a document's frames; their features, kept on disk |
 //! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
-//! | [`FoundMask`] | graphics found burnt into the references' pictures |
+//! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | [`LineWitness`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
@@ -22,6 +22,7 @@ mod bases;
 mod burnt_in;
 mod coverage;
 mod features;
+mod find_burnt_in;
 mod label;
 mod learning;
 mod line_witness;
@@ -43,6 +44,7 @@ pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
 pub use coverage::{Cell, Coverage};
 pub use features::{FrameFeatures, FramePictures};
+pub use find_burnt_in::find_burnt_in;
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_witness::LineWitness;
 pub(crate) use order::AskingOrder;

@@ -3,45 +3,43 @@
 use super::Panel;
 use super::labels::{PlateStyle, plate};
 use super::placement::Placement;
-use crate::app::{Action, App};
+use crate::app::{Action, App, MaskList};
 use crate::geometry::{ImagePoint, PixelBox};
-use egui::{Align2, Color32, FontId, Id, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
+use egui::{Align2, Color32, FontId, Id, Painter, Rect, Role, Sense, Stroke, Vec2, WidgetInfo, vec2};
 
 /// The side of a cross, points.
 const CROSS: f32 = 18.0;
 
-/// A shown mask: whether it belongs to the camera, and its index.
+/// A mask that is shown, and its place in its list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownMask {
-    /// For every frame of the camera, else for this frame only.
-    pub of_camera: bool,
-    /// Its index.
+    /// The list that it is in.
+    pub list: MaskList,
+    /// Which, from 0.
     pub index: usize,
     /// The box, px.
     pub pixel_box: PixelBox,
 }
 
-/// The masks of the shown frame, the camera's first; none unless masks are shown.
+/// The masks that cover the shown frame, the camera's first; none unless masks are shown.
 pub fn shown(app: &App) -> Vec<ShownMask> {
-    if !app.session.masks {
-        return Vec::new();
-    }
+    let Some(frame) = app.frame().filter(|_| app.session.masks) else { return Vec::new() };
     let camera = app.camera_id().and_then(|id| app.open()?.document.camera(id));
     let of_camera = camera.map(|camera| camera.masks.as_slice()).unwrap_or_default();
-    let of_frame = app.frame().map(|frame| frame.masks.as_slice()).unwrap_or_default();
-    let listed = |masks: &[PixelBox], of_camera| -> Vec<ShownMask> {
+    let ranged = camera.map(|camera| camera.ranged_masks.as_slice()).unwrap_or_default();
+    let listed = |masks: &[PixelBox], list| -> Vec<ShownMask> {
         let numbered = masks.iter().enumerate();
-        numbered.map(|(index, pixel_box)| ShownMask { of_camera, index, pixel_box: *pixel_box }).collect()
+        numbered.map(|(index, pixel_box)| ShownMask { list, index, pixel_box: *pixel_box }).collect()
     };
-    [listed(of_camera, true), listed(of_frame, false)].concat()
+    let covering = ranged.iter().enumerate().filter(|(_, mask)| mask.covers(frame));
+    let ranged = covering.map(|(index, mask)| ShownMask { list: MaskList::Ranged, index, pixel_box: mask.pixel_box });
+    [listed(of_camera, MaskList::Camera), ranged.collect(), listed(&frame.masks, MaskList::Frame)].concat()
 }
 
 impl ShownMask {
     /// Where the mask lies on the screen.
     fn on_screen(&self, placement: &Placement) -> Rect {
-        let PixelBox { x, y, width, height } = self.pixel_box;
-        let corner = |x, y| placement.screen_from_image(ImagePoint::new(x, y));
-        Rect::from_min_max(corner(x, y), corner(x + width, y + height))
+        on_screen(&self.pixel_box, placement)
     }
 
     /// Where its cross lies on the screen.
@@ -51,26 +49,42 @@ impl ShownMask {
     }
 }
 
+/// Where a box of the picture lies on the screen.
+fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
+    let &PixelBox { x, y, width, height } = pixel_box;
+    let corner = |x, y| placement.screen_from_image(ImagePoint::new(x, y));
+    Rect::from_min_max(corner(x, y), corner(x + width, y + height))
+}
+
+/// Says what a mask is for, in its lower left corner.
+fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
+    let at = mask.intersect(placement.rect).left_bottom() + vec2(8.0, -10.0);
+    let style = PlateStyle::new(FontId::proportional(11.0), Color32::from_gray(225), Color32::from_black_alpha(150));
+    plate(painter, at, Align2::LEFT_CENTER, says, style);
+}
+
 /// Shows the scope of each mask and its delete button.
 pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     let painter = ui.painter_at(placement.rect);
+    for asked in panel.app.asked_masks() {
+        let whole = on_screen(&asked, placement);
+        if whole.intersects(placement.rect) {
+            label(&painter, whole, placement, "looks burned in");
+        }
+    }
     for mask in shown(panel.app) {
         let whole = mask.on_screen(placement);
         if !whole.intersects(placement.rect) {
             continue;
         }
-        let (what, name) = if mask.of_camera { ("every frame", "camera") } else { ("this frame", "frame") };
-        let at = whole.intersect(placement.rect).left_bottom() + vec2(8.0, -10.0);
-        let behind = Color32::from_black_alpha(150);
-        plate(
-            &painter,
-            at,
-            Align2::LEFT_CENTER,
-            what,
-            PlateStyle::new(FontId::proportional(11.0), Color32::from_gray(225), behind),
-        );
+        let (what, name) = match mask.list {
+            MaskList::Camera => ("every frame", "camera"),
+            MaskList::Ranged => ("some frames", "ranged"),
+            MaskList::Frame => ("this frame", "frame"),
+        };
+        label(&painter, whole, placement, what);
         let rect = mask.cross(placement);
-        let id = Id::NULL.with(("mask", mask.of_camera, mask.index));
+        let id = Id::NULL.with(("mask", mask.list, mask.index));
         let response = ui.interact(rect, id, Sense::click()).on_hover_text("Delete this mask.");
         let label = format!("Delete {name} mask {}", mask.index + 1);
         response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &label));
@@ -84,7 +98,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }
         if response.clicked() {
-            panel.actions.push(Action::RemoveMask { of_camera: mask.of_camera, index: mask.index });
+            panel.actions.push(Action::RemoveMask { list: mask.list, index: mask.index });
         }
     }
 }

@@ -77,7 +77,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, canvas: Rect) {
 
 const fn look(level: Level) -> (Symbol, Color32) {
     match level {
-        Level::Info => (Symbol::Info, theme::ACCENT),
+        Level::Info | Level::Question => (Symbol::Info, theme::ACCENT),
         Level::Warning => (Symbol::Warning, theme::CAUTION),
         Level::Error => (Symbol::Warning, theme::BAD),
     }
@@ -95,8 +95,8 @@ fn card(app: &crate::app::App, actions: &mut Vec<Action>, ui: &mut Ui, notice: &
         ui.set_width(width);
         ui.horizontal_top(|ui| {
             symbol::show(ui, sign, colour);
-            let offer = notice.offer.map_or(0.0, |(says, _)| 8.0 * says.len() as f32 + 28.0);
-            ui.allocate_ui(vec2(width - 16.0 - 20.0 - offer - 24.0, 0.0), |ui| {
+            let offers: f32 = notice.offers.iter().map(|(says, _)| 8.0 * says.len() as f32 + 28.0).sum();
+            ui.allocate_ui(vec2(width - 16.0 - 20.0 - offers - 24.0, 0.0), |ui| {
                 let said = ui.add(Label::new(egui::RichText::new(&notice.text).color(theme::STRONG)).wrap());
                 said.widget_info(|| egui::WidgetInfo::labeled(Role::Label, true, &notice.text));
             });
@@ -106,11 +106,12 @@ fn card(app: &crate::app::App, actions: &mut Vec<Action>, ui: &mut Ui, notice: &
                 {
                     actions.push(Action::DismissNotice(notice.id));
                 }
-                if let Some((says, command)) = notice.offer
-                    && ui.add(Button::new(says)).on_hover_text(app.settings.keys.tooltip(command)).clicked()
-                {
-                    actions.push(Action::Command(command));
-                    actions.push(Action::DismissNotice(notice.id));
+                // They are laid out from the right.
+                for &(says, command) in notice.offers.iter().rev() {
+                    if ui.add(Button::new(says)).on_hover_text(app.settings.keys.tooltip(command)).clicked() {
+                        actions.push(Action::Command(command));
+                        actions.push(Action::DismissNotice(notice.id));
+                    }
                 }
             });
         });

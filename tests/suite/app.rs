@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline::app::session::{Dialog, Filter, Leaving, Level, Mode, PictureView, Saving};
-use touchline::app::{Action, App, Command, Effect, Opened, Settings};
+use touchline::app::{Action, App, Command, Effect, MaskList, MaskScope, Opened, Settings};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
     Camera, Clip, Document, FieldSpec, Frame, FrameStatus, RejectReason, SolutionSource, Target,
@@ -422,10 +422,10 @@ fn a_mask_of_one_frame_becomes_one_of_every_frame_in_one_step() {
         let document = &bench.app.open().unwrap().document;
         (document.cameras[0].masks.clone(), document.frames[0].masks.clone())
     };
-    bench.act(Action::MoveMask { of_camera: false, index: 0 });
+    bench.act(Action::ScopeMask { list: MaskList::Frame, index: 0, scope: MaskScope::All });
     assert_eq!(masks(&bench), (vec![score], vec![]));
     bench.act(Action::GoTo(2));
-    bench.act(Action::MoveMask { of_camera: true, index: 7 });
+    bench.act(Action::ScopeMask { list: MaskList::Camera, index: 7, scope: MaskScope::Frame });
     assert_eq!(masks(&bench), (vec![score], vec![]), "there is no such mask");
     bench.act(Action::GoTo(0));
     bench.command(Command::Undo);

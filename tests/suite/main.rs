@@ -35,6 +35,7 @@ mod identity;
 mod journal;
 mod killed;
 mod library;
+mod masks_in_app;
 mod names_in_app;
 mod nothing_unasked;
 mod paint;

@@ -181,3 +181,39 @@ fn a_camera_under_the_pitch_is_implausible() {
     assert!(solved.warnings.iter().any(|warning| warning.message.contains("2.0 m below the pitch")));
     assert_ne!(judge(&solved, SIZE).verdict, Verdict::Good);
 }
+
+#[test]
+fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
+    let mut document = project();
+    document.frames.push(swapped().into());
+    document.frames.push(frame("next.jpg", Ptz::from_degrees(0.0, -14.0, 2000.0), &[]).into());
+    let mut app = opened(document.clone());
+    assert_eq!(app.current().judgement.as_ref().unwrap().verdict, Verdict::Wrong);
+    app.update(Action::Command(Command::Accept));
+    assert_eq!((app.session.frame, app.frame().unwrap().status), (0, FrameStatus::Draft), "it asks first");
+    let notice = app.session.notices.last().unwrap();
+    let offers: Vec<_> = notice.offers.iter().map(|(says, _)| *says).collect();
+    assert_eq!(offers, ["Swap", "Accept anyway"], "{}", notice.text);
+    assert!(notice.text.starts_with("Point ") && notice.text.ends_with("px off."), "{}", notice.text);
+    app.update(Action::Command(Command::AcceptAnyway));
+    let accepted = app.open().unwrap().frame(0).unwrap();
+    assert_eq!((app.session.frame, accepted.status), (1, FrameStatus::Reference));
+    assert!(!accepted.is_used_for_training(), "a wrong frame does not teach by itself");
+    assert!(!app.session.offers(Command::AcceptAnyway), "the question is answered");
+
+    // Enter twice says the same; after a change it is asked again.
+    let mut app = opened(document);
+    app.update(Action::Command(Command::AcceptAndStay));
+    app.update(Action::Select(Some(0)));
+    app.update(Action::Nudge { dx_px: 0.1, dy_px: 0.0, held: false });
+    app.update(Action::Command(Command::AcceptAndStay));
+    assert_eq!(app.frame().unwrap().status, FrameStatus::Draft);
+    app.update(Action::Command(Command::AcceptAndStay));
+    assert_eq!((app.session.frame, app.frame().unwrap().status), (0, FrameStatus::Reference));
+    // Mended, it is accepted at once.
+    app.update(Action::Command(Command::Undo));
+    app.update(Action::Command(Command::MendNames));
+    assert!(app.why_not(Command::AcceptAnyway).is_some());
+    app.update(Action::Command(Command::AcceptAndStay));
+    assert!(app.frame().unwrap().is_used_for_training());
+}

@@ -64,7 +64,7 @@ impl App {
             Ok(found) => {
                 let text = describe(&found);
                 self.session.base = BaseWork::Proposed(found.into());
-                self.session.notify_with(Level::Info, text, Some(("Use it", Command::UseEstimatedBase)));
+                self.session.notify_with(Level::Info, text, [("Use it", Command::UseEstimatedBase)]);
             }
             Err(failure) => {
                 self.session.base = BaseWork::Idle;
@@ -85,11 +85,8 @@ impl App {
         match found.write_to(&mut open.document, &folder) {
             Ok(()) => {
                 self.commit();
-                self.session.notices.retain(|notice| {
-                    notice.offer.is_none_or(|(_, command)| {
-                        !matches!(command, Command::UseEstimatedBase | Command::EstimateBase)
-                    })
-                });
+                self.session.retract(Command::UseEstimatedBase);
+                self.session.retract(Command::EstimateBase);
                 self.session.base = BaseWork::Applied(found);
                 self.tell_assumed_size();
             }
@@ -135,7 +132,7 @@ impl App {
     pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
         if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
             let text = "These frames are enough to find out where the camera stands.";
-            self.session.notify_with(Level::Info, text, Some(("Estimate the base", Command::EstimateBase)));
+            self.session.notify_with(Level::Info, text, [("Estimate the base", Command::EstimateBase)]);
         }
     }
 }

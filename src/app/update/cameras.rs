@@ -66,9 +66,7 @@ impl App {
         let Some(change) = self.camera_change().cloned() else { return };
         let step = Step::on_document(format!("New camera from frame {}", change.frame + 1));
         if let Some(name) = self.change_cameras(step, |document, fields| change.part(document, fields)) {
-            self.session
-                .notices
-                .retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::NewCameraFromChange));
+            self.session.retract(Command::NewCameraFromChange);
             let text = format!(
                 "Camera “{name}” has the frames from {} on: points fit to {:.1} px. More points there, then estimate its base.",
                 change.frame + 1,
@@ -160,7 +158,7 @@ impl App {
             let told = (seen.1.clone(), change.frame);
             if self.session.told_change.as_ref() != Some(&told) {
                 self.session.told_change = Some(told);
-                let offer = Some(("New camera from here", Command::NewCameraFromChange));
+                let offer = [("New camera from here", Command::NewCameraFromChange)];
                 self.session.notify_with(Level::Warning, change.describe(), offer);
             }
         }

@@ -79,6 +79,10 @@ impl App {
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
                 Some("The field's size is known.")
             }
+            C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
+                Some("Nothing that looks burned in waits.")
+            }
+            C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize
                 if self.is_read_only() =>
             {
@@ -171,6 +175,7 @@ impl App {
             ),
             C::Accept => self.accept(false),
             C::AcceptAndStay => self.accept(true),
+            C::AcceptAnyway => self.accept_anyway(),
             C::AcceptAllAbove => self.ask_accept_all(),
             C::UseForTraining => self.toggle_use_for_training(),
             C::MarkGold => self.toggle_gold(),
@@ -211,6 +216,8 @@ impl App {
             C::ConfirmFieldSize => self.confirm_field_size(),
             C::SelectShot => self.select_shot(),
             C::NewCameraFromChange => self.new_camera_from_change(),
+            C::KeepBurntIn => self.keep_burnt_in(),
+            C::ChangeBurntIn => self.change_burnt_in(),
             C::EstimateBase => self.estimate_base(false),
             C::FitFieldSize => self.estimate_base(true),
             C::UseEstimatedBase => self.use_base(),

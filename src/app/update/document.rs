@@ -60,6 +60,7 @@ impl App {
         self.quality = super::Quality::default();
         // A look at the document before is reported in vain.
         self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
+        self.find_burnt_in();
     }
 
     pub(super) fn save(&mut self) {

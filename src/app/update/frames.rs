@@ -1,13 +1,10 @@
 //! Going from frame to frame, accepting and rejecting them.
 
 use super::App;
+use crate::app::Command;
 use crate::app::progress::just_accepted;
 use crate::app::session::{Level, Mode, Panel};
-use crate::document::{Frame, FrameStatus, RejectReason, Step};
-use crate::geometry::PixelBox;
-
-/// A mask smaller than this is a slip of the hand, px.
-const SMALLEST_MASK_PX: f64 = 3.0;
+use crate::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
     pub(super) fn go_to(&mut self, frame: usize) {
@@ -24,6 +21,8 @@ impl App {
         self.session.hover = None;
         self.session.named_unasked = None;
         self.session.mode = Mode::Idle;
+        self.session.retract(Command::AcceptAnyway);
+        self.session.doubted = None;
     }
 
     pub(super) fn step_frame(&mut self, by: isize) {
@@ -72,6 +71,11 @@ impl App {
             self.session.selected = self.frame().and_then(unnamed).or(self.session.selected);
             return;
         }
+        if self.asks_about_doubt(stay) {
+            return;
+        }
+        self.session.retract(Command::AcceptAnyway);
+        self.session.doubted = None;
         // What comes next in the list is asked before this frame leaves it.
         let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == Panel::Review);
         if self.begin("Accept") {
@@ -156,55 +160,6 @@ impl App {
             }
             self.commit();
         }
-    }
-
-    pub(super) fn add_mask(&mut self, of_camera: bool, mask: PixelBox) {
-        if !(mask.width >= SMALLEST_MASK_PX && mask.height >= SMALLEST_MASK_PX) {
-            return;
-        }
-        self.change_masks(of_camera, "Draw mask", |masks| masks.push(mask));
-    }
-
-    pub(super) fn remove_mask(&mut self, of_camera: bool, index: usize) {
-        self.change_masks(of_camera, "Remove mask", |masks| {
-            if index < masks.len() {
-                masks.remove(index);
-            }
-        });
-    }
-
-    /// A mask of the camera becomes one of the shown frame, or the other way.
-    pub(super) fn move_mask(&mut self, of_camera: bool, index: usize) {
-        if !self.begin_step(Step::on_document("Move mask")) {
-            return;
-        }
-        let moved = self.masks_mut(of_camera).filter(|masks| index < masks.len()).map(|masks| masks.remove(index));
-        if let (Some(mask), Some(masks)) = (moved, self.masks_mut(!of_camera)) {
-            masks.push(mask);
-        }
-        self.commit();
-    }
-
-    fn change_masks(&mut self, of_camera: bool, name: &str, change: impl FnOnce(&mut Vec<PixelBox>)) {
-        let step = if of_camera { Step::on_document(name) } else { self.step_at(name, self.session.frame) };
-        if !self.begin_step(step) {
-            return;
-        }
-        if let Some(masks) = self.masks_mut(of_camera) {
-            change(masks);
-        }
-        self.commit();
-    }
-
-    /// The masks of the shown frame's camera, or its own.
-    fn masks_mut(&mut self, of_camera: bool) -> Option<&mut Vec<PixelBox>> {
-        let index = self.session.frame;
-        let document = &mut self.open.as_mut()?.document;
-        if !of_camera {
-            return Some(&mut document.frames.get_mut(index)?.masks);
-        }
-        let camera = document.frames.get(index)?.camera.clone();
-        Some(&mut document.camera_mut(&camera)?.masks)
     }
 }
 

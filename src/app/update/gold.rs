@@ -80,7 +80,7 @@ impl App {
             self.commit();
             let text =
                 format!("{count}. Click them again once you no longer remember the labels, tomorrow for example.");
-            self.session.notify_with(Level::Info, text, Some(("Click again", Command::ClickAgain)));
+            self.session.notify_with(Level::Info, text, [("Click again", Command::ClickAgain)]);
         }
     }
 
@@ -99,7 +99,7 @@ impl App {
         let round = Reclick::of(&open.document);
         if round.is_empty() {
             let text = "No frame is gold. Mark a few references, or let the program choose them.";
-            self.session.notify_with(Level::Info, text, Some(("Choose them", Command::ChooseGold)));
+            self.session.notify_with(Level::Info, text, [("Choose them", Command::ChooseGold)]);
             return;
         }
         if open.history.is_open() {
@@ -273,6 +273,6 @@ impl App {
         }
         self.solve_by_clicks();
         self.commit();
-        self.session.notices.retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::UseOwnNoise));
+        self.session.retract(Command::UseOwnNoise);
     }
 }

@@ -6,9 +6,11 @@ mod clicks;
 mod commands;
 mod compare;
 mod document;
+mod doubt;
 mod frames;
 mod gold;
 mod leaving;
+mod masks;
 mod naming;
 mod numbers;
 mod outside;
@@ -132,8 +134,9 @@ impl App {
             Action::SetComment(comment) => self.set_comment(&comment),
             Action::SetFilter(filter) => self.session.filter = filter,
             Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
-            Action::MoveMask { of_camera, index } => self.move_mask(of_camera, index),
-            Action::RemoveMask { of_camera, index } => self.remove_mask(of_camera, index),
+            Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
+            Action::RemoveMask { list, index } => self.remove_mask(list, index),
+            Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),
             Action::EditCamera(camera) => self.edit_camera(*camera),

@@ -111,9 +111,7 @@ impl App {
         self.session.mode = Mode::Editing;
         self.edit_field(FieldSpec { size: Some(FieldSize::Confirmed), ..spec });
         self.end_edit();
-        self.session
-            .notices
-            .retain(|notice| notice.offer.is_none_or(|(_, command)| command != Command::ConfirmFieldSize));
+        self.session.retract(Command::ConfirmFieldSize);
     }
 
     /// Which field the shown frame has, by the document; the document's where there is no frame.
@@ -126,7 +124,7 @@ impl App {
     /// Says that the size of the field is assumed, with the way out.
     pub(super) fn tell_assumed_size(&mut self) {
         if let Some(told) = self.shown_field_spec().and_then(FieldSpec::describe_assumed_size) {
-            self.session.notify_with(Level::Info, told, Some(("Confirm", Command::ConfirmFieldSize)));
+            self.session.notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
         }
     }
 
@@ -220,7 +218,7 @@ mod tests {
         for own_field in [false, true] {
             let mut app = app(own_field);
             app.update(Action::Exported("a.json".into()));
-            let offers = |app: &App| app.session.notices.iter().filter(|notice| notice.offer.is_some()).count();
+            let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
             assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));
             assert_eq!((app.shown_field_spec().unwrap().assumed_size(), offers(&app)), (None, 0));

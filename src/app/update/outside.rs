@@ -48,7 +48,7 @@ impl App {
         if count > 0 {
             let edits = if count == 1 { "1 edit".to_owned() } else { format!("{count} edits") };
             let text = format!("{edits} of another version of this document are kept beside it.");
-            self.session.notify_with(Level::Warning, text, Some(("Look at them", Command::Orphans)));
+            self.session.notify_with(Level::Warning, text, [("Look at them", Command::Orphans)]);
         }
     }
 

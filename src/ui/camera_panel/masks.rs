@@ -1,8 +1,8 @@
 //! The masks (boxes that are excluded from feature detection), as a list.
 
 use super::section;
-use crate::app::{Action, Command};
-use crate::document::Camera;
+use crate::app::{Action, Command, MaskList, MaskScope};
+use crate::document::{Camera, MaskSource, RangedMask};
 use crate::geometry::PixelBox;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
@@ -12,13 +12,18 @@ use egui::{Align, Button, Layout, RichText, Ui};
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
-    if camera.masks.is_empty() && of_frame.is_empty() {
+    if camera.masks.is_empty() && camera.ranged_masks.is_empty() && of_frame.is_empty() {
         ui.label(RichText::new("None. Shift-drag a box around the score bug and each logo.").color(theme::WEAK));
     }
-    for (of_camera, masks) in [(true, &camera.masks), (false, &of_frame)] {
-        for (index, mask) in masks.iter().enumerate() {
-            row(panel, ui, of_camera, index, mask);
-        }
+    for (index, mask) in camera.masks.iter().enumerate() {
+        row(panel, ui, &Row { list: MaskList::Camera, index, mask, covers: "every frame".to_owned() });
+    }
+    for (index, mask) in camera.ranged_masks.iter().enumerate() {
+        let covers = covers(mask);
+        row(panel, ui, &Row { list: MaskList::Ranged, index, mask: &mask.pixel_box, covers });
+    }
+    for (index, mask) in of_frame.iter().enumerate() {
+        row(panel, ui, &Row { list: MaskList::Frame, index, mask, covers: "this frame".to_owned() });
     }
     let command = Command::ShowMasks;
     let says = if panel.app.session.masks { "Done drawing" } else { "Draw masks" };
@@ -27,21 +32,50 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-fn row(panel: &mut Panel<'_>, ui: &mut Ui, of_camera: bool, index: usize, mask: &PixelBox) {
+/// A mask of one of the lists.
+struct Row<'a> {
+    list: MaskList,
+    index: usize,
+    mask: &'a PixelBox,
+    /// Which frames it covers.
+    covers: String,
+}
+
+/// Which frames a mask with a range covers, and whether it was found.
+fn covers(mask: &RangedMask) -> String {
+    // A person counts frames from 1.
+    let number = |frame: u64| (frame + 1).to_string();
+    let frames = match (mask.from, mask.to) {
+        (None, None) => "every frame".to_owned(),
+        (Some(from), None) => format!("from {}", number(from)),
+        (None, Some(to)) => format!("up to {}", number(to)),
+        (Some(from), Some(to)) => format!("{}–{}", number(from), number(to)),
+    };
+    if mask.source == MaskSource::Found { format!("{frames}, found") } else { frames }
+}
+
+fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
+    let Row { list, index, mask, ref covers } = *row;
     ui.horizontal(|ui| {
-        let whose = if of_camera { "every frame" } else { "this frame" };
         ui.label(format!("{:.0}, {:.0}", mask.x, mask.y)).on_hover_text("Left and top edge, px.");
         ui.label(RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height)).color(theme::WEAK));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let name = format!("Remove mask {} of {whose}", index + 1);
+            let name = format!("Remove mask {} of {covers}", index + 1);
             if symbol::button(ui, Symbol::Cross, &name, theme::WEAK).on_hover_text("Remove this mask.").clicked() {
-                panel.actions.push(Action::RemoveMask { of_camera, index });
+                panel.actions.push(Action::RemoveMask { list, index });
             }
-            let other = if of_camera { "this frame only" } else { "every frame of the camera" };
-            let shown = Button::new(RichText::new(whose).small()).small();
-            if ui.add(shown).on_hover_text(format!("Make it a mask of {other}.")).clicked() {
-                panel.actions.push(Action::MoveMask { of_camera, index });
-            }
+            let menu = ui.menu_button(RichText::new(covers).small(), |ui| {
+                for scope in MaskScope::ALL {
+                    let why_not = panel.app.why_not_scope(scope);
+                    let entry = ui.add_enabled(why_not.is_none(), Button::new(scope.label()));
+                    if entry.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+                        panel.actions.push(Action::ScopeMask { list, index, scope });
+                        ui.close();
+                    }
+                }
+            });
+            menu.response
+                .on_hover_text("Which frames it covers; a range of a video is set at its first and last frame.");
         });
     });
 }

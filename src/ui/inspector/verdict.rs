@@ -2,10 +2,10 @@
 
 use crate::app::review::percent;
 use crate::app::selection::Scope;
-use crate::app::{Action, App, CameraChoice, Command};
+use crate::app::{Action, App, CameraChoice, Command, sentence};
 use crate::calibrate::CalibrationError;
 use crate::document::{Frame, FrameStatus};
-use crate::solve::{IdentityKind, SolveError, Verdict, WarningCode};
+use crate::solve::{SolveError, Verdict};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Button, Label, RichText, Ui};
@@ -94,18 +94,10 @@ fn describe_error(error: &CalibrationError) -> String {
     }
 }
 
-/// With a capital letter and a full stop.
-fn sentence(text: &str) -> String {
-    let mut letters = text.chars();
-    let first = letters.next().map(|first| first.to_uppercase().collect::<String>()).unwrap_or_default();
-    let stop = if text.ends_with(['.', '?', '!']) { "" } else { "." };
-    format!("{first}{}{stop}", letters.as_str())
-}
-
 /// The buttons of the warning that is shown, and how many more there are.
 fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     let more = hidden(panel.app, reason);
-    let mend = mend(panel.app);
+    let mend = panel.app.mend();
     let better = panel.app.current().better_camera.as_ref();
     if more == 0 && mend.is_none() && better.is_none() {
         return;
@@ -132,21 +124,6 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     });
 }
 
-/// The command that fixes the frame in one click, and its button's text.
-fn mend(app: &App) -> Option<(Command, &'static str)> {
-    let solved = app.current().solved()?;
-    if let Some(found) = app.current().other_names() {
-        let word = match found.kind {
-            IdentityKind::Swapped => "Swap",
-            IdentityKind::Mirrored(_) => "Exchange",
-            IdentityKind::WrongName | IdentityKind::OtherPart { .. } => "Rename",
-        };
-        return Some((Command::MendNames, word));
-    }
-    let two_roots = solved.warnings.iter().any(|warning| warning.code == WarningCode::TwoRoots);
-    (two_roots && app.current().other_root().is_some()).then_some((Command::SwitchRoot, "Switch"))
-}
-
 /// A button that shows the other solution while it is held, like its key.
 fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
     let response = ui.button("Compare").on_hover_text(panel.app.settings.keys.tooltip(Command::Compare));
@@ -163,16 +140,4 @@ fn compare(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn hidden(app: &App, reason: &str) -> usize {
     let warnings = app.current().solved().map_or(&[][..], |solved| &solved.warnings);
     warnings.iter().filter(|warning| warning.message != reason).count()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::sentence;
-
-    #[test]
-    fn a_sentence_begins_with_a_capital_and_ends_with_a_stop() {
-        assert_eq!(sentence("worst corner ±2.0 px"), "Worst corner ±2.0 px.");
-        assert_eq!(sentence("Cut or wrong name?"), "Cut or wrong name?");
-        assert_eq!(sentence(""), ".");
-    }
 }

@@ -59,9 +59,10 @@ impl Overlay {
                     OverlayScene { camera: Some(preview), standing: Standing::Proposed, style: &style, ..scene };
                 drawings.push(field_overlay(&tried));
             }
-            if app.session.masks {
-                let mut boxes: Vec<_> = masks::shown(app).into_iter().map(|mask| mask.pixel_box).collect();
-                boxes.extend(hold.mask().map(|(_, mask)| mask));
+            let mut boxes = app.asked_masks();
+            boxes.extend(masks::shown(app).into_iter().map(|mask| mask.pixel_box));
+            boxes.extend(hold.mask().map(|(_, mask)| mask));
+            if !boxes.is_empty() {
                 drawings.push(mask_overlay(&boxes));
             }
             let mut clicks = click_overlay(&scene);

@@ -1,0 +1,21 @@
+//! What is done in the background with pictures of the open document.
+
+use super::SharedPictures;
+use super::shared_pictures::SharedReader;
+use crate::app::{Action, BurntInSearch};
+use crate::media::FrameReader;
+use crate::proposals::{FeatureStore, WorkFolder};
+use std::ops::ControlFlow;
+
+/// Looks for graphics that are burned into the pictures; nothing is found where `watch`, asked after each, ends it.
+pub(super) fn burnt_in(
+    search: &BurntInSearch,
+    pictures: SharedPictures,
+    watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Action {
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    // The trainer looks at some of the same pictures.
+    let store = FeatureStore::on_disk(&WorkFolder::beside(&search.file));
+    let found = search.look(&mut reader, &store, watch).unwrap_or_default();
+    Action::BurntIn { file: search.file.clone(), found }
+}
