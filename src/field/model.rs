@@ -177,6 +177,25 @@ impl Curve {
         }
     }
 
+    /// How far a point lies from the nearest point of the curve, m.
+    #[must_use]
+    pub fn distance_m(&self, point: Vec3) -> f64 {
+        match *self {
+            Self::Segment { from, to } => {
+                let t = (point - from).dot(&(to - from)) / (to - from).norm_squared();
+                (point - self.point_at(t.clamp(0.0, 1.0))).norm()
+            }
+            Self::Arc { centre, radius_m, start, sweep } => {
+                let offset = point - centre;
+                let turned = (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
+                if turned.rem_euclid(std::f64::consts::TAU) <= sweep.radians().abs() {
+                    return (offset.xy().norm() - radius_m).hypot(offset.z);
+                }
+                [0.0, 1.0].map(|end| (point - self.point_at(end)).norm()).into_iter().fold(f64::INFINITY, f64::min)
+            }
+        }
+    }
+
     /// A circle: it has no ends.
     #[must_use]
     pub fn is_closed(&self) -> bool {
@@ -231,4 +250,28 @@ const SAME_PLACE_M: f64 = 1e-6;
 /// Whether two places are one.
 pub(super) fn same_place(a: Vec3, b: Vec3) -> bool {
     (a - b).norm() <= SAME_PLACE_M
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_distance_from_a_curve_is_that_of_its_nearest_point() {
+        let segment = Curve::Segment { from: Vec3::new(-3.0, 1.0, 0.0), to: Vec3::new(5.0, 2.0, 0.0) };
+        let arc = |start, sweep| Curve::Arc {
+            centre: Vec3::new(2.0, -1.0, 0.0),
+            radius_m: 4.0,
+            start: Angle::from_degrees(start),
+            sweep: Angle::from_degrees(sweep),
+        };
+        for curve in [segment, arc(0.0, 360.0), arc(30.0, 100.0), arc(-20.0, -250.0)] {
+            for at in [(0.0, 0.0, 0.0), (9.0, 3.0, 0.0), (2.0, -1.5, 0.3), (-7.0, 1.0, 0.0), (3.0, -6.0, 0.0)] {
+                let at = Vec3::new(at.0, at.1, at.2);
+                let sampled = (0..=20_000).map(|step| (at - curve.point_at(f64::from(step) / 20_000.0)).norm());
+                let nearest_m = sampled.fold(f64::INFINITY, f64::min);
+                assert!((curve.distance_m(at) - nearest_m).abs() < 1e-3, "{curve:?} from {at}");
+            }
+        }
+    }
 }

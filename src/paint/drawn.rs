@@ -1,7 +1,7 @@
 //! Pictures for the tests of this room: a field with its paint as an exact camera sees it.
 
 use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use crate::field::{Curve, FieldModel, builtin};
+use crate::field::{FieldModel, builtin};
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::media::Picture;
 use std::collections::BTreeMap;
@@ -72,29 +72,12 @@ fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<V
 
 /// How far the edge of the nearest paint is, m; negative within it.
 fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
-    let painted = field.lines.iter().filter(|line| line.painted);
-    painted.map(|line| distance_m(&line.paint_centre, at) - line.width_m / 2.0).fold(f64::INFINITY, f64::min)
+    let (painted, at) = (field.lines.iter().filter(|line| line.painted), Vec3::new(at.x, at.y, 0.0));
+    painted.map(|line| line.paint_centre.distance_m(at) - line.width_m / 2.0).fold(f64::INFINITY, f64::min)
 }
 
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
     // Stripes of light and dark grass, 5 m wide.
     let light = if (at.x / 5.0).floor() as i64 % 2 == 0 { 1.0 } else { 1.2 };
     if from_paint_m(field, at) <= 0.0 { [225.0, 230.0, 220.0] } else { [62.0 * light, 110.0 * light, 42.0 * light] }
-}
-
-/// The distance on the ground between a point and a curve.
-fn distance_m(curve: &Curve, at: Vec3) -> f64 {
-    match *curve {
-        Curve::Segment { from, to } => {
-            let along = (to - from).xy();
-            let share = ((at - from).xy().dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-            ((at - from).xy() - along * share).norm()
-        }
-        Curve::Arc { centre, radius_m, start, sweep } => {
-            let offset = (at - centre).xy();
-            let turned = (offset.y.atan2(offset.x) - start.radians()) * sweep.radians().signum();
-            let within = turned.rem_euclid(std::f64::consts::TAU) <= sweep.radians().abs() + 1e-9;
-            if within { (offset.norm() - radius_m).abs() } else { f64::INFINITY }
-        }
-    }
 }

@@ -6,6 +6,7 @@
 //! | [`Sightings`] | the ridges of paint that a picture shows where a camera predicts a line |
 //! | [`check_lines`], [`LineCheck`] | a camera judged by the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length pulled onto the paint, or the reason why not |
+//! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner or crossing that it names |
 //!
 //! Everything works on one picture and a known base; nothing is drawn by chance.
 
@@ -14,6 +15,7 @@ mod check;
 mod drawn;
 mod error;
 mod ground;
+mod point;
 mod profile;
 mod pull;
 mod ridge;
@@ -26,6 +28,7 @@ mod unexplained;
 pub use check::{LineCheck, LineVerdict, check_lines};
 pub use error::SnapError;
 pub use ground::GroundPicture;
+pub use point::{PointSnapOptions, SnappedPoint, snap_point};
 pub use ridge::Ridge;
 pub use sightings::{Seen, Sightings};
 pub use snap::{SnapOptions, Snapped, snap};
