@@ -66,6 +66,7 @@ fn crown(text: &str) -> Result<Crown, String> {
 pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
+    let before = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
     }
@@ -115,6 +116,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     for estimate in &estimates {
         estimate.mark_disputes(&mut document);
     }
+    document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
     messages.note(&format!("{} cameras estimated, {solved} frames solved", estimates.len()));

@@ -58,6 +58,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let taught = document_from_bytes(model.document.as_bytes()).with_context(|| args.forest.display().to_string())?;
     let Input { mut document, file, folder, skipped } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
+    let before = document.clone();
     let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_open(&document.frames[index])).collect();
     let options = RelocalizeOptions {
         predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
@@ -86,6 +87,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
             Err(reason) => messages.frame_failed(&frame.name(), &reason.to_string()),
         }
     }
+    document.count_edits_since(&before);
     write(&args.output, &document, &folder)?;
     tell_where_to_label(document.at(&folder), messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());

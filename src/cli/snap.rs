@@ -35,6 +35,7 @@ fn reach(text: &str) -> Result<f64, String> {
 pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
+    let before = document.clone();
     let fields = Fields::of(document.at(location.folder()))?;
     let options = SnapOptions { reach_px: args.reach, ..SnapOptions::default() };
     let mut reader = FrameReader::new();
@@ -70,6 +71,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
         }
     }
     bar.finish_and_clear();
+    document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
     messages
         .note(&format!("{snapped} frames snapped, {failed} not, {passed} without a camera or rejected, as they were"));

@@ -28,6 +28,7 @@ pub struct SolveArgs {
 pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
+    let before = document.clone();
     if let Some(noise) = document.click_noise_in_use() {
         messages.note(&noise.describe());
     }
@@ -46,6 +47,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
         check_lines(&mut document, location.folder(), messages)?;
     }
     report_cameras(document.at(location.folder()), messages);
+    document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));

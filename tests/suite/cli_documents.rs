@@ -155,6 +155,26 @@ fn solve_names_the_frames_that_could_not_be() {
 }
 
 #[test]
+fn a_command_counts_an_edit_of_the_frames_that_it_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    clicked_document(folder.path(), &[5, 0, 4]);
+    let revisions = |name: &str| {
+        let (_, document, _) = read(&folder.path().join(name)).unwrap();
+        document.frames.iter().map(|frame| frame.revision).collect::<Vec<_>>()
+    };
+    assert_eq!(revisions("doc.json"), [0, 0, 0]);
+    for (command, expected) in [
+        ("solve doc.json -o solved.json", [1, 0, 1]),
+        ("solve solved.json -o again.json", [1, 0, 1]),
+        ("refine-base again.json -o refined.json --distortion none", [2, 0, 2]),
+    ] {
+        let ran = touchline(folder.path(), command);
+        assert_eq!(ran.code, 0, "{command}: {}", ran.stderr);
+        assert_eq!(revisions(command.split_whitespace().nth(3).unwrap()), expected, "{command}");
+    }
+}
+
+#[test]
 fn commands_see_what_only_the_journal_holds() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("match");
