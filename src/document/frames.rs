@@ -6,7 +6,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator};
 use std::collections::HashMap;
 use std::fmt;
 use std::ops::{Bound, Index, IndexMut, RangeBounds};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Frames in the order in which a person steps through them.
 ///
@@ -18,6 +18,9 @@ pub struct Frames {
     frames: Vector<Shared<Frame>>,
     /// Where each id stood when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
+    /// Whether every frame stands where `positions` says: found out when an id is not there, and forgotten when a frame is
+    /// handed out to be changed. It saves the search for each of many ids that no frame has.
+    are_known: OnceLock<bool>,
 }
 
 /// Two frames of a document that is read have one id.
@@ -49,7 +52,7 @@ impl Frames {
             frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
             positions.insert(frame.id.clone(), position);
         }
-        Ok(Self { frames: frames.into_iter().collect(), positions: Arc::new(positions) })
+        Ok(Self { frames: frames.into_iter().collect(), positions: Arc::new(positions), are_known: OnceLock::new() })
     }
 
     /// How many there are.
@@ -72,6 +75,7 @@ impl Frames {
 
     /// The frame at a position, to change it.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
+        self.are_known = OnceLock::new();
         self.frames.get_mut(position)
     }
 
@@ -81,7 +85,12 @@ impl Frames {
         let is_it = |position: &usize| self.get(*position).is_some_and(|frame| frame.id == *id);
         let known = self.positions.get(id).copied().filter(is_it);
         // A frame that was put in another's place is not among the known positions.
-        known.or_else(|| self.iter().position(|frame| frame.id == *id))
+        known.or_else(|| if self.are_known() { None } else { self.iter().position(|frame| frame.id == *id) })
+    }
+
+    fn are_known(&self) -> bool {
+        let stands = |(position, frame): (usize, &Shared<Frame>)| self.positions.get(&frame.id) == Some(&position);
+        *self.are_known.get_or_init(|| self.iter().enumerate().all(stands))
     }
 
     /// The frame of an id.
@@ -115,6 +124,7 @@ impl Frames {
 
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
+        self.are_known = OnceLock::new();
         self.frames.iter_mut()
     }
 
@@ -231,6 +241,7 @@ impl Frames {
     }
 
     fn order_changed(&mut self) {
+        self.are_known = OnceLock::new();
         let positions = self.frames.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
         self.positions = Arc::new(positions.collect());
     }
@@ -262,6 +273,7 @@ impl Index<usize> for Frames {
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
+        self.are_known = OnceLock::new();
         &mut self.frames[position]
     }
 }
@@ -347,6 +359,18 @@ mod tests {
         frames[1] = frame("other");
         assert_eq!(frames.position_of(&frame("other").id), Some(1));
         assert_eq!(frames.position_of(&frame("1").id), None);
+        // Whatever was asked in between.
+        frames[1] = frame("1");
+        frames[2] = frame("third");
+        assert_eq!(frames.position_of(&frame("1").id), Some(1));
+        assert_eq!(frames.position_of(&frame("third").id), Some(2));
+        *frames.get_mut(0).unwrap() = frame("first");
+        assert_eq!(frames.position_of(&frame("first").id), Some(0));
+        frames.push(frame("last"));
+        frames.pop();
+        assert_eq!(frames.position_of(&frame("last").id), None);
+        frames.iter_mut().for_each(|place| *place = frame("first"));
+        assert_eq!(frames.position_of(&frame("third").id), None);
     }
 
     #[test]
