@@ -4,6 +4,78 @@
 //! (degrees, metres, px), so that a number that is read is written back to the last digit. The way to the mathematics
 //! leads through [`Camera::base`], [`Camera::pointed`] and [`FramePtz::ptz`]. Unknown keys are kept at every level. A project is a
 //! folder with `project.json`; a dataset is one file of the same schema, without unnamed clicks.
+//!
+//! # Schema
+//!
+//! Every key that this program knows is typed, checked when it is read, and stands here; the linked items say more. A key
+//! with `?` may be absent. Whatever else a file holds is kept as it is.
+//!
+//! The document ([`Document`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `format`, `version` | [`FORMAT_NAME`] and at most [`DOCUMENT_VERSION`]; a newer version is refused and left as it is |
+//! | `generator` | the program that wrote the file |
+//! | `conventions?` | world, image, rotation and angles in words, for people |
+//! | `field` | `template`, `params?` by name, and `size?`: whether its size is `assumed`, `confirmed` or `fitted` ([`FieldSpec`], [`FieldSize`]) |
+//! | `cameras`, `frames` | below |
+//! | `click_noise?` | the annotator's own click noise: `use`, `hand_factor`, `hand_factor_by_landmark?`, `sigma_px`, `sigma_interval_95_px`, `repeats` ([`ClickNoise`]) |
+//! | `shots?` | `from`, `to` (frame ids or video frame numbers), `camera?`, `kind`: `cut`, `fade`, `by_hand` ([`Shot`]) |
+//!
+//! A camera ([`Camera`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `id` | what frames call it |
+//! | `image_size_px`, `principal_point_px` | of its pictures, px |
+//! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
+//! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]) |
+//! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg` ([`CameraSigma`]) |
+//! | `masks_px?` | boxes `[x, y, width, height]` that give no features in any frame, px |
+//! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
+//! | `click_noise_px?` | 1-σ of a click in its pictures, px |
+//! | `sensor_width_mm?` | the width of its sensor, mm |
+//! | `field?` | its own field, where that is not the document's |
+//!
+//! A frame ([`Frame`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `id` | unique in the document, 1 to 128 bytes; a file without ids gets them from its pictures ([`FrameId`]) |
+//! | `revision?` | counts its edits, by people and by commands, undo included; absent: 0 |
+//! | `image?`, `video?` | where its picture is: a path; `path`, `frame_index`, `pts_s?` ([`VideoFrame`]). Paths are relative to the document's folder or absolute |
+//! | `sha256?` | of the image file, hexadecimal |
+//! | `camera`, `image_size_px` | its camera's `id`, and the size of its picture, px |
+//! | `status`, `reason?` | `new`, `draft`, `suggested`, `reference`, `rejected` and why ([`FrameStatus`], [`RejectReason`]) |
+//! | `clip?` | its shot, a number or a word ([`Clip`]) |
+//! | `comment?` | what somebody noted |
+//! | `use_for_base?` | `false` leaves it out when a base is estimated |
+//! | `use_for_training?` | whether the forest learns from it; read also as `teaches`; absent: accepted suggestions are not used |
+//! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round` ([`Repeat`]) |
+//! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
+//! | `clicks` | `landmark` or `line`, `image_px`, `check?` ([`Click`]) |
+//! | `masks_px?` | boxes that give no features in this frame, px |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`; absent: unsolved ([`FramePtz`]) |
+//! | `solution?` | below |
+//!
+//! A solution ([`Solution`]):
+//!
+//! | key | what it is |
+//! |---|---|
+//! | `covariance?` | 3 × 3 in the order `pan_deg`, `tilt_deg`, `focal_px` |
+//! | `rms_px?`, `worst_corner_sigma_px?` | residuals, and 1-σ of the overlay at the worst corner, px |
+//! | `source?` | [`SolutionSource`] |
+//! | `confidence?` | 0 to 1: that the overlay is right within 10 px at 1920 px width |
+//! | `samples?` | how many samples of painted lines took part |
+//! | `line_check?` | what the paint says of it: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
+//! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
+//! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
+//! | `verdict?` | on the clicks when they were solved |
+//! | `disputed?` | indices of clicks that disagree with the others |
+//! | `warnings` | `code`, `message`, `clicks?` and `renames?`: names that fit better ([`SolutionWarning`]) |
+//!
+//! `edited` is for programs and people who keep account of their work: it is read, checked and written back, and the program
+//! fills nothing in. It does not know the annotator's name, and the same input gives the same bytes.
 
 pub(crate) mod adapters;
 mod at;
