@@ -13,7 +13,7 @@
 //! | a frame from two clicks and more | [`solve::solve_frame`] |
 //! | where a camera stands, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
-//! | a forest, and frames that nobody clicked | [`proposals::learn`], [`relocalize::relocalize()`] |
+//! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
 //!
 //! Results are plain values that serde writes; their keys carry the units. Options are structs with documented defaults, made
@@ -32,7 +32,7 @@
 //! | 8 | `ui` (egui only here), `cli` (one file per command) |
 //! | 7 | `jobs` (the only detached threads), `render` (wgpu, no egui) |
 //! | 6 | `app` (the whole application without a window), `experiments` (tables and figures of what was measured) |
-//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (references teach, the other frames get a camera proposed), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
+//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
 //! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |

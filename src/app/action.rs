@@ -1,4 +1,4 @@
-//! What changes state, and what the outside then has to do.
+//! Actions, which change state, and effects, which the outside carries out.
 
 use super::base::EstimateFailure;
 use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
@@ -16,7 +16,7 @@ use crate::solve::base::BaseProgress;
 use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
-/// What changes state; the window, the jobs and the tests all speak this.
+/// What changes state; sent by the window, the jobs and the tests.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     /// A command by menu, key or palette.
@@ -48,7 +48,7 @@ pub enum Action {
         /// The key is held down: this belongs to the nudge before.
         held: bool,
     },
-    /// The picture is shown otherwise.
+    /// The view of the picture changes.
     View(PictureView),
     /// The scale at which the picture fits its canvas changed.
     FitScale(f64),
@@ -91,14 +91,14 @@ pub enum Action {
     },
     /// No frames are selected.
     SelectNoFrames,
-    /// Frames are given to a camera.
+    /// Frames are assigned to a camera.
     AssignToCamera {
         /// Which frames.
         scope: Scope,
         /// Which camera.
         camera: CameraChoice,
     },
-    /// The sheet on which frames are given is about others.
+    /// The dialog that assigns frames is about another scope.
     AskCamera(Scope),
     /// The frame (or its shot) is not calibratable.
     RejectAs(RejectReason),
@@ -166,15 +166,15 @@ pub enum Action {
     SetOnePerShot(bool),
     /// The suggestions that the preview shows are accepted together.
     AcceptAll,
-    /// The forest learns from a reference, or does not.
+    /// The forest is trained with a reference, or not.
     SetUseForTraining {
         /// Which frame.
         frame: usize,
-        /// It learns.
+        /// Whether it is.
         used: bool,
     },
 
-    /// The quality page speaks of this camera.
+    /// The quality page is about this camera.
     SetQualityCamera(CameraId),
     /// What the quality page counts time in.
     SetTimeAxis(TimeAxis),
@@ -190,7 +190,7 @@ pub enum Action {
 
     /// What the background trainer is doing and has found out.
     Trainer(Box<TrainerStatus>),
-    /// What the forest made of the shown frame's features.
+    /// How the forest used the shown frame's features.
     Features(Box<UsedFeatures>),
 
     /// How far the estimation of a base has come.
@@ -211,7 +211,7 @@ pub enum Action {
         /// It takes part.
         used: bool,
     },
-    /// The names of a frame's clicks are exchanged for those of the other side.
+    /// The names of a frame's clicks are mirrored.
     MirrorNames {
         /// Which frame.
         frame: usize,
@@ -228,7 +228,7 @@ pub enum Action {
     SetOverlayStyle(OverlayStyle),
     /// A command gets a key.
     AssignKey(Command, Chord),
-    /// Every key as it was delivered.
+    /// Every key goes back to its default.
     ResetKeys,
     /// The inspector's details unfold or fold.
     SetDetails(bool),
@@ -270,7 +270,7 @@ pub enum Action {
     WholeWanted,
     /// Another program changed the document's file.
     ChangedOutside(PathBuf),
-    /// What becomes of another program's version is asked again.
+    /// The question what to do with another program's version is asked again.
     AskOutside,
     /// What becomes of another program's version.
     ResolveOutside(OutsideChoice),
@@ -309,10 +309,10 @@ pub enum Action {
     CloseRequested,
 }
 
-/// What an action is: whether it may happen while something else is under way follows from it.
+/// The kind of an action. It decides whether the action is allowed while something else is under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActionKind {
-    /// A wish without details; [`Command::kind`] says more.
+    /// A command; see [`Command::kind`].
     Command,
     /// The pointer over the picture: what has been begun decides what it means.
     Pointer,
@@ -329,8 +329,8 @@ pub enum ActionKind {
 }
 
 impl ActionKind {
-    /// Whether it may happen during a blind round: it changes no label, shows none and stays where it is. A command is asked for
-    /// its own kind.
+    /// Whether it is allowed during a blind round: it changes and shows no label and does not leave the round. For a command its
+    /// own kind decides.
     #[must_use]
     pub const fn is_blind(self) -> bool {
         !matches!(self, Self::Edit | Self::Navigation)
@@ -464,14 +464,14 @@ pub struct Opened {
     pub file: PathBuf,
     /// Why it can only be looked at, if so.
     pub read_only: Option<String>,
-    /// What a person should know: recovered edits, a video shorter than it says.
+    /// Notices for the user: recovered edits, a video shorter than its header says.
     pub notices: Vec<(Level, String)>,
     /// Edits of another version of the document that were set aside.
     pub orphans: Vec<Orphan>,
 }
 
 impl Opened {
-    /// A document that can be written, about which nothing needs saying; its folder is the file's.
+    /// A writable document without notices; its folder is the file's.
     #[must_use]
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
@@ -481,7 +481,7 @@ impl Opened {
     }
 }
 
-/// What the outside has to do; the shell hands it to `jobs` or to the window system.
+/// What the outside has to do; the shell passes it to `jobs` or to the window system.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// Read a document, folder or video and report [`Action::Opened`].

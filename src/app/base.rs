@@ -1,4 +1,4 @@
-//! Finding out where the camera stands: what the frames give so far, what is being estimated, what was found.
+//! Estimating a camera's base: what the frames give so far, the estimation under way, the result.
 
 use super::OpenProject;
 use crate::calibrate::{BaseEstimationError, EstimatedBase, calibrate};
@@ -14,10 +14,10 @@ pub enum EstimateFailure {
     /// The frames give none, or it was given up.
     #[error(transparent)]
     Impossible(BaseEstimationError),
-    /// The program made a mistake.
+    /// An internal error.
     #[error("internal error (please report it): {message}")]
     Panicked {
-        /// The words of the panic.
+        /// The panic's message.
         message: String,
     },
 }

@@ -30,11 +30,11 @@ impl CameraWatch {
     }
 }
 
-/// The look ended by a mistake of the program.
+/// An internal error.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("internal error (please report it): {message}")]
 pub struct WatchPanicked {
-    /// The words of the panic.
+    /// The panic's message.
     pub message: String,
 }
 

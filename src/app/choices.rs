@@ -1,4 +1,4 @@
-//! What a person chooses in panels and on the filmstrip, as plain values.
+//! The user's choices in panels and on the filmstrip, as plain values.
 
 use crate::document::CameraId;
 

@@ -132,7 +132,7 @@ impl Current {
         let Some(frame) = open.document.frames.get(index) else { return Self::default() };
         let judgement = match &solution {
             Some(Ok(solved)) => Some(judge(solved, frame.image_size)),
-            _ if by_hand => Some(Judgement { verdict: Verdict::Check, reason: "numbers set by hand".to_owned() }),
+            _ if by_hand => Some(Judgement { verdict: Verdict::Check, reason: "numbers set manually".to_owned() }),
             _ => None,
         };
         // A document may hold clicks that nobody has solved yet.

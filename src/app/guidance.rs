@@ -1,4 +1,4 @@
-//! The next step in words: what the status row says.
+//! The next step, as the status row shows it.
 
 use super::base::BaseWork;
 use super::progress::nothing_needs_you;
@@ -58,32 +58,32 @@ pub fn next_step(app: &App) -> Guidance {
 fn begun(app: &App) -> Option<Guidance> {
     Some(Guidance::say(match &app.session.mode {
         Mode::Idle => return None,
-        Mode::Dragging { .. } => "Let go where it belongs. Esc puts it back.".to_owned(),
+        Mode::Dragging { .. } => "Release the button where the point belongs. Esc puts it back.".to_owned(),
         Mode::Naming(naming) if naming.offered().is_empty() => {
-            format!("Nothing is called “{}”. Backspace, or Esc.", naming.typed)
+            format!("Nothing matches “{}”. Press Backspace or Esc.", naming.typed)
         }
-        Mode::Naming(_) => "What is it? 1–5 takes one, letters filter, Enter takes the first.".to_owned(),
+        Mode::Naming(_) => "What is it? 1–5 chooses, letters filter, Enter takes the first.".to_owned(),
         Mode::Placing(target) => format!("Click {} in the picture. Esc cancels.", app.label(target)),
         Mode::Rejecting { whole_shot } => {
             let what = if *whole_shot { "this shot" } else { "this frame" };
-            format!("Why is {what} not calibratable? 1–6 says why, Esc cancels.")
+            format!("Why is {what} not calibratable? Choose with 1–6, Esc cancels.")
         }
         Mode::ClickingAgain(round) => {
             let asked = round.asked().map(|asked| app.label(&Target::Landmark(asked.landmark.clone())))?;
             let skip = app.settings.keys.shown(Command::SkipAgain);
             format!("Click {asked}, as you would label it. {skip} skips it, Esc ends the round.")
         }
-        Mode::Editing => "Enter keeps the number, Esc takes it back.".to_owned(),
+        Mode::Editing => "Enter keeps the number, Esc restores it.".to_owned(),
     }))
 }
 
-/// A frame that somebody has decided on.
+/// A frame that is accepted or rejected.
 fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
     match frame.status {
         FrameStatus::Rejected => {
             let why =
                 frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase())).unwrap_or_default();
-            Some(Guidance::say(format!("Not calibratable{why}. X takes the mark away, N goes on.")))
+            Some(Guidance::say(format!("Not calibratable{why}. X removes the mark, N goes on.")))
         }
         FrameStatus::Reference => {
             let said = Guidance::say(of_reference(app));
@@ -94,7 +94,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
     }
 }
 
-/// What is said of a frame that is a reference.
+/// The text for a frame that is a reference.
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
     let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
@@ -118,7 +118,7 @@ fn nobody_waits(app: &App) -> bool {
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
     let index = frame.clicks.iter().position(|click| click.target.is_none())?;
-    let text = format!("Point {} has no name: name it, or delete it with Del.", index + 1);
+    let text = format!("Point {} has no name. Name it, or delete it with Del.", index + 1);
     Some(Guidance::say(text).offer("Name point", Command::RenameClick))
 }
 
@@ -128,8 +128,8 @@ fn estimated(app: &App) -> Option<Guidance> {
         BaseWork::Estimating(work) => Some(Guidance::say(work.describe()).offer("Stop", Command::DropEstimatedBase)),
         BaseWork::Proposed(_) => {
             let text = match app.current().base {
-                Some(_) => "These are the lines with the estimated base. Hold B for the one you have.",
-                None => "These are the lines with the estimated base. Step through the frames and look.",
+                Some(_) => "The lines are drawn with the estimated base. Hold B for the current one.",
+                None => "The lines are drawn with the estimated base. Step through the frames and check them.",
             };
             Some(
                 Guidance::say(text)
@@ -148,7 +148,7 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     }
     let ready = app.base_readiness();
     if ready.is_enough() {
-        let text = format!("{} frames tell where the camera stands. More only help.", ready.wide);
+        let text = format!("{} frames are enough to estimate the base. More frames improve it.", ready.wide);
         return Some(Guidance::say(text).offer("Estimate the base now", Command::EstimateBase));
     }
     let here = frame.landmark_clicks();
@@ -159,14 +159,14 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
                 ready.describe()
             )
         }
-        0 => format!("This frame has what it takes. Now one that looks elsewhere. {}", ready.describe()),
+        0 => format!("This frame has enough points. Now one that looks elsewhere. {}", ready.describe()),
         _ => format!("Two clicks need a known camera. {}", ready.describe()),
     };
     let mut guidance = Guidance::say(text).offer("Load a camera", Command::LoadCamera);
     guidance = if ready.wide == 0 {
         guidance.offer("Enter it", Command::CameraPanel)
     } else {
-        guidance.offer("Estimate already", Command::EstimateBase)
+        guidance.offer("Estimate anyway", Command::EstimateBase)
     };
     Some(guidance)
 }
@@ -175,13 +175,15 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
 fn clicks(app: &App, frame: &Frame) -> Guidance {
     let current = app.current();
     if current.by_hand {
-        return Guidance::say("Numbers set by hand. Enter accepts them; a click lets the clicks decide again.");
+        return Guidance::say(
+            "Numbers set manually. Enter accepts them; placing a point solves from the points again.",
+        );
     }
     match &current.solution {
         Some(Ok(_)) => Guidance::say(match current.judgement.as_ref().map(|judgement| judgement.verdict) {
-            Some(Verdict::Wrong) => "Something contradicts: see the verdict before you accept.",
-            Some(Verdict::Check) => "Look at the lines, then Enter accepts. One more point far away helps.",
-            Some(Verdict::Good) | None => "Enter accepts and goes on. Drag a point to refine it.",
+            Some(Verdict::Wrong) => "There is a contradiction: read the verdict before you accept.",
+            Some(Verdict::Check) => "Check the lines, then press Enter to accept. One more point far away helps.",
+            Some(Verdict::Good) | None => "Press Enter to accept and go on. Drag a point to refine it.",
         }),
         Some(Err(CalibrationError::Solve(SolveError::TooFewObservations { equations })))
             if proposed(frame).is_none() =>
@@ -205,7 +207,7 @@ const fn first_point() -> &'static str {
     "Click a spot you see exactly. Best: where circle and halfway line meet."
 }
 
-/// What stands for "far away": 800 px, or as far as a small picture goes.
+/// The recommended distance: 800 px, or 60 % of the width of a small picture.
 fn far_px(frame: &Frame) -> u32 {
     800.min(frame.image_size.width / 10 * 6)
 }
@@ -273,14 +275,14 @@ mod tests {
         assert_eq!(said(&app), "Now one far away: 768 px or more.");
         click(&mut app, "penalty_area_far_left_front", &pointed);
         assert!(app.current().solved().is_some(), "{:?}", app.current().solution);
-        assert!(said(&app).contains("Enter accepts"), "{}", said(&app));
+        assert!(said(&app).contains("Enter to accept"), "{}", said(&app));
         app.update(Action::Command(Command::AcceptAndStay));
         assert_eq!(said(&app), "Reference saved. 2 more, spread left to right, and proposals become useful.");
         app.update(Action::Command(Command::Reject));
         assert!(said(&app).starts_with("Why is this frame not calibratable?"));
         app.update(Action::RejectAs(RejectReason::Blur));
         app.update(Action::GoTo(0));
-        assert_eq!(said(&app), "Not calibratable: blur. X takes the mark away, N goes on.");
+        assert_eq!(said(&app), "Not calibratable: blur. X removes the mark, N goes on.");
     }
 
     #[test]
@@ -300,11 +302,11 @@ mod tests {
     fn an_unnamed_point_comes_before_anything_else() {
         let mut app = opened(true, 1);
         app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
-        assert!(said(&app).starts_with("Let go"));
+        assert!(said(&app).starts_with("Release the button"));
         app.update(Action::Release);
         assert!(said(&app).starts_with("What is it?"), "{}", said(&app));
         app.update(Action::TypeName("zzz".to_owned()));
-        assert!(said(&app).starts_with("Nothing is called “zzz”."));
+        assert!(said(&app).starts_with("Nothing matches “zzz”."));
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
     }

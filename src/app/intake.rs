@@ -1,6 +1,6 @@
 //! Proposals taken into the document, its history and what is journalled.
 //!
-//! A proposal is nobody's step of undo, so it has to be there before and after every step that is kept: else undoing an
+//! A proposal is not a step of undo, so it has to be in every kept state: otherwise undoing an
 //! older step would lose it or bring an outdated one back. It is therefore written into each kept state of the document by
 //! the same rule: only where the frame is the one that was asked for, seen from the same place, and nobody has clicked,
 //! accepted or rejected it. What is journalled is one of these states too, so a step that is under way stays out of the

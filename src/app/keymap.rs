@@ -25,7 +25,7 @@ pub struct Chord {
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ChordError {
     /// Nothing but modifiers.
-    #[error("{0:?} names no key; write for example \"Ctrl+Shift+Z\"")]
+    #[error("{0:?} is not a key; write for example \"Ctrl+Shift+Z\"")]
     NoKey(String),
     /// A modifier that does not exist.
     #[error("{text:?}: {modifier:?} is not a modifier; there are Ctrl, Shift and Alt")]

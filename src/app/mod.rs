@@ -1,6 +1,6 @@
 //! The whole application without a window.
 //!
-//! The window (and every test) hands [`Action`]s to [`App::update`], the only place that changes state; it returns
+//! The window (and every test) passes [`Action`]s to [`App::update`], the only place that changes state; it returns
 //! [`Effect`]s that the shell carries out through `jobs`; reports come back as actions. [`Current`] is what follows for
 //! the shown frame: derived, never stored. [`scene`](crate::scene) turns it into what is drawn, as plain data.
 

@@ -1,11 +1,11 @@
-//! What is said when a frame has been accepted, and at the end of the work.
+//! Messages after accepting a frame, and when nothing is left to do.
 
 use super::derived::FrameCounts;
 use super::review::Review;
 use super::where_to_label::where_to_label;
 use crate::calibrate::WIDE_FRAMES;
 
-/// What is said when a frame has just been accepted.
+/// The message after a frame has been accepted.
 #[must_use]
 pub fn just_accepted(counts: &FrameCounts, review: &Review, used_for_training: bool) -> String {
     let (left, references) = (counts.need_me, counts.used_for_training);
@@ -20,7 +20,7 @@ pub fn just_accepted(counts: &FrameCounts, review: &Review, used_for_training: b
     }
 }
 
-/// The end, or what is left to label.
+/// Nothing needs the user, or what is left to label.
 #[must_use]
 pub fn nothing_needs_you(review: &Review) -> String {
     match where_to_label(&review.advice) {

@@ -114,7 +114,7 @@ impl GoldWork {
 
     /// Looks at the repeats.
     pub(super) fn measure(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
-        // A field that is not valid is told of elsewhere.
+        // An invalid field is reported elsewhere.
         self.own = OwnNoise::of_frames(document, counts.with_repeats()).unwrap_or_default();
     }
 }

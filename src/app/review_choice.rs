@@ -1,4 +1,4 @@
-//! What a person chose in the review panel, and whether it is worked in.
+//! The user's choices in the review panel, and whether the pointer is over its list.
 
 /// What the list of suggestions begins with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -30,8 +30,8 @@ impl ReviewOrder {
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
-            Self::Confidence => "The most certain first: what lies above a line can be accepted at once.",
-            Self::Disagreement => "Those first that lie farthest from the way between the frames before and after.",
+            Self::Confidence => "Highest confidence first. Those above a threshold can be accepted at once.",
+            Self::Disagreement => "Those most out of line with the frames before and after come first.",
             Self::Time => "In the order of the frames.",
         }
     }

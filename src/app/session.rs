@@ -1,4 +1,4 @@
-//! What the window shows and what has been begun: not saved, not undone.
+//! The state of the window: not saved, not undone.
 
 use super::base::BaseWork;
 use super::choices::{QualityChoice, Scope};
@@ -58,7 +58,7 @@ pub struct Session {
     pub saving: Saving,
     /// What is being done about the camera's base.
     pub base: BaseWork,
-    /// Of which camera it was told last that it stops fitting, and at which frame.
+    /// The camera and frame of the last notice that a camera stops fitting.
     pub told_change: Option<(CameraId, usize)>,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
@@ -68,7 +68,7 @@ pub struct Session {
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
     pub closing: bool,
-    /// Another program changed this file of the document's, and nobody has said what becomes of that.
+    /// Another program changed this file of the document, and the user has not decided what to do about it.
     pub changed_outside: Option<PathBuf>,
     /// The revision that is being copied elsewhere, and the one that was.
     pub copies: Copies,
@@ -205,7 +205,7 @@ impl Filter {
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "All frames",
-            Self::NeedsMe => "Needs me",
+            Self::NeedsMe => "To do",
             Self::Unanswered => "No answer",
             Self::Status(status) => status_label(status),
         }
@@ -255,7 +255,7 @@ pub enum Panel {
     Frame,
     /// The frame's camera.
     Camera,
-    /// What the forest learns from and what it is worth.
+    /// What the forest is trained on and how accurate it is.
     Trainer,
     /// What is proposed.
     Review,
@@ -345,7 +345,7 @@ pub enum Saving {
     },
 }
 
-/// A message that does not steal the focus.
+/// A message that does not take the focus.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Notice {
     /// Tells messages apart.
@@ -354,12 +354,12 @@ pub struct Notice {
     pub level: Level,
     /// One or two sentences.
     pub text: String,
-    /// The ways out, as buttons.
+    /// Remedies, as buttons.
     pub offers: Vec<(&'static str, Command)>,
 }
 
 impl Notice {
-    /// Whether a command is one of its ways out.
+    /// Whether a command is one of its remedies.
     #[must_use]
     pub fn offers(&self, command: Command) -> bool {
         self.offers.iter().any(|(_, offered)| *offered == command)
@@ -369,7 +369,7 @@ impl Notice {
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Good to know; goes away by itself.
+    /// Information; disappears by itself.
     Info,
     /// Asks for a decision; stays until it is answered or closed.
     Question,

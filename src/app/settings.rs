@@ -45,7 +45,7 @@ impl Default for Settings {
 #[derive(Debug, Error)]
 pub enum SettingsError {
     /// The file or its folder cannot be written.
-    #[error("cannot write the settings {path}: {source}; they hold until the window closes", path = .path.display())]
+    #[error("cannot write the settings {path}: {source}; changes last until the window closes", path = .path.display())]
     Write {
         /// The settings file.
         path: PathBuf,

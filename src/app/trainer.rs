@@ -29,19 +29,19 @@ pub struct TrainerStatus {
     pub doing: Doing,
     /// References of the document.
     pub references: usize,
-    /// Those that teach.
+    /// Those that are used for training.
     pub training_frames: usize,
-    /// Those that do not by choice: accepted suggestions. The rest waits for the base of its camera.
+    /// Those that are left out by choice, such as accepted suggestions. The rest waits for the base of its camera.
     pub withheld: usize,
-    /// Training frames that teach nothing, by their frames, and why.
+    /// Training frames that cannot be used, and why.
     pub failed: Arc<[(usize, String)]>,
     /// The forest that answers.
     pub forest: Option<ForestFacts>,
     /// Frames that it has answered.
     pub answered: usize,
-    /// Frames that it was asked for and has no answer for.
+    /// Frames that it has no answer for.
     pub unanswered: usize,
-    /// What it is worth.
+    /// Its accuracy.
     pub quality: Option<Arc<Quality>>,
     /// References whose labels contradict others.
     pub suspects: Arc<[Suspect]>,
@@ -65,9 +65,9 @@ pub enum Doing {
     Features(Share),
     /// It trains.
     Training(Share),
-    /// It asks the forest for frames.
+    /// It asks the forest for cameras of frames.
     Proposing(Share),
-    /// It leaves references out and asks for them.
+    /// It tests the forest on references that are left out.
     Measuring(Share),
     /// It rests.
     Paused,
@@ -76,9 +76,9 @@ pub enum Doing {
 /// How far something has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
-    /// So much is done.
+    /// The part that is done.
     pub done: usize,
-    /// Of so much.
+    /// The whole.
     pub of: usize,
 }
 
@@ -87,7 +87,7 @@ pub struct Share {
 pub struct ForestFacts {
     /// Later forests have greater numbers.
     pub generation: u64,
-    /// References that taught it.
+    /// References that it was trained on.
     pub references: usize,
     /// Their features.
     pub features: usize,
@@ -99,7 +99,7 @@ pub struct ForestFacts {
     pub took: Option<Duration>,
 }
 
-/// What the trainer is told.
+/// A message to the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerOrder {
     /// The document as it is now: references may be new, changed or withdrawn.
@@ -126,12 +126,12 @@ impl Doing {
     pub fn describe(self) -> String {
         let share = |what: &str, Share { done, of }: Share| format!("{what}: {done} of {of}");
         match self {
-            Self::Nothing => "Nothing to do".to_owned(),
+            Self::Nothing => "Up to date".to_owned(),
             Self::Settling => "Waiting for further references".to_owned(),
             Self::Features(done) => share("Finding features of references", done),
             Self::Training(done) => format!("Training: {:.0} %", 100.0 * done.fraction()),
             Self::Proposing(done) => share("Proposing cameras", done),
-            Self::Measuring(done) => share("Measuring quality", done),
+            Self::Measuring(done) => share("Measuring accuracy", done),
             Self::Paused => "Paused".to_owned(),
         }
     }

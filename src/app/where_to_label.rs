@@ -1,4 +1,4 @@
-//! Where to label next, in words: the panels, the status row and the command line say the same.
+//! Where to label next, as one sentence for the panels, the status row and the command line.
 
 use crate::proposals::{LabelAdvice, LabelNext};
 

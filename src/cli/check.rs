@@ -1,4 +1,4 @@
-//! `touchline check`: everything wrong with a document, by name.
+//! `touchline check`: lists everything wrong with a document.
 
 use super::Outcome;
 use super::document::{DocumentArg, Loaded};
@@ -9,7 +9,7 @@ use crate::document::Document;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Lists everything wrong with a document, by name; exit 1 if there is anything.
+/// Lists everything wrong with a document; exit 1 if there is anything.
 #[derive(clap::Args, Debug)]
 pub struct CheckArgs {
     #[command(flatten)]
@@ -22,7 +22,7 @@ pub struct CheckArgs {
 /// The document cannot be read.
 pub fn check(args: &CheckArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, document } = args.document.load(messages)?;
-    let bar = messages.progress(document.frames.len(), "Looking at pictures");
+    let bar = messages.progress(document.frames.len(), "Checking pictures");
     let mut problems = check_values(document.at(location.folder()));
     problems.extend(check_cameras(document.at(location.folder())));
     problems.extend(check_pictures(document.at(location.folder()), &|| bar.inc(1)));

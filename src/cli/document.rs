@@ -34,7 +34,7 @@ pub struct Loaded {
 }
 
 impl DocumentArg {
-    /// Reads the document; what its journal brought back is said.
+    /// Reads the document and reports what its journal recovered.
     ///
     /// # Errors
     /// There is no document, or it cannot be read.
@@ -48,7 +48,7 @@ impl DocumentArg {
 }
 
 impl DocumentOutput {
-    /// Refuses a place where something is already; to be asked before the work begins.
+    /// Refuses a path that exists; to be called before the work begins.
     ///
     /// # Errors
     /// Something is there and `--force` was not given.

@@ -17,14 +17,14 @@ use std::path::{Path, PathBuf};
 ///
 /// Frames are matched by where their pictures lie, by SHA-256, or by name; frames without a partner or a camera are named, and
 /// the exit code is 1. Clicks of the truth that the estimate was not made from count as held out. Where both hold clicks of
-/// their own on the same frames, they are compared as two annotators' as well: distances by landmark, names that differ, and what
-/// one hand scatters by. Standard output gets a table on a terminal, JSON otherwise.
+/// their own on the same frames, they are compared as two annotators' as well: distances by landmark, names that differ, and the
+/// click noise. Standard output gets a table on a terminal, JSON otherwise.
 #[derive(clap::Args, Debug)]
 pub struct EvaluateArgs {
-    /// The document that is right: cameras, clicks, or both.
+    /// The truth: a document with cameras, clicks, or both.
     #[arg(value_name = "TRUTH")]
     truth: PathBuf,
-    /// The document that is judged.
+    /// The document to be evaluated.
     #[arg(value_name = "ESTIMATE")]
     estimate: PathBuf,
     /// The file to write; its ending chooses: .json everything, .csv a line for each frame, .md tables.
@@ -36,7 +36,7 @@ pub struct EvaluateArgs {
     /// Print the table, also where standard output is no terminal.
     #[arg(long)]
     table: bool,
-    /// Decides the resamples of the bootstrap intervals.
+    /// The seed of the bootstrap intervals.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replace an existing file.

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a report in Markdown.
 ///
-/// The same seed gives the same bytes; what depends on the machine stands apart, in files whose names end with `times`.
+/// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose names end with `times`.
 ///
 /// Frames are drawn unless others are given: the authors' published data (--data), or documents of your own (--train), whose
 /// solved frames are the truth. --data DIR is searched, with the folders in it, for the published sequences (MATLAB files
@@ -31,17 +31,17 @@ pub struct ExperimentArgs {
     /// A tenth or less of everything.
     #[arg(long)]
     quick: bool,
-    /// Where chance starts.
+    /// The seed of all random numbers.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// A folder of published data.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// A document of your own whose solved frames teach, in place of drawn frames. Without --test each of its clips is asked of
-    /// the other clips of its camera; several documents may be given then.
+    /// A document of your own whose solved frames are used for training, in place of drawn frames. Without --test each of its
+    /// clips is tested against the other clips of its camera; several documents may be given then.
     #[arg(long, value_name = "DOC")]
     train: Vec<PathBuf>,
-    /// A document of your own whose solved frames are asked of those of --train; its cameras are the truth.
+    /// A document of your own whose solved frames are tested against those of --train; its cameras are the truth.
     #[arg(long, value_name = "DOC", requires = "train")]
     test: Option<PathBuf>,
     /// Replace files that exist; files of other names stay.
@@ -111,7 +111,7 @@ fn chosen(
     if let [one] = args.experiments.0[..] {
         ensure!(
             !has_own || one.takes_frames(),
-            "this experiment does not look at frames of your own; leave --train and --test away"
+            "this experiment does not use frames of your own; omit --train and --test"
         );
         if one.needs_data() || (args.data.is_some() && !has_own) {
             inputs.given_for(one)?;
@@ -120,7 +120,7 @@ fn chosen(
     }
     let wanted = |experiment: &Experiment| match experiment {
         Experiment::Homographies | Experiment::Motion => true,
-        // Own frames are no World Cup: they are told of once.
+        // A user's own frames are reported once, not again as a World Cup set.
         Experiment::Worldcup => !has_own,
         experiment => !has_own || experiment.takes_frames(),
     };
@@ -144,7 +144,7 @@ fn own_documents(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Op
     if args.train.is_empty() {
         return Ok(None);
     }
-    ensure!(args.test.is_none() || args.train.len() == 1, "--test goes with one --train; leave one of them away");
+    ensure!(args.test.is_none() || args.train.len() == 1, "--test needs exactly one --train");
     let read = |path: &PathBuf| -> anyhow::Result<_> {
         let Loaded { location, document } = DocumentArg { document: path.clone() }.load(messages)?;
         let name = location.name();

@@ -1,25 +1,25 @@
-//! `touchline export`: the document in another form.
+//! `touchline export`: the document in another format.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 
-/// Writes a document in another form.
+/// Writes a document in another format.
 #[derive(clap::Args, Debug)]
 pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
-    /// The form.
+    /// The format.
     #[arg(long, value_enum)]
     format: Format,
     #[command(flatten)]
     output: DocumentOutput,
 }
 
-/// The forms that a document can be written in.
+/// The formats that a document can be written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
-    /// A dataset: one file of the document's own schema, without clicks that nobody has named.
+    /// A dataset: one file of the document's own schema, without unnamed clicks.
     Json,
 }
 

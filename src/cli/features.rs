@@ -7,7 +7,7 @@ use std::path::Path;
 /// Whether features are kept.
 #[derive(clap::Args, Debug)]
 pub struct FeaturesArg {
-    /// Find every feature anew and keep none in the hidden folder beside the document.
+    /// Find all features again and store none in the hidden folder beside the document.
     #[arg(long)]
     no_cache: bool,
 }
@@ -22,9 +22,11 @@ impl FeaturesArg {
     }
 }
 
-/// Says when the disk took no features.
+/// Reports if features could not be stored.
 pub fn tell_refusal(store: &FeatureStore, messages: Messages) {
     if let Some(reason) = store.refusal() {
-        messages.note(&format!("features are not kept beside the document, the next run finds them again: {reason}"));
+        messages.note(&format!(
+            "features cannot be stored beside the document; the next run has to find them again: {reason}"
+        ));
     }
 }

@@ -1,4 +1,4 @@
-//! What a command says on standard error: lines for people, or one JSON object a line.
+//! Messages of a command on standard error: text lines, or one JSON object per line.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -42,7 +42,7 @@ impl Messages {
 
     fn write(self, level: &str, frame: Option<&str>, message: &str) {
         let line = self.line(level, frame, message);
-        // Standard error is closed: there is nobody to tell.
+        // Standard error is closed: nothing more can be reported.
         let _ = writeln!(std::io::stderr(), "{line}");
     }
 

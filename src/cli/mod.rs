@@ -56,7 +56,7 @@ enum Command {
     Train(train::TrainArgs),
 }
 
-/// How a command ended, when it did not fail.
+/// How a command ended if it did not fail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit 0: all of it was done.
@@ -85,7 +85,7 @@ pub fn run() -> Next {
     let messages = if cli.json { Messages::Json } else { Messages::Text };
     let Some(command) = cli.command else { return Next::Window(cli.document) };
     if let Some(document) = cli.document {
-        messages.error(&format!("{} stands before the command; put it after it", document.display()));
+        messages.error(&format!("{} comes before the command; put it after the command", document.display()));
         return Next::Exit(ExitCode::from(2));
     }
     let result: anyhow::Result<Outcome> = match command {

@@ -27,7 +27,7 @@ pub struct NewArgs {
     /// Take every n-th frame only.
     #[arg(long, value_name = "N", default_value = "1")]
     every: std::num::NonZeroUsize,
-    /// Make the project although the folder holds something; a project in it is kept as project.json.bak.
+    /// Make the project even if the folder is not empty; an existing project.json is kept as project.json.bak.
     #[arg(long)]
     force: bool,
 }
@@ -69,7 +69,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
     for (name, error) in &made.left_out {
         messages.frame_failed(name, &error.to_string());
     }
-    ensure!(!made.document.frames.is_empty(), "{}: not one image can be read", args.frames.display());
+    ensure!(!made.document.frames.is_empty(), "{}: none of the images can be read", args.frames.display());
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &made.document, args.force)?;
     messages.note(&format!("{}: {} frames", location.file().display(), made.document.frames.len()));

@@ -1,4 +1,4 @@
-//! Results that go to files: whole or not at all, and never over something that exists unless that was asked for. Links,
+//! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
 use crate::store::write_output;
@@ -6,13 +6,13 @@ use anyhow::{Context as _, bail};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Refuses a place where something is already, unless `force`; to be asked before the work begins.
+/// Refuses a path that exists, unless `force`; to be called before the work begins.
 ///
 /// # Errors
 /// Something is there.
 pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     if !force && path.exists() && !is_empty_folder(path) {
-        bail!("{} exists already; give --force to replace it, or another -o", path.display());
+        bail!("{} already exists; give --force to replace it, or another -o", path.display());
     }
     Ok(())
 }
@@ -53,7 +53,7 @@ mod tests {
         let path = folder.path().join("result.png");
         write_file(&path, b"first", false).unwrap();
         let refusal = write_file(&path, b"second", false).unwrap_err().to_string();
-        assert!(refusal.ends_with("result.png exists already; give --force to replace it, or another -o"), "{refusal}");
+        assert!(refusal.ends_with("result.png already exists; give --force to replace it, or another -o"), "{refusal}");
         assert_eq!(std::fs::read(&path).unwrap(), b"first");
         write_file(&path, b"second", true).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), b"second");

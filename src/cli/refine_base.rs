@@ -1,4 +1,4 @@
-//! `touchline refine-base`: where the cameras stand, and their lenses, from the clicks of all frames.
+//! `touchline refine-base`: the cameras' positions, base rotations and lenses from the clicks of all frames.
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
@@ -150,7 +150,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     for score in &found.scores {
         let chosen = if score.model == found.model { " (chosen)" } else { "" };
         messages.note(&format!(
-            "{name}: {}: {:.2} px at clicks held out, 90 % {:.2} px{chosen}",
+            "{name}: {}: {:.2} px cross-validated, 90 % {:.2} px{chosen}",
             score.model, score.median_px, score.p90_px
         ));
     }
@@ -162,8 +162,8 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     for size in &estimated.sizes {
         messages.note(&format!("{name}: field {}", describe_size(size)));
     }
-    if let Some(told) = found.one_view() {
-        messages.note(&format!("{name}: {told}"));
+    if let Some(reason) = found.one_view() {
+        messages.note(&format!("{name}: {reason}"));
     }
     let frame_name = |index: usize| document.frames[index].name();
     for click in &found.disputed {

@@ -29,13 +29,13 @@ pub struct RelocalizeArgs {
     output: DocumentOutput,
     #[command(flatten)]
     kept: FeaturesArg,
-    /// Answers that are right with less than this probability are not given.
+    /// The least confidence of an answer, from 0 to 1.
     #[arg(long, value_name = "0..1", default_value_t = PoseOptions::default().min_confidence, value_parser = probability)]
     min_confidence: f64,
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
-    /// Where chance starts; the same seed gives the same answers.
+    /// The seed of all random numbers; the same seed gives the same answers.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
 }
@@ -91,7 +91,8 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     write(&args.output, &document, &folder)?;
     tell_where_to_label(document.at(&folder), messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
-    messages.note(&format!("{answered} frames answered, {failed} not, {passed} with clicks or accepted, as they were"));
+    messages
+        .note(&format!("{answered} frames answered, {failed} not, {passed} left unchanged (with clicks, or accepted)"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 
@@ -129,7 +130,7 @@ fn read_input(args: &RelocalizeArgs, taught: Document, messages: Messages) -> an
     ensure!(
         !taught.field.is_file()
             && !taught.cameras.iter().any(|camera| camera.field.as_ref().is_some_and(FieldSpec::is_file)),
-        "the forest's field is a template file of your own, which images do not bring along; relocalize a document"
+        "the forest's field is a template file of your own; images do not name it, so relocalize a document"
     );
     let folder = std::env::current_dir()?;
     let mut input = Input { document: taught, file: None, folder: folder.canonicalize().unwrap_or(folder), skipped: 0 };
@@ -165,7 +166,7 @@ fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
     let size = image_size(path)?;
     let camera = input.document.cameras.iter().find(|camera| camera.image_size == size);
     let camera = camera.with_context(|| {
-        format!("{} × {} px, and the forest knows no camera with pictures of this size", size.width, size.height)
+        format!("{} × {} px; the forest has no camera with pictures of this size", size.width, size.height)
     })?;
     let name = path_between(&input.folder, &path.canonicalize()?);
     let frame = Frame::from_image(&name, camera.id.clone(), size);

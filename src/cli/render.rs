@@ -137,7 +137,7 @@ fn layer(pixels: media::Picture, brightness: f32) -> Layer {
     Layer::Picture(PictureLayer { key: PictureKey(0), pixels, brightness })
 }
 
-/// The frame that is meant: by its name in the document, by its file name if only one frame has it, else by its place.
+/// Finds a frame: by its name in the document, by its file name if only one frame has it, else by its index.
 fn find_frame<'a>(document: &'a Document, wanted: &str) -> anyhow::Result<&'a Frame> {
     let frames = || document.frames.iter().map(|frame| &**frame);
     if let Some(frame) = frames().find(|frame| frame.image.as_deref() == Some(wanted) || frame.name() == wanted) {
@@ -182,7 +182,7 @@ mod tests {
         assert_eq!(found("b/1.png"), Ok("b/1.png".into()));
         assert_eq!(found("7.png"), Ok("b/7.png".into()));
         assert_eq!(found("2"), Ok("b/7.png".into()));
-        assert_eq!(found("0"), Ok("0".into()), "a name goes before a place");
+        assert_eq!(found("0"), Ok("0".into()), "a name takes precedence over an index");
         let two = "two frames have this file name, a/1.png and b/1.png; give the whole path";
         assert_eq!(found("1.png"), Err(two.into()));
         assert_eq!(found("4"), Err("there are 4 frames, counted from 0".into()));

@@ -73,7 +73,8 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     bar.finish_and_clear();
     document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
-    messages
-        .note(&format!("{snapped} frames snapped, {failed} not, {passed} without a camera or rejected, as they were"));
+    messages.note(&format!(
+        "{snapped} frames snapped, {failed} not, {passed} left unchanged (without a camera, or rejected)"
+    ));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }

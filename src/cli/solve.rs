@@ -16,7 +16,7 @@ pub struct SolveArgs {
     document: DocumentArg,
     #[command(flatten)]
     output: DocumentOutput,
-    /// Also look at the pictures: what their painted lines say about each solved camera is written into its solution.
+    /// Also check each solved camera against the painted lines of its picture; the result is written into its solution.
     #[arg(long)]
     line_check: bool,
 }
@@ -58,7 +58,7 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
 fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> anyhow::Result<()> {
     let fields = Fields::of(document.at(folder))?;
     let mut reader = FrameReader::new();
-    let bar = messages.progress(document.frames.len(), "Looking at the lines");
+    let bar = messages.progress(document.frames.len(), "Checking the lines");
     for index in 0..document.frames.len() {
         bar.inc(1);
         let frame = &*document.frames[index];
@@ -72,14 +72,14 @@ fn check_lines(document: &mut Document, folder: &Path, messages: Messages) -> an
                     record_line_check(&mut document.frames[index], &check);
                 }
             }
-            Err(error) => messages.note(&format!("{}: its lines are not looked at: {error}", frame.name())),
+            Err(error) => messages.note(&format!("{}: its lines were not checked: {error}", frame.name())),
         }
     }
     bar.finish_and_clear();
     Ok(())
 }
 
-/// Tells of frames that fit another camera, and of cameras that stop fitting.
+/// Reports frames that fit another camera, and cameras that stop fitting.
 fn report_cameras(document: DocumentAt<'_>, messages: Messages) {
     for problem in check_cameras(document) {
         messages.note(&problem.to_string());

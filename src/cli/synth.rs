@@ -55,7 +55,7 @@ pub struct SynthArgs {
     /// The size of the frames, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "1280x720", value_parser = image_size)]
     size: ImageSize,
-    /// How hard lens, light and sensor make it: easy, paper or hard.
+    /// The difficulty of lens, light and sensor: easy, paper or hard.
     #[arg(long, default_value = "paper")]
     preset: Preset,
     /// JPEG quality; the preset's by default.
@@ -64,13 +64,13 @@ pub struct SynthArgs {
     /// Seconds between frames; the preset's by default.
     #[arg(long, value_name = "SECONDS", value_parser = step_s)]
     step: Option<f64>,
-    /// Write which pixels are players, too: masks/0001.png and so on.
+    /// Also write the pixels of the players: masks/0001.png and so on.
     #[arg(long)]
     masks: bool,
-    /// The broadcaster's graphics, one or more; the camera's masks cover them, unless `--unmasked` leaves that to be found.
+    /// The broadcaster's graphics, one or more; the camera's masks cover them unless `--unmasked` is given.
     #[arg(long, value_name = "GRAPHIC", value_enum, value_delimiter = ',', default_value = "score-bug")]
     graphics: Vec<Graphic>,
-    /// No masks for the graphics.
+    /// Write no masks for the graphics.
     #[arg(long)]
     unmasked: bool,
     /// Draw the demo project that comes with the program: a third of its frames are solved references.
@@ -92,7 +92,7 @@ enum Scene {
 /// A graphic over the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Graphic {
-    /// No graphic at all, whatever else is named.
+    /// No graphics, whatever else is named.
     None,
     /// The score and the clock.
     ScoreBug,
@@ -293,15 +293,15 @@ fn write_mask(folder: &Path, index: usize, drawn: &RenderedFrame, force: bool) -
 }
 
 fn image_size(text: &str) -> Result<ImageSize, String> {
-    let told = || format!("{text:?} is no size; write it like 1280x720, both from 16 to 8192");
-    let (width, height) = text.split_once('x').ok_or_else(told)?;
-    let side = |digits: &str| digits.parse::<u32>().ok().filter(|side| (16..=8192).contains(side)).ok_or_else(told);
+    let wrong = || format!("{text:?} is not a size; write it like 1280x720, both from 16 to 8192");
+    let (width, height) = text.split_once('x').ok_or_else(wrong)?;
+    let side = |digits: &str| digits.parse::<u32>().ok().filter(|side| (16..=8192).contains(side)).ok_or_else(wrong);
     Ok(ImageSize::new(side(width)?, side(height)?))
 }
 
 fn step_s(text: &str) -> Result<f64, String> {
     let step = text.parse::<f64>().ok().filter(|step| *step > 0.0 && *step <= 3600.0);
-    step.ok_or_else(|| format!("{text:?} is no time; give seconds above 0, up to 3600"))
+    step.ok_or_else(|| format!("{text:?} is not a time; give seconds above 0, up to 3600"))
 }
 
 #[cfg(test)]

@@ -25,11 +25,11 @@ pub struct TrainArgs {
     /// The forest to write.
     #[arg(short, long, value_name = "FOREST")]
     output: PathBuf,
-    /// Learn from accepted suggestions of the forest and of tracking, too.
+    /// Also train with accepted suggestions of the forest and of tracking.
     #[arg(long)]
     all_references: bool,
     /// The settings of the paper: 5 trees of 30 references, depth 20, 6 dimensions with 10 thresholds each, leaves that are
-    /// means. Options given beside it count.
+    /// means. Options given with it take precedence.
     #[arg(long)]
     published: bool,
     /// Trees; 3 by default.
@@ -56,7 +56,7 @@ pub struct TrainArgs {
     /// What finds features; the forest remembers it.
     #[arg(long, value_enum, default_value_t = DetectorArg::Sift)]
     detector: DetectorArg,
-    /// Where chance starts; the same seed gives the same forest.
+    /// The seed of all random numbers; the same seed gives the same forest.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Replace an existing file.
@@ -85,7 +85,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let training_frames = TrainingFrames::of(&document, args.all_references);
     ensure!(
         !training_frames.frames.is_empty(),
-        "{}: there are no references to learn from; accept solved frames first",
+        "{}: there are no references to train with; accept solved frames first",
         location.file().display()
     );
     let store = args.kept.store(Some(location.file()));
@@ -104,7 +104,7 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     ensure!(
         studied.training_samples.iter().any(|sample| !sample.rays.is_empty()),
-        "{}: no reference gave features to learn from",
+        "{}: no reference gave features to train with",
         location.file().display()
     );
     let bar = messages.progress(0, "Training");

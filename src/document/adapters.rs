@@ -7,7 +7,7 @@
     clippy::wildcard_imports,
     clippy::ref_option,
     clippy::trivially_copy_pass_by_ref,
-    reason = "serde prescribes the signatures, and each door needs the same few names"
+    reason = "serde prescribes the signatures, and each adapter needs the same few names"
 )]
 
 use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};

@@ -156,7 +156,7 @@ impl Document {
         self.camera_of(frame)?.pointed(frame)
     }
 
-    /// The document as a dataset: the same without clicks that nobody has named (indices of clicks follow), and with a warning
+    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and with a warning
     /// at every solved frame whose field's size is assumed.
     #[must_use]
     pub fn to_dataset(&self) -> Self {
@@ -172,7 +172,7 @@ impl Document {
 }
 
 impl Frame {
-    /// Drops the clicks that nobody has named; the solution's indices of clicks follow.
+    /// Drops the unnamed clicks; the solution's indices of clicks follow.
     fn drop_unnamed_clicks(&mut self) {
         let mut kept = 0;
         let new_index: Vec<Option<usize>> = self

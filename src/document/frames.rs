@@ -193,7 +193,7 @@ impl Frames {
         self.order_changed();
     }
 
-    /// Whether two share every frame: nobody has changed one since they were one.
+    /// Whether two share every frame, so neither has changed since one was cloned from the other.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
         self.frames.ptr_eq(&other.frames)

@@ -125,7 +125,7 @@ impl<T> History<T> {
     }
 
     /// Changes every value that is kept, the open transaction's included, as if it had been so from the start: for what
-    /// comes from outside and is nobody's step. The current value is the caller's to change.
+    /// comes from outside and is not a step of undo. The current value is the caller's to change.
     pub fn amend(&mut self, mut change: impl FnMut(&mut T)) {
         let kept = self.done.iter_mut().chain(&mut self.undone).map(|(_, value)| value);
         kept.chain(self.open.iter_mut().map(|open| &mut open.before)).for_each(&mut change);

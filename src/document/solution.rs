@@ -76,7 +76,7 @@ pub struct Solution {
     /// What finding it took.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timings_ms: Option<TimingsMs>,
-    /// The verdict on the clicks when they were solved; none in older documents, and where nobody clicked.
+    /// The verdict on the clicks when they were solved; none in older documents, and in frames without clicks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verdict: Option<Verdict>,
     /// Indices of the clicks that disagree with the others.

@@ -32,7 +32,7 @@ impl StepEdit {
 
 impl History<Document> {
     /// Makes an edit of `document` and takes it for what it is to undo and redo, as the history did in which it was made.
-    /// An edit that is nobody's step, or not what it says, ends the history: nothing before it can be undone.
+    /// An edit that is not a step, or does not fit its step, ends the history: nothing before it can be undone.
     ///
     /// # Errors
     /// The edit does not fit; document and history are as they were.

@@ -3,7 +3,7 @@
 use super::{Frame, FrameStatus, SolutionSource};
 
 impl Frame {
-    /// Whether the forest was asked for it in vain, and nobody has looked at it since.
+    /// Whether the forest found no answer for it, and it has not been labelled or accepted since.
     #[must_use]
     pub fn is_unanswered(&self) -> bool {
         let asked = self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Forest));

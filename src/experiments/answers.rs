@@ -48,7 +48,7 @@ impl FoundCamera {
     }
 }
 
-/// Teaches a forest for every split and asks it all frames of that split. `base_of` may give the asked frames another base than
+/// Trains a forest for every split and asks it for all test frames of that split. `base_of` may give the asked frames another base than
 /// the true one.
 pub fn ask(
     set: &FrameSet,

@@ -77,11 +77,11 @@ fn not_given(experiment: Experiment, folder: Option<&Path>) -> String {
         Experiment::Homographies => "train_val.json, or a file N.homographyMatrix for each frame",
         Experiment::Motion => "soccer_ground_truth.json",
         Experiment::Worldcup => "MATLAB files such as game1_anno.mat, in it or in a folder named after the World Cup",
-        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; leave --data away"),
+        Experiment::Synthetic | Experiment::Ransac => return format!("{experiment} needs no data; omit --data"),
         _ => "MATLAB files such as seq1_anno.mat, in it or in a folder named highlights",
     };
     match folder {
-        Some(folder) => format!("{experiment} wants {wanted}; {} has none", folder.display()),
-        None => format!("{experiment} is about given data: --data DIR, a folder with {wanted}"),
+        Some(folder) => format!("{experiment} needs {wanted}; {} has none", folder.display()),
+        None => format!("{experiment} needs data: give --data DIR, a folder with {wanted}"),
     }
 }

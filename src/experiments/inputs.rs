@@ -26,7 +26,7 @@ pub struct SharedInputs {
 }
 
 impl SharedInputs {
-    /// A inputs for these options, with a user's own frames and a folder of published data if they are given.
+    /// The inputs for these options, with a user's own frames and a folder of published data if they are given.
     #[must_use]
     pub fn new(options: ExperimentOptions, own: Option<OwnDocuments>, data: Option<&Path>) -> Self {
         Self { options, own, data: data.map(Path::to_path_buf), ..Self::default() }

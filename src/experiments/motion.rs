@@ -1,4 +1,4 @@
-//! A real broadcast camera's motion, drawn: a few of its frames teach, all others are asked.
+//! A real broadcast camera's motion, drawn: a few of its frames are used for training, all others for testing.
 
 use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, tally_table};
 use super::progress::{Progress, counted};
@@ -37,7 +37,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
          and {:.1} m across from the centre mark, {:.1} m up. The pictures are drawn: their truth is exact, and what is found \
          in them says nothing of how real pictures look.",
         set.title,
-        set.teaching,
+        set.protocol,
         real.ptz.len(),
         place.x,
         place.y,
@@ -58,11 +58,11 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         let taught =
             set.splits[0].training_frames.iter().map(|&frame| [number(frame), of(&set.frames[frame].truth.ptz())]);
         let answers = asked.iter().filter_map(|asked| Some([number(asked.frame), of(&asked.found?.camera.ptz())]));
-        // A mark at every tenth answer: so many side by side would hide the curve.
+        // A mark at every tenth answer only, as more would hide the curve.
         let answers = answers.step_by(options.sized(10, 1));
         let figure = Figure::new("", Axis::linear("frame"), Axis::linear(label))
             .with(Series::new("truth", 0, truth.collect()).marked(Mark::None))
-            .with(Series::new("teaches", 3, taught.collect()).lined(Line::None).marked(Mark::Square))
+            .with(Series::new("training", 3, taught.collect()).lined(Line::None).marked(Mark::Square))
             .with(Series::new("answer", 2, answers.collect()).lined(Line::None).marked(Mark::Cross));
         let caption = format!("The {label} of the drawn frames, and the answers (of many, one in ten is shown).");
         report.figure(stem, &caption, figure);

@@ -103,7 +103,7 @@ impl FromStr for Experiment {
 
 /// An experiment's name was not known.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("no experiment is called {name:?}; there are {}", Experiment::ALL.map(Experiment::name).join(", "))]
+#[error("there is no experiment {name:?}; there are {}", Experiment::ALL.map(Experiment::name).join(", "))]
 pub struct UnknownExperiment {
     /// The name.
     pub name: String,

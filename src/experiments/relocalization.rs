@@ -41,7 +41,7 @@ fn ask_set(inputs: &SharedInputs, set: &FrameSet) -> Vec<AskedFrame> {
 
 /// Says what the frames are.
 fn introduce(report: &mut Report, set: &FrameSet, words: &str) {
-    report.text(&format!("Frames: {}. {} {words}", set.title, set.teaching));
+    report.text(&format!("Frames: {}. {} {words}", set.title, set.protocol));
 }
 
 /// What the paper's sets are, for those who compare.
@@ -289,7 +289,7 @@ pub fn threshold(inputs: &SharedInputs, progress: Progress) -> Result<Report, Ex
 pub fn trees(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
     let set = inputs.highlights(progress)?;
     let mut report = Report::new("trees", &set.heading("Trees: how many are needed"));
-    introduce(&mut report, set, "Each tree learns from all teachers.");
+    introduce(&mut report, set, "Each tree is trained with all training frames.");
     let bounds = if set.kind == SetKind::Drawn { WITHIN_DEG } else { WITHIN_FITTED_DEG };
     let counts: Vec<u32> = if inputs.options.quick { vec![1, 2, 5] } else { (1..=10).collect() };
     let mut table = Table::new(&[("trees", "trees")]);

@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// An angle: radians inside, degrees at the doors (files, the window).
+/// An angle: radians inside, degrees in files and in the window.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Angle {
     radians: f64,

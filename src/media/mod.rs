@@ -8,7 +8,7 @@
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
-//! | [`open_regular`], [`read_regular`] | files in a folder that may be a stranger's: no links, pipes or devices |
+//! | [`open_regular`], [`read_regular`] | files in a folder that is not trusted: no links, pipes or devices |
 //! | [`Notice`] | what the user should know, though nothing failed |
 //!
 //! Nothing here starts a thread; the background work is in `jobs`.

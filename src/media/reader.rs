@@ -49,7 +49,7 @@ impl FrameReader {
         Self::default()
     }
 
-    /// A reader that tells `watch` how far the counting of a video's frames has come, and ends it when told so: see
+    /// A reader that reports the progress of counting a video's frames to `watch`, which may stop it: see
     /// [`Video::open_watched`].
     #[must_use]
     pub fn watched(watch: Watch) -> Self {

@@ -1,4 +1,4 @@
-//! Opens files that lie in a folder which may have come from a stranger: regular files only, and through no symbolic link.
+//! Opens files in a folder that may come from an untrusted source: regular files only, and no symbolic links.
 //!
 //! A received project may hold a link where the program keeps its own files; writing through it would destroy a file of the
 //! user's. A pipe would let the program wait for ever, a device would take what is written.

@@ -70,7 +70,7 @@ impl FrameSource {
         Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Opens as [`FrameSource::open`] does; `watch` is told how far the counting of a video's frames has come, and may
+    /// Opens as [`FrameSource::open`] does; `watch` receives the progress of counting a video's frames, and may
     /// end it.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 //! A canvas shows [`Layer`]s, the lowest first: pictures and plain-data drawings ([`crate::scene::drawing`]). A [`Renderer`]
 //! uploads them in `prepare` and draws them in `paint`, into a pass that belongs to the window or to an [`Offscreen`]
 //! target. Everything stays in gamma space with premultiplied alpha; edges are smoothed by the shaders, one sample per
-//! pixel. How strokes stay even where they join and cross is told in `stroke.rs`.
+//! pixel. `stroke.rs` explains how strokes stay even where they join and cross.
 
 mod canvas;
 mod fill;

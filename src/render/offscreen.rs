@@ -199,7 +199,7 @@ impl ReadbackTexture {
     /// Waits for what was submitted and takes the picture out.
     fn read_back(&self, device: &wgpu::Device) -> Result<RgbaImage, RenderError> {
         let failed = |reason: String| RenderError::Readback { reason };
-        // Whether the mapping worked is told by the mapped range, once the wait is over.
+        // Whether the mapping worked shows when the range is mapped after the wait.
         self.buffer.map_async(wgpu::MapMode::Read, .., |_| ());
         device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
         let bytes = self.buffer.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;

@@ -102,7 +102,7 @@ pub fn overlay(scene: &OverlayScene<'_>) -> Drawing {
     drawing
 }
 
-/// The field alone: its lines, and the landmarks that nobody has clicked as small rings.
+/// The field alone: its lines, and the landmarks without clicks as small rings.
 #[must_use]
 pub fn field_overlay(scene: &OverlayScene<'_>) -> Drawing {
     let mut drawing = Drawing::default();

@@ -2,7 +2,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-/// The quantile of χ² with so many degrees of freedom below which a share lies; NaN where there is no such distribution.
+/// The quantile of a χ² distribution with a number of degrees of freedom; NaN if there is no such distribution.
 #[must_use]
 pub fn chi_squared_quantile(freedom: f64, share: f64) -> f64 {
     ChiSquared::new(freedom).map_or(f64::NAN, |chi_squared| chi_squared.inverse_cdf(share))

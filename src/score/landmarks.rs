@@ -52,7 +52,7 @@ mod tests {
     use crate::geometry::Angle;
 
     #[test]
-    fn a_view_from_above_that_is_a_metre_off_by_hand() {
+    fn a_view_from_above_that_is_a_metre_off() {
         let size = ImageSize::new(1280, 720);
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let down = BaseAngles { pitch: Angle::from_degrees(-90.0), ..BaseAngles::default() }.base_from_world();

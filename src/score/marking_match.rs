@@ -1,7 +1,7 @@
 //! Markings found within some pixels: the measure of the `SoccerNet` camera calibration task.
 //!
 //! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of it lies nearer than t px
-//! to its projection. One that the estimate shows but nobody annotated, and one that is farther off, is a false positive; one
+//! to its projection. One that the estimate shows but that was not annotated, and one that is farther off, is a false positive; one
 //! that was annotated and the estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960 px
 //! wide; of the names as they are and turned by half a turn about the field's middle the better counts. Completeness is
 //! the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
@@ -36,7 +36,7 @@ pub struct MarkingMatch {
     /// For each marking that is annotated and shown by the estimate: the largest distance of its points, px at
     /// `JACCARD_WIDTH_PX`.
     pub worst_px: Vec<f64>,
-    /// Markings that the estimate shows and nobody annotated.
+    /// Markings that the estimate shows and that were not annotated.
     pub only_estimated: usize,
     /// Markings that were annotated and the estimate does not show.
     pub only_annotated: usize,
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_by_hand() {
+    fn counts_of_a_known_case() {
         let found = MarkingMatch { worst_px: vec![2.0, 5.0, 12.0], only_estimated: 1, only_annotated: 2 };
         // Strictly nearer: at 5 px one of six, at 10 two, at 20 three.
         assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0]);

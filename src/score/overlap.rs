@@ -77,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn shifted_views_from_above_by_hand() {
+    fn shifted_views_from_above_overlap_by_the_known_area() {
         // Views of 40 m × 22.5 m, 10 m apart: 30 × 22.5 shared of 50 × 22.5.
         let (truth, estimate) = (from_above(0.0, 0.0, 3200.0), from_above(10.0, 0.0, 3200.0));
         assert!((iou_part(&soccer(), &truth, &estimate, SIZE).unwrap() - 0.6).abs() < 1e-12);

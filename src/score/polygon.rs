@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_by_hand() {
+    fn areas_of_known_polygons() {
         assert!((area(&[square(-3.0, 7.0, 2.0)]) - 4.0).abs() < 1e-15);
         assert!((area(&[ring(&[[0.0, 0.0], [0.0, 3.0], [4.0, 0.0]])]) - 6.0).abs() < 1e-15);
         assert!(area(&[ring(&[[0.0, 0.0], [1.0, 1.0]]), Ring::new()]) == 0.0);
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn shared_areas_by_hand() {
+    fn intersections_of_known_polygons() {
         let both = |a: &Ring, b: &Ring| area(&shared(std::slice::from_ref(a), std::slice::from_ref(b)));
         let unit = square(0.0, 0.0, 1.0);
         assert!((both(&unit, &square(0.5, 0.25, 1.0)) - 0.375).abs() < 1e-14);

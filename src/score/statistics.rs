@@ -112,7 +112,7 @@ mod tests {
     use rand_distr::StandardNormal;
 
     #[test]
-    fn a_few_numbers_by_hand() {
+    fn statistics_of_a_few_known_numbers() {
         let summary = Summary::of(&[4.0, 1.0, 3.0, 2.0], 0).unwrap();
         assert_eq!((summary.count, summary.mean, summary.median), (4, 2.5, 2.5));
         assert!((summary.std - (5.0f64 / 3.0).sqrt()).abs() < 1e-15);

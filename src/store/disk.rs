@@ -152,7 +152,7 @@ pub fn read(path: &Path) -> Result<(Location, Document, Recovery), StoreError> {
     Ok((location, document, recovery))
 }
 
-/// Writes a document that nobody has open: a command's result, a dataset, a new project.
+/// Writes a document that is not open anywhere: a command's result, a dataset, a new project.
 ///
 /// Where a project has been edited, its last version and the edits that only its journal holds are kept beside.
 ///

@@ -185,7 +185,7 @@ impl Journal {
         self.file.seek(SeekFrom::Start(self.whole_bytes))?;
         self.file.write_all(lines.as_bytes())?;
         self.file.sync_data()?;
-        // What nobody will find again is not kept; the next line is written over it.
+        // A damaged tail cannot be recovered; the next line overwrites it.
         if !self.is_in_place() {
             return Err(io::ErrorKind::NotFound.into());
         }

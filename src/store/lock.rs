@@ -1,4 +1,4 @@
-//! One program writes a document; a second one is told.
+//! Locks a document for writing; a second program opens it read-only.
 
 use super::ReadOnly;
 use super::{Location, file_id::is_at};
@@ -71,7 +71,7 @@ fn write_holder(file: &mut File) -> io::Result<()> {
 
 fn read_holder(file: &mut File) -> String {
     let mut text = String::new();
-    // Some systems let nobody read a locked file; then nobody is named.
+    // On some systems a locked file cannot be read; then the other program is not named.
     let read = file.take(80).read_to_string(&mut text);
     if read.is_ok() && !text.trim().is_empty() { text.trim().to_owned() } else { "another process".to_owned() }
 }

@@ -68,7 +68,7 @@ pub fn drawn_clicks(
     let mut clicks = Vec::with_capacity(options.landmarks + options.lines);
     let mut placed: Vec<ImagePoint> = Vec::new();
     while clicks.len() < options.landmarks && !candidates.is_empty() {
-        // Far from the clicks so far is good, but nobody measures: a random factor stands for taste.
+        // People prefer points far from the clicks so far, but not strictly: a random factor models that.
         let worth = |index: usize, image: ImagePoint| {
             let distance = placed.iter().map(|other| other.distance_px(image)).fold(f64::INFINITY, f64::min);
             distance.min(f64::from(image_size.width))

@@ -21,7 +21,7 @@ const COATS: [u32; 14] = [
 const SKINS: [u32; 6] = [0xE2_B493, 0xD0_9C78, 0xF0_CBB0, 0xA8_7350, 0x7A_4E34, 0x5A_3825];
 const HAIR: [u32; 5] = [0x1C_1714, 0x3A_2A1D, 0x6B_4C2C, 0xA8_8A55, 0x8C_8680];
 
-/// One cloth at most hangs over so many metres of wall; its breadth and height, m.
+/// There is at most one banner per this length of wall, m; the banner's breadth and height, m.
 const CLOTH_EVERY_M: f32 = 9.0;
 const CLOTH_M: [f32; 2] = [5.2, 1.1];
 const CLOTH_TEXELS_PER_M: f32 = 40.0;

@@ -133,7 +133,7 @@ pub enum Preset {
 
 /// A preset's name was not known.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("no preset is called {0:?}; there are easy, paper and hard")]
+#[error("there is no preset {0:?}; there are easy, paper and hard")]
 pub struct UnknownPreset(String);
 
 impl FromStr for Preset {
@@ -247,11 +247,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn presets_are_named_and_unknown_names_are_told() {
+    fn presets_have_names_and_unknown_names_are_refused() {
         for (name, preset) in [("easy", Preset::Easy), ("paper", Preset::Paper), ("hard", Preset::Hard)] {
             assert_eq!(name.parse::<Preset>(), Ok(preset));
         }
-        let told = "harder".parse::<Preset>().unwrap_err().to_string();
-        assert_eq!(told, "no preset is called \"harder\"; there are easy, paper and hard");
+        let error = "harder".parse::<Preset>().unwrap_err().to_string();
+        assert_eq!(error, "there is no preset \"harder\"; there are easy, paper and hard");
     }
 }

@@ -15,7 +15,7 @@ struct Level {
     texels: Vec<Light>,
 }
 
-/// At most so many samples along the longer axis of a pixel's footprint.
+/// The most samples along the longer axis of a pixel's footprint.
 const MAX_TAPS: f32 = 12.0;
 
 impl Texture {

@@ -1,4 +1,4 @@
-//! A forest trained on a document's references, and asked for the camera of a picture that nobody clicked.
+//! A forest trained on a document's references, and asked for the camera of a picture without clicks.
 //!
 //! ```sh
 //! cargo run --release --example relocalize -- [DOC PICTURE]
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let picture = arguments.next().map_or_else(|| PathBuf::from("projects/demo/images/0002.jpg"), PathBuf::from);
     let (location, document, _) = read(&path)?;
 
-    // What the references teach: their features, each with the ray that it shows.
+    // The training samples of the references: features, each with its ray.
     let (options, store) = (LearnOptions::default(), FeatureStore::in_memory());
     let pictures =
         FramePictures { document: &document, folder: location.folder(), options: options.features, store: &store };

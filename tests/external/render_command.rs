@@ -84,7 +84,7 @@ fn what_cannot_be_done_is_said_in_one_line() {
     fs::remove_file(folder.path().join("2.png")).unwrap();
     RgbaImage::new(10, 10).save(folder.path().join("2.png")).unwrap();
     for (arguments, message) in [
-        (["--frame", "0", "-o", "1.png"], "1.png exists already; give --force to replace it, or another -o"),
+        (["--frame", "0", "-o", "1.png"], "1.png already exists; give --force to replace it, or another -o"),
         (["--frame", "7", "-o", "x.png"], "--frame 7: there are 2 frames, counted from 0"),
         (["--frame", "x", "-o", "x.png"], "no frame has this image; the document has 2 frames, by index 0 to 1"),
         (["--frame", "0", "-o", "x.jpg"], "-o x.jpg: a PNG is written, so its name must end with .png"),

@@ -263,7 +263,7 @@ fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
 fn too_little_is_said_and_changes_nothing() {
     let mut desk = Desk::on(document(3, 0));
     desk.estimate();
-    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough to go by yet.")));
+    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet.")));
     let mut contradicting = document(3, 3);
     for frame in &mut contradicting.frames {
         let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();

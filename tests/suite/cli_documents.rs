@@ -219,7 +219,7 @@ fn check_says_everything_and_exits_with_one() {
 fn wrong_usage_is_one_line_and_exit_two() {
     let folder = pictures();
     let table = [
-        ("a.json solve b.json", "a.json stands before the command; put it after it"),
+        ("a.json solve b.json", "a.json comes before the command; put it after the command"),
         ("solve", "the following required arguments were not provided: <DOC>; see touchline --help"),
         (
             "solve nothing.json",
@@ -240,7 +240,7 @@ fn wrong_usage_is_one_line_and_exit_two() {
         ),
         (
             "new frames --frames frames --field soccer",
-            "frames exists already; give --force to replace it, or another -o",
+            "frames already exists; give --force to replace it, or another -o",
         ),
         (
             "new m --frames frames --field soccer --set length_m",

@@ -45,7 +45,7 @@ fn data_figures_and_report_are_written_and_repeat() {
 fn wrong_orders_are_refused_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     for (arguments, named) in [
-        ("experiment nothing -o out", "no experiment is called \"nothing\"; there are synthetic, ransac,"),
+        ("experiment nothing -o out", "there is no experiment \"nothing\"; there are synthetic, ransac,"),
         ("experiment highlights -o out --test b.json", "--train"),
         ("experiment highlights -o out --train a.json --test b.json", "a.json"),
     ] {

@@ -86,7 +86,7 @@ fn what_is_missing_is_named_in_one_line() {
         ("motion --data bad", "soccer_ground_truth.json: "),
         ("highlights --data match", "highlights wants MATLAB files such as seq1_anno.mat"),
         ("highlights --data bad", "seq1_anno.mat: it is not a MATLAB file of level 5"),
-        ("synthetic --data bad", "synthetic needs no data; leave --data away"),
+        ("synthetic --data bad", "synthetic needs no data; omit --data"),
         ("motion --data nowhere", "nowhere is no folder"),
         ("motion --train match/truth.json", "does not look at frames of your own"),
         ("highlights --train match/one.json", "no camera has solved frames in two clips"),

@@ -138,7 +138,7 @@ fn the_document_that_is_open_is_not_opened_again() {
         headless.act(Action::Open(way));
         headless.wait_until("the word", |app| app.session.opening.is_none());
         let notice = headless.app.session.notices.last().unwrap();
-        assert!(notice.text.ends_with("project.json is open already."), "{}", notice.text);
+        assert!(notice.text.ends_with("project.json is already open."), "{}", notice.text);
         assert_eq!(headless.app.open().unwrap().read_only, None);
     }
     comment(&mut headless, 2, "still mine");

@@ -384,7 +384,7 @@ fn a_base_that_moves_takes_what_was_proposed_with_it_and_undo_brings_both_back()
     moved(&mut bench, 20.0);
     assert_eq!(bench.statuses(), "RNNN", "what was accepted stays");
     assert_ne!(bench.frames()[0].ptz, accepted, "turned so that its lines stay on the picture");
-    assert!(bench.last_notice().starts_with("3 proposals were made for the old base"), "{}", bench.last_notice());
+    assert!(bench.last_notice().starts_with("3 proposals for the old base were discarded"), "{}", bench.last_notice());
     bench.act(Action::Proposals(batch));
     assert_eq!(bench.statuses(), "RNNN", "made for the old base");
     bench.act(Action::Proposals(vec![proposal(&bench, 1, 2, Some(9.0))]));

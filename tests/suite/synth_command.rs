@@ -49,7 +49,7 @@ fn a_match_is_drawn_with_its_truth_and_never_over_something() {
     let refused = synth(&arguments, &one);
     assert_eq!(refused.status.code(), Some(2));
     let told = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(told.trim_end().ends_with("one exists already; give --force to replace it, or another -o"), "{told}");
+    assert!(told.trim_end().ends_with("one already exists; give --force to replace it, or another -o"), "{told}");
     assert_eq!(bytes_below(&one), bytes_below(&two));
 }
 

@@ -1,4 +1,4 @@
-//! Names that look wrong: told in the inspector, compared while a button is held, mended by another.
+//! Names that look wrong: reported in the inspector, compared while a button is held, fixed by another button.
 
 use crate::parts::{Test, tests};
 use crate::window::{Window, truth};

@@ -249,7 +249,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
     assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
     assert_eq!(window.app().settings.keys.shown(Command::NextFrame), "");
     let told = &window.app().session.notices.last().unwrap().text;
-    assert!(told.contains("“Next frame” has no key any more"), "{told}");
+    assert!(told.contains("“Next frame” no longer has a key"), "{told}");
     window.harness.get_by_label("Reset to defaults").click();
     window.harness.run_steps(2);
     assert!(!window.app().settings.keys.is_changed());

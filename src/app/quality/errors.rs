@@ -7,12 +7,12 @@ use crate::score::{median_normal_size, median_rayleigh, quantile, rayleigh_share
 use crate::solve::Observation;
 use std::collections::BTreeMap;
 
-/// A histogram has about so many bins.
+/// The approximate number of bins of a histogram.
 const BINS: usize = 24;
 /// Its scale reaches a little farther than nearly all errors.
 const NEARLY_ALL: f64 = 0.95;
 const FARTHER: f64 = 1.2;
-/// Nearly all right clicks stay below so many of their medians.
+/// Nearly all correct clicks stay below this multiple of their median.
 const NEARLY_ALL_OF_RIGHT: f64 = 2.0;
 /// Unknowns of a frame: pan, tilt, focal length.
 const UNKNOWNS: usize = 3;
@@ -62,7 +62,7 @@ pub struct Spread {
 }
 
 impl ClickErrors {
-    /// The clicks of a camera's solved frames that nobody rejected.
+    /// The clicks of a camera's solved frames that are not rejected.
     #[must_use]
     pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
         let mut found = Self::default();

@@ -24,7 +24,7 @@ pub struct Column {
     pub high: f64,
 }
 
-/// What is drawn of the points of a span on so many columns: each by itself while they are few, else from the smallest to
+/// What is drawn of the points of a span on a number of columns: each by itself while they are few, else from the smallest to
 /// the largest of each kind and column, so that no spike gets lost.
 #[must_use]
 pub fn drawn(points: &[CoursePoint], quantity: Quantity, span: [f64; 2], columns: usize) -> Drawn<'_> {

@@ -27,7 +27,7 @@ pub struct ReviewRow {
     pub confidence: Option<f64>,
     /// How it lies to the frames before and after; none where there are none.
     pub disagreement: Option<Disagreement>,
-    /// It waits for nobody any more: accepted, rejected, corrected or withdrawn while the list was held.
+    /// It is no longer a suggestion: accepted, rejected, corrected or withdrawn while the list was held.
     pub gone: bool,
 }
 

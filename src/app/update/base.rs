@@ -1,4 +1,4 @@
-//! Estimating where the camera stands, looking at what was found, taking it over.
+//! Estimating a camera's base, reviewing the result, applying it.
 
 use super::App;
 use super::cameras::counted;
@@ -24,7 +24,7 @@ impl App {
         let ready = self.base_readiness();
         let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
         if ready.wide == 0 && self.current.base.is_none() {
-            self.session.notify(Level::Info, format!("Not enough to go by yet. {}", ready.describe()));
+            self.session.notify(Level::Info, format!("Not enough points yet. {}", ready.describe()));
             return;
         }
         self.effects.push(Effect::EstimateBase {
@@ -92,7 +92,7 @@ impl App {
             }
             Err(error) => {
                 self.abort();
-                self.session.notify(Level::Warning, format!("The base was not taken over: {error}."));
+                self.session.notify(Level::Warning, format!("The base was not applied: {error}."));
             }
         }
     }
@@ -112,11 +112,11 @@ impl App {
         }
     }
 
-    /// Exchanges the names of a frame's clicks: left for right, near for far, or both.
+    /// Mirrors the names of a frame's clicks: left and right, near and far, or both.
     pub(super) fn mirror_names(&mut self, index: usize, symmetry: Symmetry) {
         self.go_to(index);
         let Some(Ok(field)) = self.open.as_mut().map(|open| open.field_of(index)) else { return };
-        if self.begin("Exchange names") {
+        if self.begin("Mirror names") {
             if let Some(frame) = self.frame_mut() {
                 mirror(frame, &field, symmetry);
             }
@@ -131,7 +131,7 @@ impl App {
     /// Tells once that the frames now suffice.
     pub(super) fn tell_when_enough(&mut self, before: BaseReadiness) {
         if self.current.base.is_none() && !before.is_enough() && self.base_readiness().is_enough() {
-            let text = "These frames are enough to find out where the camera stands.";
+            let text = "These frames are enough to estimate the base.";
             self.session.notify_with(Level::Info, text, [("Estimate the base", Command::EstimateBase)]);
         }
     }
@@ -144,13 +144,13 @@ fn describe(found: &EstimatedBase) -> String {
     let before = estimate
         .previous_median_px
         .filter(|px| px.is_finite())
-        .map(|px| format!(" (now {px:.1} px); hold B for the base as it is"))
+        .map(|px| format!(" (currently {px:.1} px); hold B for the current base"))
         .unwrap_or_default();
-    let one_view = estimate.one_view().map_or_else(String::new, |told| format!(" But {told}."));
+    let one_view = estimate.one_view().map_or_else(String::new, |reason| format!(" But {reason}."));
     let sizes: Vec<String> = found.sizes.iter().map(describe_size).collect();
     let sizes = if sizes.is_empty() { String::new() } else { format!(" Field {}.", sizes.join(", ")) };
     format!(
-        "Base found from {}: points fit to {:.1} px, median{before}.{sizes}{one_view}",
+        "Base estimated from {}: median error {:.1} px{before}.{sizes}{one_view}",
         counted(frames),
         estimate.median_px
     )

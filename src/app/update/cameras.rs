@@ -27,19 +27,19 @@ impl App {
         let Some(open) = &self.open else { return };
         let frames = Scope::Shot.frames(open, &self.session);
         if frames.len() < 2 {
-            self.session.notify(Level::Info, "This frame's shot has no other frame.");
+            self.session.notify(Level::Info, "This shot has no other frames.");
             return;
         }
         self.session.frames_selected = frames.into_iter().collect();
     }
 
-    /// Opens the sheet on which frames are given to a camera; it begins with what is selected.
+    /// Opens the dialog that assigns frames to a camera; it begins with the selected frames.
     pub(super) fn ask_camera(&mut self) {
         let scope = if self.session.frames_selected.is_empty() { Scope::Frame } else { Scope::Selected };
         self.session.dialog = Some(Dialog::AssignToCamera(scope));
     }
 
-    /// Gives frames to a camera: one step of undo.
+    /// Assigns frames to a camera: one step of undo.
     pub(super) fn assign_to_camera(&mut self, scope: Scope, choice: &CameraChoice) {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
@@ -56,7 +56,7 @@ impl App {
         if given.is_some() {
             self.session.dialog = None;
             self.session.frames_selected.clear();
-            let text = format!("{} given to camera “{name}”.", counted(frames.len()));
+            let text = format!("{} assigned to camera “{name}”.", counted(frames.len()));
             self.session.notify(Level::Info, text);
         }
     }
@@ -68,7 +68,7 @@ impl App {
         if let Some(name) = self.change_cameras(step, |document, fields| change.part(document, fields)) {
             self.session.retract(Command::NewCameraFromChange);
             let text = format!(
-                "Camera “{name}” has the frames from {} on: points fit to {:.1} px. More points there, then estimate its base.",
+                "Camera “{name}” has the frames from {} on: points fit to {:.1} px. Add points there, then estimate its base.",
                 change.frame + 1,
                 change.own_px
             );
@@ -88,7 +88,7 @@ impl App {
         let fields = match self.open.as_mut()?.fields() {
             Ok(fields) => fields,
             Err(error) => {
-                self.session.notify(Level::Warning, format!("The frames stay where they are: {error}."));
+                self.session.notify(Level::Warning, format!("The frames keep their camera: {error}."));
                 return None;
             }
         };
@@ -102,13 +102,13 @@ impl App {
             }
             Err(error) => {
                 self.abort();
-                self.session.notify(Level::Warning, format!("The frames stay where they are: {error}."));
+                self.session.notify(Level::Warning, format!("The frames keep their camera: {error}."));
                 None
             }
         }
     }
 
-    /// Looks whether the shown frame's camera still fits, after every edit; what is found is told once. Many frames are looked
+    /// Looks whether the shown frame's camera still fits, after every edit; what is found is reported once. Many frames are looked
     /// at in the background, one look at a time.
     pub(super) fn watch_camera(&mut self) {
         let seen =
@@ -141,7 +141,7 @@ impl App {
         self.effects.push(Effect::WatchCamera(Box::new(watch)));
     }
 
-    /// Takes the report of a look in the background; one that nobody waits for any more is passed over.
+    /// Takes the report of a look in the background; an outdated report is ignored.
     pub(super) fn camera_watched(&mut self, ticket: u64, change: Result<Option<Box<CameraChange>>, WatchPanicked>) {
         let Some((_, seen)) = self.watched.under_way.take_if(|(known, _)| *known == ticket) else { return };
         match change {

@@ -41,7 +41,7 @@ impl App {
             return;
         }
         if rejected {
-            self.session.notify(Level::Info, "This frame is marked as not calibratable. X takes the mark away.");
+            self.session.notify(Level::Info, "This frame is marked as not calibratable. X removes the mark.");
             return;
         }
         let placing = match std::mem::take(&mut self.session.mode) {
@@ -146,7 +146,7 @@ impl App {
 
     pub(super) fn set_check(&mut self, click: usize, check: bool) {
         let name = self.click_name(click);
-        let step = if check { format!("Hold out {name}") } else { format!("Use {name}") };
+        let step = if check { format!("Make {name} a check point") } else { format!("Use {name}") };
         if self.begin(step) {
             if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
                 click.check = check;
@@ -156,7 +156,7 @@ impl App {
         }
     }
 
-    /// Selects the next or previous click of the frame, round and round.
+    /// Selects the next or previous click of the frame, cyclically.
     pub(super) fn step_click(&mut self, forward: bool) {
         let count = self.frame().map_or(0, |frame| frame.clicks.len());
         if count == 0 {

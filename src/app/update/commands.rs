@@ -1,4 +1,4 @@
-//! What each command does.
+//! Carrying out commands.
 
 use super::App;
 use super::gold::IN_ROUND;
@@ -15,7 +15,7 @@ const POINT_SCALE: f64 = 8.0;
 pub const MAX_SCALE: f64 = 32.0;
 
 impl App {
-    /// Why a command makes no sense right now; none if it does.
+    /// Why a command is not available; none if it is.
     #[must_use]
     pub fn why_not(&self, command: Command) -> Option<&'static str> {
         use Command as C;
@@ -40,9 +40,9 @@ impl App {
             }
             C::OverlayStyle => None,
             C::ShowFeatures => self.no_trainer(),
-            _ if no_document => Some("Nothing is open."),
+            _ if no_document => Some("No document is open."),
             C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
-            C::Save if self.is_read_only() => Some("The document is open to look at only."),
+            C::Save if self.is_read_only() => Some("The document is read-only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
             C::Orphans
@@ -66,7 +66,7 @@ impl App {
                 Some("A comparison is under way.")
             }
             C::ChooseGold if !self.gold().can_choose => {
-                Some("Every reference that helps is gold; accept more frames first.")
+                Some("Every suitable reference is gold already. Accept more frames first.")
             }
             C::UseOwnNoise => self.why_not_own_noise(),
             C::UseUsualNoise => self.why_not_usual_noise(),
@@ -77,7 +77,7 @@ impl App {
             }
             C::NewCameraFromChange if self.camera_change().is_none() => Some("This camera fits all its frames."),
             C::ConfirmFieldSize if self.shown_field_spec().is_none_or(|spec| spec.assumed_size().is_none()) => {
-                Some("The field's size is known.")
+                Some("The field's size is confirmed already.")
             }
             C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
                 Some("Nothing that looks burned in waits.")
@@ -86,14 +86,14 @@ impl App {
             C::AssignToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize
                 if self.is_read_only() =>
             {
-                Some("The document is open to look at only.")
+                Some("The document is read-only.")
             }
-            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("No estimated base waits."),
+            C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
-            C::EstimateBase if self.is_read_only() => Some("The document is open to look at only."),
+            C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
-            C::Compare if self.current.alternative().is_none() => Some("Nothing else fits these points."),
+            C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
         }
@@ -300,7 +300,7 @@ impl App {
             ("Undone", EditKind::Undone)
         } else {
             open.history.redo(&mut open.document);
-            ("Done again", EditKind::Redone)
+            ("Redone", EditKind::Redone)
         };
         self.journal(&format!("{title}: {}", step.name), kind);
         self.session.notify(Level::Info, format!("{title}: {}.", step.name));
@@ -331,7 +331,7 @@ impl App {
     pub(super) fn assign_key(&mut self, command: Command, chord: Chord) {
         let shown = chord.to_string();
         if let Some(loser) = self.settings.keys.assign(command, chord) {
-            let text = format!("{shown} is now “{}”; “{}” has no key any more.", command.name(), loser.name());
+            let text = format!("{shown} is now “{}”; “{}” no longer has a key.", command.name(), loser.name());
             self.session.notify(Level::Info, text);
         }
         self.effects.push(Effect::SaveSettings);

@@ -42,7 +42,7 @@ impl App {
             self.session.notify(*level, text.clone());
         }
         if let Some(reason) = &opened.read_only {
-            self.session.notify(Level::Warning, format!("Opened to look at only: {reason}"));
+            self.session.notify(Level::Warning, format!("Opened read-only: {reason}"));
         }
         self.session.orphans.clone_from(&opened.orphans);
         self.tell_orphans();

@@ -1,4 +1,4 @@
-//! Going from frame to frame, accepting and rejecting them.
+//! Navigating, accepting and rejecting frames.
 
 use super::App;
 use crate::app::Command;
@@ -51,17 +51,14 @@ impl App {
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
         if let Some(unnamed) = unnamed(frame) {
-            return Some(format!(
-                "Point {} has no name yet: name it (C) or delete it (Del), then accept.",
-                unnamed + 1
-            ));
+            return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
         }
         if frame.ptz.is_some() || self.current.solved().is_some() {
             return None;
         }
         Some(match &self.current.solution {
             Some(Err(error)) => format!("Nothing to accept: {error}."),
-            _ => "Nothing to accept yet: click two points first, or mark the frame with X.".to_owned(),
+            _ => "Nothing to accept yet. Click two points first, or reject the frame with X.".to_owned(),
         })
     }
 
@@ -107,7 +104,7 @@ impl App {
     pub(super) fn ask_reject(&mut self, whole_shot: bool) {
         let Some(frame) = self.frame() else { return };
         if frame.status == FrameStatus::Rejected && !whole_shot {
-            if self.begin("Take the mark away") {
+            if self.begin("Remove the mark") {
                 if let Some(frame) = self.frame_mut() {
                     frame.status = frame.undecided();
                     frame.reason = None;
@@ -117,7 +114,7 @@ impl App {
             return;
         }
         if whole_shot && frame.clip.is_none() {
-            self.session.notify(Level::Info, "This frame belongs to no shot: X marks it alone.");
+            self.session.notify(Level::Info, "This frame is not in a shot. X marks it alone.");
             return;
         }
         self.session.mode = Mode::Rejecting { whole_shot };

@@ -192,7 +192,7 @@ impl App {
             Action::Opened(opened) => self.opened(*opened),
             Action::AlreadyOpen(file) => {
                 self.session.opening = None;
-                self.session.notify(Level::Info, format!("{} is open already.", file.display()));
+                self.session.notify(Level::Info, format!("{} is already open.", file.display()));
             }
             Action::Failed(message) => {
                 self.session.opening = None;
@@ -227,8 +227,10 @@ impl App {
             Action::OrphanRead { orphan, edits } => self.merge_orphan(orphan, &edits),
             Action::SaveOrphan(orphan) => self.effects.push(Effect::SaveOrphan { orphan }),
             Action::OrphanSaved { document } => {
-                self.session
-                    .notify(Level::Info, format!("The edits are in a document of their own: {}", document.display()));
+                self.session.notify(
+                    Level::Info,
+                    format!("The edits were saved as a separate document: {}", document.display()),
+                );
             }
             Action::OrphanPutAway { orphan, renamed } => self.orphan_put_away(&orphan, &renamed),
             Action::LeaveUnsaved => self.leave_unsaved(),
@@ -282,7 +284,7 @@ impl App {
         self.clamp_selection();
     }
 
-    /// Hands what changed since the last time to the journal, and what that is to undo and redo.
+    /// Passes what changed since the last time to the journal, with its meaning for undo and redo.
     fn journal(&mut self, name: &str, kind: EditKind) {
         let Some(open) = &mut self.open else { return };
         if let Some(edit) = open.take_edit(name, kind) {
@@ -313,7 +315,7 @@ impl App {
     }
 
     fn refresh_review(&mut self) {
-        // A list does not change under a hand that drags.
+        // The list must not change during a drag.
         if self.open.as_ref().is_none_or(|open| !open.history.is_open()) {
             self.review.refresh(self.open.as_mut(), &self.session);
         }

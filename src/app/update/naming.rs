@@ -7,7 +7,7 @@ use crate::app::session::{Level, Mode, OFFERED};
 use crate::document::{BetterName, Target};
 
 impl App {
-    /// What a person calls a landmark or line; its id where the field lacks it.
+    /// The label of a landmark or line; its id where the field lacks it.
     #[must_use]
     pub fn label(&self, target: &Target) -> String {
         let label = self.current.field().and_then(|field| target.element(field)?.label(field));
@@ -132,7 +132,7 @@ impl App {
         });
         let label = self.label(&target);
         if let Some(twin) = twin {
-            let text = format!("{label} is already point {} of this frame: delete or rename that one first.", twin + 1);
+            let text = format!("{label} is already point {} of this frame. Delete or rename that one first.", twin + 1);
             self.session.notify(Level::Warning, text);
             return;
         }

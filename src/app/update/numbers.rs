@@ -1,4 +1,4 @@
-//! Numbers that a person types or drags: pan, tilt, focal length, the camera, the field.
+//! Editing numbers: pan, tilt, focal length, the camera, the field.
 
 use super::{App, solve_in_place};
 use crate::app::session::{Level, Mode};
@@ -30,7 +30,7 @@ impl App {
         if !ptz.is_finite() {
             return;
         }
-        let step = self.step_at("Set numbers by hand", self.session.frame);
+        let step = self.step_at("Set numbers manually", self.session.frame);
         self.within_edit(step, |app| {
             let base = app.current.base;
             let Some(frame) = app.frame_mut() else { return };
@@ -98,7 +98,7 @@ impl App {
     pub(super) fn solve_by_clicks(&mut self) {
         let Some(open) = &mut self.open else { return };
         if let Err(error) = solve_by_clicks(&mut open.document, &open.folder) {
-            self.session.notify(Level::Warning, format!("The other frames are not solved again: {error}."));
+            self.session.notify(Level::Warning, format!("The other frames were not solved again: {error}."));
         }
     }
 
@@ -153,11 +153,11 @@ impl App {
         let Some(known) = self.frame().map(|frame| frame.camera.clone()) else { return };
         let Some(camera) = self.open.as_ref().and_then(|open| open.document.camera(&known)) else { return };
         let Some(adopted) = adopt(camera, loaded) else {
-            self.session.notify(Level::Warning, format!("Camera {:?} has no base to take over.", loaded.id.as_str()));
+            self.session.notify(Level::Warning, format!("Camera {:?} has no base.", loaded.id.as_str()));
             return;
         };
         self.edit_camera(adopted);
-        self.session.notify(Level::Info, format!("Camera base taken over from {:?}.", loaded.id.as_str()));
+        self.session.notify(Level::Info, format!("Camera base loaded from {:?}.", loaded.id.as_str()));
     }
 
     /// The camera of the shown frame.

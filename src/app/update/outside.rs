@@ -37,7 +37,7 @@ impl App {
     pub(super) fn merge_outside(&mut self, outside: &Outside) {
         let Some(open) = &self.open else { return };
         let merged = merge(&outside.base, &open.document, &outside.theirs);
-        if self.take_merged(merged, "Take in another program's changes") {
+        if self.take_merged(merged, "Merge another program's changes") {
             self.effects.push(Effect::SaveOver);
         }
     }
@@ -47,7 +47,7 @@ impl App {
         let count: usize = self.session.orphans.iter().map(|orphan| orphan.edits.len()).sum();
         if count > 0 {
             let edits = if count == 1 { "1 edit".to_owned() } else { format!("{count} edits") };
-            let text = format!("{edits} of another version of this document are kept beside it.");
+            let text = format!("{edits} of another version of this document are set aside.");
             self.session.notify_with(Level::Warning, text, [("Look at them", Command::Orphans)]);
         }
     }
@@ -56,7 +56,7 @@ impl App {
     pub(super) fn merge_orphan(&mut self, orphan: PathBuf, edits: &OrphanEdits) {
         let Some(open) = &self.open else { return };
         let merged = edits.merged_into(&open.document);
-        if self.take_merged(merged, "Take in edits that were set aside") {
+        if self.take_merged(merged, "Merge edits that were set aside") {
             self.effects.push(Effect::PutOrphanAway { orphan });
         }
     }
@@ -66,7 +66,7 @@ impl App {
         if self.session.orphans.is_empty() && self.session.dialog == Some(Dialog::Orphans) {
             self.session.dialog = None;
         }
-        self.session.notify(Level::Info, format!("The edits are taken in; their file is {} now.", renamed.display()));
+        self.session.notify(Level::Info, format!("The edits are merged; their file is now {}.", renamed.display()));
     }
 
     /// Makes a joined document the open one, as one step of undo; the shown frame stays the same.
@@ -88,7 +88,7 @@ impl App {
             let named: Vec<_> = merged.conflicts.iter().take(NAMED).map(String::as_str).collect();
             let more = merged.conflicts.len() - named.len();
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
-            let text = format!("Changed on both sides; your version stays: {}{more}.", named.join(", "));
+            let text = format!("Changed on both sides, your version is kept: {}{more}.", named.join(", "));
             self.session.notify(Level::Warning, text);
         }
         true

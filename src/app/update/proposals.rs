@@ -1,4 +1,4 @@
-//! What the forest proposes, and what of it no longer holds.
+//! Proposals of the forest, and which of them are outdated.
 
 use super::App;
 use crate::app::OpenProject;
@@ -9,7 +9,7 @@ use crate::proposals::{NoProposal, Proposal};
 use std::collections::BTreeSet;
 
 impl App {
-    /// Takes proposals in: journalled, but nobody's step of undo. Those of an older forest than the last one are dropped.
+    /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
         let Some(edit) = open.take_proposals(proposals) else { return };
@@ -56,8 +56,8 @@ impl App {
             }
         }
         if gone > 0 {
-            let were = if gone == 1 { "proposal was" } else { "proposals were" };
-            let text = format!("{gone} {were} made for the old base and went: the forest learns the new one.");
+            let (proposals, were) = if gone == 1 { ("proposal", "was") } else { ("proposals", "were") };
+            let text = format!("{gone} {proposals} for the old base {were} discarded; proposing again.");
             self.session.notify(Level::Info, text);
         }
     }

@@ -50,7 +50,7 @@ impl App {
         }
     }
 
-    /// Enlarges the time around the shown frame, or around the middle where that is out of sight.
+    /// Zooms the time axis around the shown frame, or around the middle where that is out of sight.
     pub(super) fn zoom_time(&mut self, command: Command) {
         let course = &self.quality.course;
         let Some(whole) = course.whole else { return };

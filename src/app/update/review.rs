@@ -42,7 +42,7 @@ impl App {
         };
         let frames: Vec<usize> = bulk.rows.iter().filter(open).map(|row| row.frame).collect();
         if frames.is_empty() {
-            self.session.notify(Level::Info, "No suggestion is that certain.");
+            self.session.notify(Level::Info, "No suggestion has this confidence.");
             return;
         }
         let count = match frames.len() {
@@ -62,7 +62,7 @@ impl App {
         }
         self.commit();
         let undo = self.settings.keys.shown(crate::app::Command::Undo);
-        self.session.notify(Level::Info, format!("{count} accepted. {undo} takes all of it back."));
+        self.session.notify(Level::Info, format!("{count} accepted. {undo} undoes all of it."));
     }
 
     /// Sets whether the forest is trained with a frame.

@@ -8,11 +8,11 @@ impl App {
     /// Why there is no trainer for what is open; none if there is one.
     #[must_use]
     pub fn no_trainer(&self) -> Option<&'static str> {
-        let Some(open) = &self.open else { return Some("Nothing is open.") };
+        let Some(open) = &self.open else { return Some("No document is open.") };
         if cfg!(not(feature = "opencv")) {
-            return Some("This program was built without OpenCV and finds no features to learn from.");
+            return Some("This program was built without OpenCV and cannot find features.");
         }
-        open.read_only.is_some().then_some("The document is open to look at only.")
+        open.read_only.is_some().then_some("The document is read-only.")
     }
 
     /// Tells the trainer what it does not know yet: the document once a step is done, and the frame that is shown.

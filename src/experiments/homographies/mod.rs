@@ -18,9 +18,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Frames agree with a base within these root mean square distances, px.
 const WITHIN_PX: [f64; 4] = [1.0, 2.0, 5.0, 10.0];
-/// The one that the groups shown are for: about what people's own clicks scatter by, at this width.
+/// The one used for the groups in the figures: about the noise of people's clicks at this width.
 const SHOWN_PX: f64 = 2.0;
-/// Of many frames every so many are taken where the experiment is to be quick.
+/// In a quick run one frame in this many is used.
 const QUICK_STRIDE: usize = 8;
 
 /// A frame with its camera and how that scores.

@@ -1,4 +1,4 @@
-//! A user's own frames: documents that teach, and one that is asked, or whose clips are asked of each other.
+//! A user's own frames: documents for training and one for testing, or documents whose clips are tested against each other.
 
 use super::{FrameSet, KnownFrame, KnownPicture, SetKind, Split};
 use crate::document::{Document, FrameStatus, Solution};
@@ -23,7 +23,7 @@ pub struct OwnDocument {
 /// A user's own documents.
 #[derive(Clone, Debug)]
 pub struct OwnDocuments {
-    /// Their solved frames teach.
+    /// Their solved frames are used for training.
     pub train: Vec<OwnDocument>,
     /// Its solved frames are asked; none: the clips of each document are asked of its other clips.
     pub test: Option<OwnDocument>,
@@ -146,8 +146,8 @@ fn of_two(
     }
     Ok(FrameSet {
         kind: SetKind::Own,
-        title: format!("own frames, {taught} that teach and {} that are asked", asked.len()),
-        teaching: "The frames of one document are asked of those of the other, camera by camera.".to_owned(),
+        title: format!("own frames, {taught} for training and {} for testing", asked.len()),
+        protocol: "The frames of one document are tested against those of the other, camera by camera.".to_owned(),
         splits,
         frames: gathered.frames,
     })
@@ -186,7 +186,7 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
     Ok(FrameSet {
         kind: SetKind::Own,
         title: format!("own frames, {documents}{asked} in {} clips", splits.len()),
-        teaching:
+        protocol:
             "Each clip is asked of the other clips of its camera; the truth is the camera that the document holds for \
                    the frame, with the errors of the clicks that it was fitted to."
                 .to_owned(),

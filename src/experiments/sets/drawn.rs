@@ -67,13 +67,13 @@ pub fn highlights(
     Ok(FrameSet {
         kind: SetKind::Drawn,
         title: format!("drawn, {sequences} sequences of {frames} frames, {} × {} px", size.width, size.height),
-        teaching: "A sequence is asked of the frames of all others.".to_owned(),
+        protocol: "Each sequence is tested against the frames of all others.".to_owned(),
         frames: take(&orders, progress)?,
         splits: (0..sequences).map(split).collect(),
     })
 }
 
-/// Two games of 42 and 33 frames, each by a camera of its own; every other frame teaches.
+/// Two games of 42 and 33 frames, each by its own camera; every other frame is used for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -87,7 +87,8 @@ pub fn worldcup(options: &ExperimentOptions, progress: &(dyn Fn() + Sync)) -> Re
             "drawn, two games of {} and {} frames, {} × {} px",
             counts[0], counts[1], size.width, size.height
         ),
-        teaching: "Every other frame of a game teaches the rest; frames are seconds apart.".to_owned(),
+        protocol: "Every other frame of a game is used for training, the rest for testing; frames are seconds apart."
+            .to_owned(),
         frames: Vec::new(),
         splits: Vec::new(),
     };

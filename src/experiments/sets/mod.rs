@@ -1,4 +1,4 @@
-//! Frames with known cameras and their features, and who teaches whom.
+//! Frames with known cameras and their features, split into training and test frames.
 
 mod documents;
 mod drawn;
@@ -75,11 +75,11 @@ pub struct FrameSet {
     pub kind: SetKind,
     /// What it is, in words: "drawn, …" where it is drawn.
     pub title: String,
-    /// Who teaches whom, in words.
-    pub teaching: String,
+    /// How the frames are split, as a sentence.
+    pub protocol: String,
     /// The frames.
     pub frames: Vec<KnownFrame>,
-    /// Who teaches whom; the frames of one split are of one camera.
+    /// Training and test frames; the frames of one split are of one camera.
     pub splits: Vec<Split>,
 }
 
@@ -105,24 +105,24 @@ impl SetKind {
     }
 }
 
-/// Frames that teach and frames that are asked.
+/// Training frames and test frames.
 #[derive(Clone, Debug)]
 pub struct Split {
-    /// Its name: that of what is asked. Splits of one name are told of together.
+    /// Its name: that of what is asked. Splits of one name are reported together.
     pub name: String,
-    /// Frames that teach.
+    /// Frames used for training.
     pub training_frames: Vec<usize>,
-    /// Frames that are asked.
+    /// Frames used for testing.
     pub asked: Vec<usize>,
 }
 
 impl FrameSet {
-    /// A heading that says what kind of frames it is about, so that nobody takes a drawn set for a real one.
+    /// A heading that says what kind of frames it is about, so that a drawn set is not mistaken for a real one.
     pub fn heading(&self, words: &str) -> String {
         format!("{words} ({})", self.kind.describe())
     }
 
-    /// What some frames teach, and where they looked; none without features.
+    /// The training samples of some frames, and where they looked; none without features.
     pub fn training_samples(&self, frames: &[usize]) -> Option<(Samples, SeenRange)> {
         let mut samples = Samples::new();
         for frame in frames.iter().map(|&frame| &self.frames[frame]) {

@@ -92,7 +92,7 @@ impl RealMotion {
     }
 }
 
-/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th teaches the rest.
+/// The drawn frames of a motion: every `stride`-th of its frames, of which every `every`-th is used for training.
 ///
 /// # Errors
 /// This program was built without OpenCV, or a picture cannot be encoded.
@@ -128,7 +128,7 @@ pub fn motion(
         })
         .collect();
     let frames = take(&orders, progress)?;
-    let teaches = |index: &usize| index.is_multiple_of(every);
+    let is_for_training = |index: &usize| index.is_multiple_of(every);
     Ok(FrameSet {
         kind: SetKind::Drawn,
         title: format!(
@@ -137,11 +137,11 @@ pub fn motion(
             size.width,
             size.height
         ),
-        teaching: format!("One frame in {every} teaches, all others are asked."),
+        protocol: format!("One frame in {every} is used for training, all others for testing."),
         splits: vec![Split {
             name: "motion".to_owned(),
-            training_frames: (0..frames.len()).filter(teaches).collect(),
-            asked: (0..frames.len()).filter(|index| !teaches(index)).collect(),
+            training_frames: (0..frames.len()).filter(is_for_training).collect(),
+            asked: (0..frames.len()).filter(|index| !is_for_training(index)).collect(),
         }],
         frames,
     })

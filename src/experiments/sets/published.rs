@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub enum PublishedKind {
     /// Sequences of one match; each is asked of the others.
     Highlights,
-    /// Games; every other frame of one teaches the rest.
+    /// Games; every other frame of a game is used for training, the rest for testing.
     WorldCup,
 }
 
@@ -73,13 +73,13 @@ pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Resu
     let [length, width] = read.field_yd;
     let source =
         if read.field_model.is_some() { "its own model" } else { "no model found, the size that the paper states" };
-    let teaching = match (kind, whole) {
+    let protocol = match (kind, whole) {
         (PublishedKind::Highlights, true) => "A sequence is asked of the frames of all others.",
         (PublishedKind::Highlights, false) => {
             "A sequence is asked of the frames of all others from its camera; where there is none, every other frame teaches the \
              rest."
         }
-        (PublishedKind::WorldCup, _) => "Every other frame of a game teaches the rest.",
+        (PublishedKind::WorldCup, _) => "Every other frame of a game is used for training, the rest for testing.",
     };
     Ok(FrameSet {
         kind: SetKind::Published,
@@ -90,7 +90,7 @@ pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Resu
             splits.len(),
             read.worst_turn.degrees(),
         ),
-        teaching: teaching.to_owned(),
+        protocol: protocol.to_owned(),
         frames: gathered.frames,
         splits,
     })

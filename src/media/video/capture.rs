@@ -1,6 +1,6 @@
 //! The boundary to OpenCV's video reader.
 //!
-//! Four of its habits matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
+//! Four of its peculiarities matter (found with OpenCV 4.6 on `FFmpeg` 5.1). Its frame numbers are times multiplied by the
 //! stated rate, so that they are wrong wherever the spacing is uneven: only time stamps are trusted here. The last few
 //! frames, which a decoder holds back for reordering, come with the time stamp 0: their time is unknown. A frame that does
 //! not decode is reported as if it were the end; what follows comes all the same, beginning with remnants of earlier frames, whose times

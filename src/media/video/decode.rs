@@ -24,7 +24,7 @@ impl Video {
         Self::open_watched(path, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Opens a video as [`Video::open`] does; where all frames are visited, `watch` is told every now and then how far
+    /// Opens a video as [`Video::open`] does; where all frames are visited, `watch` is called now and then with how far
     /// that has come, and may end it.
     ///
     /// # Errors

@@ -68,7 +68,7 @@ pub struct Series {
     pub mark: Mark,
     /// The line through them.
     pub line: Line,
-    /// Its colour: 0 black, then seven that are easily told apart, then again.
+    /// Its colour: 0 black, then seven that are easy to distinguish, then again.
     pub colour: usize,
 }
 

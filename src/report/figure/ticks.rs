@@ -12,7 +12,7 @@ pub struct Ruler {
     pub ticks: Vec<(f64, String)>,
 }
 
-/// About so many numbers stand on a linear axis.
+/// The approximate number of tick marks of a linear axis.
 const WANTED: f64 = 5.0;
 
 impl Ruler {
@@ -29,13 +29,13 @@ impl Ruler {
         }
     }
 
-    /// A linear ruler from here to there with about so many numbers on it.
+    /// A linear ruler over a range with about this number of tick marks.
     #[must_use]
     pub fn within(range: [f64; 2], wanted: f64) -> Self {
         Self::linear(range, true, wanted)
     }
 
-    /// A linear ruler over these values with about so many numbers on it, one at either end.
+    /// A linear ruler over these values with about this number of tick marks, one at either end.
     #[must_use]
     pub fn around(range: [f64; 2], wanted: f64) -> Self {
         Self::linear(range, false, wanted)

@@ -223,7 +223,7 @@ fn mirrored_frame(panel: &mut Panel<'_>, ui: &mut Ui, mirrored: &MirroredFrame) 
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.actions.push(Action::GoTo(mirrored.frame));
         }
-        if ui.add(Button::new(format!("Exchange {sides}")).small()).on_hover_text(tip).clicked() {
+        if ui.add(Button::new(format!("Mirror {sides}")).small()).on_hover_text(tip).clicked() {
             panel.actions.push(Action::MirrorNames { frame: mirrored.frame, symmetry: mirrored.symmetry });
         }
     });

@@ -1,7 +1,7 @@
 //! The background trainer: its progress, its references, the forest's accuracy, and where references are missing.
 
+mod accuracy;
 mod map;
-mod worth;
 
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
@@ -40,10 +40,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 map::show(panel, ui, coverage, status.quality.as_deref());
             }
             if let Some(quality) = &status.quality {
-                section(ui, "WORTH");
-                worth::show(panel, ui, quality);
+                section(ui, "ACCURACY");
+                accuracy::show(panel, ui, quality);
             } else if status.forest.is_some() && !matches!(status.doing, Doing::Measuring(_)) {
-                section(ui, "WORTH");
+                section(ui, "ACCURACY");
                 let text = "Available once references from two shots, or a few seconds apart, are accepted.";
                 weak(ui, text);
             }

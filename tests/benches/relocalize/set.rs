@@ -67,7 +67,7 @@ impl Set {
         self.document.camera_of(frame).unwrap().base_for(frame).unwrap()
     }
 
-    /// What some frames teach, each by at most so many features, and where they looked.
+    /// The training samples of some frames, each limited to a number of features, and where they looked.
     pub fn samples(&self, frames: &[usize], features_per_frame: usize) -> (Samples, SeenRange) {
         let burnt_in = if self.keeps_standing { vec![Vec::new(); frames.len()] } else { self.burnt_in(frames) };
         let mut samples = Samples::new();
