@@ -162,7 +162,7 @@ fn files_are_written_by_their_ending_and_never_over_something() {
     assert!(folder.path().join("report/evaluation-iou-view.png").is_file());
     let refused = run("-o scores.csv");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("scores.csv exists already; give --force"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("scores.csv already exists; give --force"), "{}", refused.stderr);
     let wrong = run("-o scores.txt");
     assert_eq!(wrong.code, 2);
     assert!(wrong.stderr.contains(".json, .csv or .md"), "{}", wrong.stderr);

@@ -38,7 +38,7 @@ fn data_figures_and_report_are_written_and_repeat() {
 
     let refused = touchline(folder.path(), "experiment ransac --quick -o one");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("one exists already; give --force"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("one already exists; give --force"), "{}", refused.stderr);
 }
 
 #[test]

@@ -59,7 +59,7 @@ fn a_template_of_ones_own_is_drawn_and_nothing_is_overwritten() {
     assert!(svg.starts_with("<svg ") && svg.contains("Service line meets centre line, left"));
     let again = touchline(folder.path(), "fields own.json --render own.svg");
     assert_eq!(again.code, 2);
-    assert!(again.stderr.contains("own.svg exists already; give --force to replace it"));
+    assert!(again.stderr.contains("own.svg already exists; give --force to replace it"));
     let wrong = touchline(folder.path(), "fields own.json --render own.bmp");
     assert_eq!(wrong.stderr, "touchline: --render own.bmp: the name must end with .svg or .png\n");
 }

@@ -62,7 +62,7 @@ fn wrong_orders_are_refused_in_one_line() {
         (&["--size", "big"], "write it like 1280x720"),
         (&["--preset", "harder"], "there are easy, paper and hard"),
         (&["--quality", "0"], "0 is not in 1..=100"),
-        (&["--step=-1"], "is no time; give seconds"),
+        (&["--step=-1"], "is not a time; give seconds"),
         (&["--seed", "x"], "--seed"),
         (&["--scene", "desert"], "stadium"),
         (&["--demo", "--frames", "3"], "--demo"),

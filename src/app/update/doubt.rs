@@ -38,7 +38,7 @@ impl App {
         if let Some(found) = self.current.other_names() {
             let word = match found.kind {
                 IdentityKind::Swapped => "Swap",
-                IdentityKind::Mirrored(_) => "Exchange",
+                IdentityKind::Mirrored(_) => "Mirror names",
                 IdentityKind::WrongName | IdentityKind::OtherPart { .. } => "Rename",
             };
             return Some((Command::MendNames, word));

@@ -10,7 +10,7 @@ use crate::geometry::PixelBox;
 use crate::proposals::FoundMask;
 use std::path::Path;
 
-/// A mask smaller than this is a slip of the hand, px.
+/// A mask smaller than this is taken for an accidental drag, px.
 const SMALLEST_MASK_PX: f64 = 3.0;
 
 impl App {
