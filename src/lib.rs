@@ -1,7 +1,7 @@
 //! `touchline` calibrates a pan-tilt-zoom sports camera from two clicks.
 //!
-//! A broadcast camera stands still and turns. If its position and base orientation are known, two clicked points fix a
-//! frame's pan, tilt and focal length (Chen, Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports",
+//! A broadcast camera has a fixed position and only pans, tilts and zooms. If its position and base rotation are known, two
+//! clicked points determine a frame's pan, tilt and focal length (Chen, Zhu, Little: "A Two-point Method for PTZ Camera Calibration in Sports",
 //! WACV 2018). This crate is the library behind the desktop app and the command line of the same name.
 //!
 //! # As a library
@@ -11,21 +11,20 @@
 //! | a camera: base, pan, tilt, focal length, projection | [`camera::PtzCamera`] |
 //! | a field: landmarks and lines by name, for a venue's size | [`field::builtin`] |
 //! | a frame from two clicks and more | [`solve::solve_frame`] |
-//! | where a camera stands, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
+//! | a camera's base, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
 //!
 //! Results are plain values that serde writes; their keys carry the units. Options are structs with documented defaults, made
-//! with `..Default::default()`; errors and other enums that grow are `#[non_exhaustive]`. `tests/examples` has programs to start
-//! from. Without default features neither wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
+//! with `..Default::default()`; errors and other enums that grow are `#[non_exhaustive]`. `tests/examples` has complete
+//! programs. Without default features neither wgpu nor clap nor OpenCV is compiled. The rooms of the program itself (`app`, `cli`,
 //! `experiments`, `jobs`, `render`, `report`, `scene`, `ui`) are public for its binary and tests alone and may change at any time.
 //!
-//! # The house
+//! # Rooms and floors
 //!
-//! Rooms stand on floors; a room uses only rooms below it, and rooms on one floor do not see each other
-//! (`tests/suite/architecture.rs` reads this table and checks it). What numbers mean, their frames, signs and units, is said once:
-//! [`conventions`].
+//! The top-level modules (rooms) are layered in floors: a room uses only rooms on lower floors, never one on its own floor
+//! (`tests/suite/architecture.rs` reads this table and checks it). Frames, signs and units of all numbers: [`conventions`].
 //!
 //! | floor | rooms |
 //! |---|---|

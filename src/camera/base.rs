@@ -1,11 +1,11 @@
-//! The base: what stands still while the camera turns.
+//! The base: what stays constant while the camera pans, tilts and zooms.
 
 use super::FocalCurve;
 use crate::geometry::rotation::{q_pan, rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
 use serde::Serialize;
 
-/// What is known of a fixed camera before a frame is looked at (the paper's prior C and S, section 3.1).
+/// The parameters of a fixed camera that all its frames share (C and S in section 3.1 of the paper).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct CameraBase {
     /// C: the centre of projection in `world`, m.
@@ -18,7 +18,7 @@ pub struct CameraBase {
     pub principal_point: ImagePoint,
     /// k₁ by focal length.
     pub distortion: FocalCurve,
-    /// How far position and rotation are known.
+    /// The uncertainty of position and rotation.
     pub sigma: BaseSigma,
 }
 
@@ -32,7 +32,7 @@ pub struct BaseSigma {
     pub rotation: Vec3,
 }
 
-/// A base rotation in words a person understands.
+/// A base rotation as heading, pitch and roll.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BaseAngles {
     /// Where the base's z axis points seen from above; 0 is world +y, positive towards +x (clockwise).
@@ -78,7 +78,7 @@ impl CameraBase {
         Self { position_m, base_from_world, principal_point, distortion: FocalCurve::NONE, sigma: BaseSigma::default() }
     }
 
-    /// The same lens at the origin of the world, not turned, exactly known: what it sees are rays in `base`.
+    /// The same lens at the origin of the world with an identity rotation, exactly known: it sees rays in `base`.
     #[must_use]
     pub fn at_origin(&self) -> Self {
         Self { distortion: self.distortion, ..Self::new(Vec3::zeros(), Mat3::identity(), self.principal_point) }

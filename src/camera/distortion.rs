@@ -1,7 +1,7 @@
 //! Radial distortion on normalised coordinates, and its inverse.
 //!
 //! Brown's model with one coefficient, the ideal point on the right: `x_d` = `x_n` (1 + k₁ r²), r = |`x_n`|, as OpenCV has it.
-//! A zoom lens changes k₁ with the focal length, so a camera holds a curve and not a number.
+//! With a zoom lens k₁ depends on the focal length, so a camera has a curve instead of a number.
 
 use crate::geometry::Vec2;
 use serde::Serialize;

@@ -5,7 +5,7 @@ use super::{MIN_DEPTH, ProjectError, PtzCamera};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix2x3, Matrix2x6};
 
-/// An image point and how it moves.
+/// An image point and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectionJacobian {
     /// The image point, px.
@@ -46,8 +46,8 @@ impl PtzCamera {
         Ok(ProjectionJacobian { point, by_ptz, by_base, by_world, by_k1 })
     }
 
-    /// The image of a world point, and how it moves by pan (px/rad), tilt (px/rad) and focal length (px/px): what of
-    /// [`Self::image_from_world_jacobian`] a fit over a fixed base needs, at half its cost.
+    /// The image of a world point and its derivatives by pan (px/rad), tilt (px/rad) and focal length (px/px): the part of
+    /// [`Self::image_from_world_jacobian`] that a fit with a fixed base needs, at half its cost.
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.

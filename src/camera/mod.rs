@@ -2,7 +2,7 @@
 //!
 //! Frames, signs and units: [`crate::conventions`]. `cam_from_world = Q_tilt(φ) · Q_pan(θ) · base_from_world` and
 //! `x_in_cam ∝ cam_from_world · (X − C)`. Every formula is exact: the separable model of Chen, Zhu, Little (WACV 2018, eq. 2) is
-//! not used, it is off by up to 30 px inside an ordinary frame.
+//! not used, it has errors of up to 30 px within an ordinary frame.
 
 mod base;
 mod distortion;

@@ -1,4 +1,4 @@
-//! Which frame of one document is which of another.
+//! Matching the frames of two documents.
 
 use crate::document::{DocumentAt, Frame, resolved};
 use std::collections::BTreeMap;

@@ -1,4 +1,4 @@
-//! ORB and AKAZE, to compare SIFT with; nothing else lives on them. The boundary to OpenCV's detectors of this kind.
+//! ORB and AKAZE, used only for comparison with SIFT. The boundary to OpenCV's detectors of this kind.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureError, Keypoint};
 use crate::geometry::{ImageSize, PixelBox};

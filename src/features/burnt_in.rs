@@ -6,7 +6,7 @@ use crate::geometry::{ImagePoint, ImageSize, PixelBox};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Each picture is compared with as many that follow it, and with as many spread over all.
+/// Each picture is compared with this many that follow it, and with this many spread over all.
 const FOLLOWING: usize = 4;
 const SPREAD: usize = 8;
 
@@ -20,7 +20,7 @@ const MARGIN_PX: f64 = 14.0;
 /// pictures some coincide by chance anywhere.
 const LEAST_PICTURES: f64 = 0.05;
 
-/// A box that holds fewer features in all pictures together may be chance.
+/// A box with fewer features in all pictures together may be a coincidence.
 const LEAST_FEATURES: usize = 6;
 
 /// What is burnt into a set of pictures.
@@ -49,7 +49,7 @@ pub struct BurntInGraphic {
 /// of pictures counts only as far as `moved` says that what is at a point of the first lies elsewhere in the second: it knows more where the
 /// cameras are known, and else says yes throughout.
 ///
-/// Two pictures suffice. Of pictures among which the camera hardly moved nothing is said.
+/// Two pictures are enough. If the camera hardly moved between the pictures, nothing is reported.
 #[must_use]
 pub fn burnt_in(pictures: &[&Features], moved: &(dyn Fn(usize, usize, ImagePoint) -> bool + Sync)) -> BurntIn {
     let placed: Vec<Placed<'_>> = pictures.iter().map(|features| Placed::new(features)).collect();

@@ -1,8 +1,8 @@
-//! Features on disk, so that no picture is looked at twice.
+//! A cache of features on disk.
 //!
 //! A folder of files, one a picture, named by a hash of everything that decides the features: the picture's own hash, the
 //! settings, the masks and the version of this code. The folder may be deleted at any time; a file that is damaged or of
-//! another version counts as absent. It is kept below a size; what was written longest ago goes first.
+//! another version counts as absent. It is limited in size; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
 use crate::geometry::{ImagePoint, ImageSize, PixelBox, hex};

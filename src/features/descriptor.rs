@@ -1,4 +1,4 @@
-//! What a patch looks like: 128 bytes.
+//! SIFT descriptors as 128 bytes.
 
 /// How many numbers a SIFT descriptor has, a byte each.
 pub const DESCRIPTOR_BYTES: usize = 128;

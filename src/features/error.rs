@@ -1,8 +1,8 @@
-//! What can go wrong while features are looked for.
+//! Errors of feature detection.
 
 use thiserror::Error;
 
-/// Why a picture has no features to offer.
+/// Why the features of a picture could not be found.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FeatureError {

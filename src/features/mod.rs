@@ -4,13 +4,13 @@
 //! |---|---|
 //! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
-//! | [`burnt_in`] | what stands still on the screen while the camera moves: score bugs, watermarks, black boxes |
+//! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
 //! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
 //!
-//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it ([`FeatureError::WithoutOpenCv`] says
-//! so by name). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
+//! SIFT is OpenCV's; each kind of features is called in one function, and the rest builds without it (see
+//! [`FeatureError::WithoutOpenCv`]). Keypoints are in px of the full picture, corner convention: OpenCV counts from the first pixel's centre,
 //! and its SIFT lies 0.25 px too far right and down, as its first octave is enlarged without the half pixel. Both
 //! together, a corner coordinate is its number + 0.25; a test with a mirrored picture holds that.
 //!

@@ -1,4 +1,4 @@
-//! A template with its parameters filled in: expressions become places.
+//! Builds a field model from a template and its parameters.
 
 use super::model::same_place;
 use super::parts::{CurvePart, PointPart, Scoped};
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// 1-σ of a click on a line, px at 1920 px width.
 const LINE_CLICK_SIGMA_PX: f64 = 2.0;
 
-/// No field is larger; a coordinate beyond is a slip of the pen.
+/// No field is larger; a coordinate beyond this is a mistake in the template.
 const MAX_COORDINATE_M: f64 = 1000.0;
 /// Lines shorter than this are none.
 const MIN_LENGTH_M: f64 = 1e-3;
@@ -128,7 +128,7 @@ pub fn check_distinct(template: &Template, model: &FieldModel) -> Result<(), Fie
     Ok(())
 }
 
-/// What the template promises holds for every landmark and line.
+/// Checks the template's symmetries for every landmark and line.
 pub fn check_symmetry(template: &Template, model: &FieldModel) -> Result<(), FieldError> {
     for symmetry in &template.symmetry {
         let name = symmetry.name();

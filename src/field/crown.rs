@@ -1,4 +1,4 @@
-//! The ground's shape: higher along the middle than at the touchlines, so that water runs off.
+//! The crown of the ground: it is higher along the middle than at the touchlines, so that water runs off.
 
 use super::FieldModel;
 use crate::geometry::Vec3;
@@ -39,7 +39,7 @@ impl Crown {
         if self.height_m == 0.0 { 0.0 } else { -self.height_m * self.drop_share(y_m) }
     }
 
-    /// A nominal point where it really is: lifted onto this ground.
+    /// The true position of a nominal point: lifted onto this ground.
     #[must_use]
     pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
         Vec3::new(nominal_m.x, nominal_m.y, nominal_m.z + self.ground_z(nominal_m.y))
@@ -59,7 +59,7 @@ impl FieldModel {
         self.crown().ground_z(y_m)
     }
 
-    /// A nominal point where it really is: lifted onto the crowned ground.
+    /// The true position of a nominal point: lifted onto the crowned ground.
     #[must_use]
     pub fn world_from_nominal(&self, nominal_m: Vec3) -> Vec3 {
         self.crown().world_from_nominal(nominal_m)

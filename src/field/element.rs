@@ -1,4 +1,4 @@
-//! A landmark or line of a field, whichever it is.
+//! A landmark or a line of a field.
 
 use super::{FieldModel, Symmetry};
 
@@ -22,7 +22,7 @@ impl FieldElement {
         }
     }
 
-    /// What a person reads; none if the field has no such element.
+    /// Its label; none if the field has no such element.
     #[must_use]
     pub fn label(self, field: &FieldModel) -> Option<&str> {
         match self {
@@ -31,7 +31,7 @@ impl FieldElement {
         }
     }
 
-    /// The short code that a person types, and that stands beside a click; none if the field has no such element.
+    /// Its short code, for typing and beside clicks; none if the field has no such element.
     #[must_use]
     pub fn code(self, field: &FieldModel) -> Option<&str> {
         match self {

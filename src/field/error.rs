@@ -3,7 +3,7 @@
 use super::ExpressionError;
 use thiserror::Error;
 
-/// Why there is no field: each message says what, where, and how to mend it.
+/// Why there is no field: each message says what is wrong, where, and how to fix it.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FieldError {

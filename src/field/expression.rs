@@ -112,7 +112,7 @@ impl Expression {
     /// Reads an expression.
     ///
     /// # Errors
-    /// What stands where it cannot stand, with its position.
+    /// An unexpected token, with its position.
     pub fn parse(text: &str) -> Result<Self, ExpressionError> {
         let characters = text.chars().count();
         if characters > MAX_CHARACTERS {

@@ -1,11 +1,11 @@
-//! A template as its JSON has it, before anything is checked but the shape.
+//! The JSON schema of a template, before its contents are checked.
 
 use super::Expression;
 use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;
 
-/// What every template file says it is.
+/// The format name in every template file.
 pub const FORMAT: &str = "touchline-field";
 /// The newest version of the format.
 pub const VERSION: u64 = 1;
@@ -41,7 +41,7 @@ pub struct TemplateFile {
     pub lines: Vec<LineFile>,
 }
 
-/// People scatter by 2 px at 1920 px width where nothing better is known.
+/// The default click noise: 2 px at 1920 px width.
 fn default_click_sigma_px() -> f64 {
     2.0
 }
@@ -91,7 +91,7 @@ pub struct LineFile {
     pub painted: Option<bool>,
 }
 
-/// A number, or an expression in a string. Its text is kept: the expression is read where the place can be named.
+/// A number, or an expression in a string. Its text is kept and parsed later, where an error can name its place.
 #[derive(Clone)]
 pub enum Formula {
     Number(f64),

@@ -1,4 +1,4 @@
-//! A template's file, read and tried.
+//! Reading and validating a template file.
 
 use super::build::{check_distinct, check_symmetry};
 use super::file::{FORMAT, Header, TemplateFile, VERSION};
@@ -47,7 +47,7 @@ impl Template {
         Self::from_json(&text, &place)
     }
 
-    /// Tries the template where it is most likely to break.
+    /// Builds the template at the extremes of its parameters, where it is most likely to be invalid.
     fn check(&self) -> Result<(), FieldError> {
         let model = self.default_model()?;
         check_distinct(self, &model)?;

@@ -50,7 +50,7 @@ name_type! {
     LineId
 }
 
-/// A point of the field that a person can click, on the ground or above it.
+/// A point of the field that can be clicked, on the ground or above it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmark {
     /// Its name in documents.
@@ -61,7 +61,7 @@ pub struct Landmark {
     pub code: String,
     /// Where the rules put it, `world`, m; the crown is not in it.
     pub nominal_m: Vec3,
-    /// How well people hit it: 1-σ of a click in px at 1920 px width.
+    /// The click noise: 1-σ of a click in px at 1920 px width.
     pub click_sigma_px: f64,
 }
 
@@ -220,7 +220,7 @@ pub struct FieldModel {
     pub landmarks: Vec<Landmark>,
     /// Every line, in the template's order.
     pub lines: Vec<FieldLine>,
-    /// How well people hit a line: 1-σ of a click across it in px at 1920 px width.
+    /// The click noise of lines: 1-σ of a click across the line in px at 1920 px width.
     pub line_click_sigma_px: f64,
 }
 

@@ -1,11 +1,11 @@
-//! The field's symmetries: which landmark or line is mistaken for which when a picture is named from the wrong side.
+//! The field's symmetries: which landmarks and lines are confused when a picture is named from the wrong side.
 
 use super::model::same_place;
 use super::{Curve, FieldLine, FieldModel, Landmark};
 use crate::geometry::Vec3;
 use serde::{Serialize, Serializer};
 
-/// A way of moving the field onto itself.
+/// A symmetry of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
     /// x → −x: left and right change places.

@@ -1,4 +1,4 @@
-//! A sport's field with its parameters open.
+//! The template of a sport's field, with free parameters.
 
 use super::parts::{LandmarkPart, LinePart};
 use super::{Expression, Symmetry};

@@ -134,7 +134,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_group_makes_one_variant_for_each_of_its_words() {
+    fn a_group_makes_one_variant_per_option() {
         let corners = variants("corner_{near,far}_{left,right}").unwrap();
         let filled: Vec<_> = corners
             .iter()
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn groups_that_are_none_are_named() {
+    fn invalid_groups_are_reported() {
         assert_eq!(
             variants("a_{one,two}").unwrap_err(),
             "\"a_{one,two}\": {one,two} is not a group; groups are {near,far}, {n,f}, {left,right}, {l,r} and numbers \

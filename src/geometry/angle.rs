@@ -10,7 +10,7 @@ pub struct Angle {
     radians: f64,
 }
 
-/// Written in degrees: the key says so.
+/// Serialised in degrees; the key has to end in `_deg`.
 impl Serialize for Angle {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         self.degrees().serialize(serializer)
@@ -59,7 +59,7 @@ impl Angle {
         Self { radians: if turned > PI { turned - TAU } else { turned } }
     }
 
-    /// The shortest turn from another direction to this one, within (−π, π]: their difference, whatever the gauge.
+    /// The shortest turn from another direction to this one, within (−π, π].
     #[must_use]
     pub fn turn_from(self, from: Self) -> Self {
         (self - from).wrapped()

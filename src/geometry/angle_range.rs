@@ -1,7 +1,7 @@
 //! Arcs of directions. Pan wraps at ±180°, and this is the only place that knows it.
 //!
-//! The least and the greatest of some wrapped angles are no range: a camera on the far side looks at 179° and −179° within two
-//! degrees.
+//! The minimum and maximum of wrapped angles do not give a range: 179° and −179° are two degrees apart, as a camera on the far
+//! side shows.
 
 use super::{Angle, Directions};
 use std::f64::consts::{PI, TAU};
@@ -30,7 +30,7 @@ impl AngleRange {
             return Self::FULL;
         }
         let wrapped = start.wrapped();
-        // An angle that is not moved keeps its bits.
+        // An angle that needs no wrapping must stay exactly equal.
         let end = if wrapped == start { end } else { wrapped + width };
         Self { start: wrapped, end: if end < wrapped { end + Angle::TURN } else { end } }
     }
@@ -41,14 +41,14 @@ impl AngleRange {
         if half_width.radians() < PI { Self::new(centre - half_width, centre + half_width) } else { Self::FULL }
     }
 
-    /// The smallest arc that holds all of some directions: what the largest gap between them leaves. None without any. Of
-    /// gaps of one size the one that holds ±180° is taken, or else the first above it.
+    /// The smallest arc that contains all of some directions: the complement of the largest gap between them. None without any. If
+    /// several gaps are equally large, the one that contains ±180° is left out, or else the first above it.
     #[must_use]
     pub fn smallest(angles: impl IntoIterator<Item = Angle>) -> Option<Self> {
         Self::smallest_of(&angles.into_iter().collect())
     }
 
-    /// The smallest arc that holds all of a set of directions; none without any.
+    /// The smallest arc that contains all of a set of directions; none without any.
     pub(crate) fn smallest_of(directions: &Directions) -> Option<Self> {
         directions.smallest_arc().map(|[start, end]| Self { start, end })
     }
@@ -243,7 +243,7 @@ mod tests {
                 prop_assert!(along.radians() >= found.start().radians() - 1e-9);
                 prop_assert!(along.radians() <= found.end().radians() + 1e-9);
             }
-            // As wide whatever the gauge of the pan is.
+            // The width does not depend on the zero of the pan.
             let again: Vec<f64> = of.iter().map(|direction| direction + turned).collect();
             prop_assert!((smallest(&again).width() - found.width()).abs().radians() < 1e-9);
             prop_assert!(found.width().degrees() <= 360.0 * (1.0 - 1.0 / of.len() as f64) + 1e-9);

@@ -6,8 +6,8 @@ use std::f64::consts::TAU;
 
 /// A set of directions; the same one may be in it more than once.
 ///
-/// The smallest arc is what the widest gap between neighbours leaves. Leaving one direction out joins the two gaps beside it,
-/// so of the others only the widest three have to be known.
+/// The smallest arc is the complement of the widest gap between neighbours. Leaving one direction out joins the two gaps beside
+/// it, so only the widest three gaps have to be known.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Directions {
     /// rad within (−π, π], ascending.
@@ -16,7 +16,7 @@ pub struct Directions {
     widest: Vec<Gap>,
 }
 
-/// How many gaps are known: the widest that is not beside a direction is among them.
+/// The number of known gaps: enough that the widest gap not beside a given direction is among them.
 const KNOWN: usize = 3;
 
 /// A gap between one direction and the next, by their places; the gap that holds ±180° leads from the last to the first.
@@ -29,7 +29,7 @@ struct Gap {
 }
 
 impl Gap {
-    /// Whether this one is left out rather than another: the wider, of equals the one at ±180°, or else the first.
+    /// Whether this gap is left out rather than another: the wider one; if equal, the one at ±180°, or else the first.
     fn precedes(&self, other: &Self) -> bool {
         let rank = |gap: &Self| (gap.holds_seam, Reverse(gap.from));
         self.width.total_cmp(&other.width).then_with(|| rank(self).cmp(&rank(other))).is_gt()
@@ -53,7 +53,7 @@ impl Directions {
         self.sorted.len()
     }
 
-    /// Adds some and removes others; one that is not there is not removed.
+    /// Adds some directions and removes others; removing one that is not in the set has no effect.
     pub fn change(&mut self, added: impl IntoIterator<Item = Angle>, removed: impl IntoIterator<Item = Angle>) {
         for angle in removed {
             if let Ok(place) = self.place_of(angle) {

@@ -104,7 +104,7 @@ impl ImageSize {
         point.x >= 0.0 && point.y >= 0.0 && point.x <= f64::from(self.width) && point.y <= f64::from(self.height)
     }
 
-    /// How many px of this picture make one px of the yardstick width of 1920 px.
+    /// The factor from px at the reference width of 1920 px to px of this picture.
     #[must_use]
     pub fn scale_from_1920(self) -> f64 {
         f64::from(self.width) / 1920.0

@@ -1,4 +1,4 @@
-//! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives: the ground floor.
+//! Angles and arcs of them, image points and sizes, mask boxes, rotations and their derivatives.
 //!
 //! Everything here is `f64`. Angles are radians inside and degrees in files ([`Angle`]). Frames, signs, units and the
 //! corner convention of pixels: [`crate::conventions`].
@@ -24,9 +24,9 @@ pub(crate) use rows::rows;
 pub(crate) use segment::distance_from_segment;
 pub(crate) use text::{hex, thousands};
 
-/// A column of two numbers; the frame and unit stand in the name of the value.
+/// A column of two numbers; the name of the value gives frame and unit.
 pub type Vec2 = nalgebra::Vector2<f64>;
-/// A column of three numbers; the frame and unit stand in the name of the value.
+/// A column of three numbers; the name of the value gives frame and unit.
 pub type Vec3 = nalgebra::Vector3<f64>;
 /// A 3×3 matrix, such as `base_from_world`.
 pub type Mat3 = nalgebra::Matrix3<f64>;

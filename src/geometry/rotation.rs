@@ -2,7 +2,7 @@
 
 use super::{Angle, Mat3, Vec3};
 
-/// How far a matrix may be from a rotation before it is refused rather than tidied up.
+/// How far a matrix may be from a rotation before it is rejected instead of being orthogonalised.
 pub const ROTATION_TOLERANCE: f64 = 1e-3;
 
 /// The cross-product matrix: `skew(a) * b = a × b`.
@@ -17,8 +17,8 @@ pub fn from_rotation_vector(w: Vec3) -> Mat3 {
     *nalgebra::Rotation3::from_scaled_axis(w).matrix()
 }
 
-/// The rotation vector of a rotation matrix, radians. Sound from no turn at all (where an arc cosine of the trace is NaN by
-/// rounding) to half a turn (where the sine vanishes and the axis is read off the symmetric part).
+/// The rotation vector of a rotation matrix, radians. Accurate for all angles: at 0 (where the arc cosine of the trace may be NaN
+/// by rounding) and at π (where the sine vanishes and the axis is taken from the symmetric part).
 #[must_use]
 pub fn rotation_vector(rotation: &Mat3) -> Vec3 {
     let r = rotation;
@@ -95,7 +95,7 @@ mod tests {
         for angle in [0.0, 1e-12, 1e-6, 0.3, 2.0, 3.0, PI - 1e-6, PI] {
             for axis in [Vec3::x(), -Vec3::y(), w.normalize(), Vec3::new(-1.0, 1e-3, 0.0).normalize()] {
                 let again = rotation_vector(&from_rotation_vector(axis * angle));
-                // Half a turn about an axis is half a turn about its opposite.
+                // A rotation by π about an axis equals that about the opposite axis.
                 let opposite = if angle > PI - 1e-5 { (again + axis * angle).norm() } else { f64::INFINITY };
                 let error = (again - axis * angle).norm().min(opposite);
                 assert!(error < 1e-7, "{angle} about {axis:?}: {again:?}");

@@ -1,4 +1,4 @@
-//! A matrix as people write it: row by row.
+//! Serialising a matrix row by row.
 
 use super::Mat3;
 use serde::{Serialize, Serializer};

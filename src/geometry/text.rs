@@ -1,8 +1,8 @@
-//! Numbers as people and files write them.
+//! Formatting numbers for people and files.
 
 use std::fmt::Write as _;
 
-/// A count with its thousands set apart: 41,200.
+/// A count with thousands separators: 41,200.
 #[must_use]
 pub fn thousands(number: usize) -> String {
     let digits = number.to_string();

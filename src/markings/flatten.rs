@@ -1,4 +1,4 @@
-//! A field's curve as straight pieces in `cam`, as fine as the picture can tell.
+//! A field's curve as straight pieces in `cam`, as fine as the picture's resolution needs.
 
 use super::clip::within_pyramid;
 use super::window::{NEAR_M, Window};

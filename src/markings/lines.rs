@@ -33,7 +33,7 @@ pub struct MarkingPolyline {
 
 /// Every visible part of every line of a field, in the field's order.
 ///
-/// All points are finite and within the picture and its margin. A camera that is not made of numbers sees nothing.
+/// All points are finite and within the picture and its margin. A camera with NaN or infinite parameters sees nothing.
 #[must_use]
 pub fn project_lines(
     field: &FieldModel,
@@ -88,7 +88,7 @@ impl Pen<'_> {
     /// Draws from `from` to `to` (`image`, px), as far as the frame shows it.
     fn stroke(&mut self, line: usize, first: usize, from: ImagePoint, to: ImagePoint) {
         let Some(span) = within_frame(self.window, from, to) else { return };
-        // Rounding may leave a cut a hair outside; a point inside is not moved by the clamp.
+        // Rounding may leave a cut point slightly outside; points inside are not moved by the clamp.
         let held = |point: ImagePoint| {
             ImagePoint::new(
                 point.x.clamp(self.window.min.x, self.window.max.x),

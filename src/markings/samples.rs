@@ -48,8 +48,8 @@ const BESIDE_M: f64 = 0.5;
 
 /// Samples at even distances in the picture along every painted line, in the field's order.
 ///
-/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the nominal line. A camera that
-/// is not made of numbers sees none.
+/// They lie on the middle of the paint ([`crate::field::FieldLine::paint_centre`]), not on the nominal line. A camera
+/// with NaN or infinite parameters sees none.
 #[must_use]
 pub fn sample_lines(
     field: &FieldModel,

@@ -24,7 +24,7 @@ pub struct Window {
 }
 
 impl Window {
-    /// The window of a camera's picture; none where the camera is not made of numbers.
+    /// The window of a camera's picture; none where the camera has NaN or infinite parameters.
     pub fn new(camera: &PtzCamera, size: ImageSize, margin_px: f64) -> Option<Self> {
         if !(camera.ptz().is_finite() && camera.base().is_finite() && camera.k1().is_finite() && margin_px.is_finite())
         {

@@ -1,4 +1,4 @@
-//! Whether stated uncertainties keep their word.
+//! Whether stated uncertainties match the actual errors.
 
 use super::chi_squared_quantile;
 use crate::geometry::{Mat3, Vec3};

@@ -98,7 +98,7 @@ fn spread_along(parts: &[Vec<ImagePoint>]) -> Vec<ImagePoint> {
         }
         passed += length;
     }
-    // Rounding may leave the very end over.
+    // Rounding may leave out the last point.
     if let (Some(end), true) = (parts.last().and_then(|part| part.last()), points.len() < POINTS_PER_ARC) {
         points.push(*end);
     }

@@ -4,10 +4,10 @@
 //! |---|---|
 //! | rotation, pan, tilt, focal length, position | [`camera_error`] |
 //! | the field seen from above: the part in the picture, the whole | [`iou_part`], [`iou_whole`] |
-//! | the same of a homography of the ground | [`PlaneView`] |
+//! | the same for a homography of the ground | [`PlaneView`] |
 //! | landmarks in the picture, px and metres on the ground | [`landmark_errors`], [`ground_error_m`] |
 //! | markings found within some px, as `SoccerNet` counts them | [`MarkingMatch`] |
-//! | whether stated sigmas keep their word | [`SigmaCoverage`] |
+//! | whether stated sigmas match the errors | [`SigmaCoverage`] |
 //! | mean, spread, percentiles, bootstrap intervals | [`Summary`] |
 //! | how far clicks on the same spots scatter | [`ClickScatter`] |
 

@@ -1,6 +1,6 @@
 //! Intersection over union of the field seen from above.
 //!
-//! Two conventions are alive in the literature and give different numbers; both are here. `IoU_part` (Homayounfar et al.,
+//! The literature uses two conventions that give different numbers; both are implemented. `IoU_part` (Homayounfar et al.,
 //! CVPR 2017; Chen and Little, CVPRW 2019): the part of the field that the picture shows by the true camera against the part
 //! that it shows by the estimated one. `IoU_whole` (Sharma et al., WACV 2018): the whole field is carried into the picture
 //! by the true camera and back by the estimated one, and compared with itself; what lies outside the picture counts
@@ -133,7 +133,7 @@ mod tests {
         assert_eq!(iou_part(&field, &sky, &sky, SIZE), None);
         assert_eq!(iou_part(&field, &broadcast(0.0, 2000.0), &sky, SIZE), Some(0.0));
         assert!(iou_whole(&field, &broadcast(0.0, 2000.0), &sky) == 0.0);
-        // A lens beyond sense gives a number, no panic.
+        // An absurd lens gives a number and does not panic.
         let base = CameraBase { distortion: FocalCurve::constant(-50.0), ..*broadcast(0.0, 2000.0).base() };
         let folded = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0));
         assert!(iou_part(&field, &broadcast(0.0, 2000.0), &folded, SIZE).is_some_and(|iou| (0.0..1.0).contains(&iou)));

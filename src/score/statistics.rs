@@ -1,4 +1,4 @@
-//! What many numbers say together.
+//! Summary statistics.
 
 use crate::geometry::median;
 use rand::{RngExt, SeedableRng};

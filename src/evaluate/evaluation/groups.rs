@@ -50,7 +50,7 @@ pub struct FrameGroup {
     pub held_out_px: Option<Summary>,
     /// The same on the ground, m.
     pub held_out_m: Option<Summary>,
-    /// How the stated sigmas keep their word.
+    /// How the stated sigmas match the errors.
     pub coverage: Option<SigmaCoverage>,
 }
 
