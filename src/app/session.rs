@@ -37,7 +37,7 @@ pub struct Session {
     /// Which frames the filmstrip shows.
     pub filter: Filter,
     /// What the right-hand side shows.
-    pub panel: Panel,
+    pub panel: SidePanel,
     /// What lies over the window.
     pub dialog: Option<Dialog>,
     /// How the picture is shown; kept from frame to frame.
@@ -249,7 +249,7 @@ pub const fn reason_label(reason: RejectReason) -> &'static str {
 
 /// What the right-hand side shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Panel {
+pub enum SidePanel {
     /// Field map, clicks, solution, verdict.
     #[default]
     Frame,

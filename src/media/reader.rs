@@ -21,7 +21,7 @@ pub trait ReadFrames {
 }
 
 /// Asked now and then while the frames of a video are counted.
-type Watch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
+type CountWatch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
 
 /// Fetches frames of images and videos. Belongs to one thread: a video's decoder stands at one place at a time.
 pub struct FrameReader {
@@ -30,7 +30,7 @@ pub struct FrameReader {
     /// The videos whose notices have been given.
     noticed: BTreeSet<Arc<Path>>,
     notices: Vec<Notice>,
-    watch: Watch,
+    watch: CountWatch,
 }
 
 /// How many videos stay open: each holds a decoder with some twenty reference frames.
@@ -52,7 +52,7 @@ impl FrameReader {
     /// A reader that reports the progress of counting a video's frames to `watch`, which may stop it: see
     /// [`Video::open_watched`].
     #[must_use]
-    pub fn watched(watch: Watch) -> Self {
+    pub fn watched(watch: CountWatch) -> Self {
         Self { videos: Vec::new(), noticed: BTreeSet::new(), notices: Vec::new(), watch }
     }
 

@@ -208,7 +208,7 @@ mod tests {
     use crate::camera::Ptz;
     use crate::document::{Clip, FieldSpec, FramePtz, Solution, SolutionSource, SolutionWarning};
     use crate::geometry::ImageSize;
-    use crate::proposals::Cell;
+    use crate::proposals::CoverageCell;
 
     const SURELY: f64 = 0.99;
 
@@ -243,7 +243,7 @@ mod tests {
             pan: AngleRange::around(Angle::ZERO, Angle::from_degrees(50.0)),
             tilt_deg: -20.0..=0.0,
             columns: 10,
-            cells: references.map(|references| Cell { references, field: true }).to_vec(),
+            cells: references.map(|references| CoverageCell { references, field: true }).to_vec(),
             missing_pan_deg: Some(45.0),
         }
     }

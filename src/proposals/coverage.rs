@@ -28,14 +28,14 @@ pub struct Coverage {
     /// Columns of the map.
     pub columns: usize,
     /// Its cells, row by row from the top.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<CoverageCell>,
     /// The middle of the widest part of the field that no reference sees, degrees of pan; none where all is seen.
     pub missing_pan_deg: Option<f64>,
 }
 
 /// A place of the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Cell {
+pub struct CoverageCell {
     /// References that see it.
     pub references: u32,
     /// The field lies there.
@@ -83,7 +83,7 @@ impl Coverage {
                 let ray = PanTilt { pan: pan.at(middle_of(column, COLUMNS)), tilt: Angle::from_degrees(tilt_deg) };
                 let direction = ray.direction();
                 let seen = seeing.iter().filter(|sight| sight.shows(ray, &direction));
-                Cell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
+                CoverageCell { references: seen.count() as u32, field: shows_field(field, &base, ray) }
             })
             .collect();
         let mut coverage =

@@ -42,7 +42,7 @@ pub(crate) use advice::{LabelAdvice, is_uncertain};
 pub use advice::{LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
-pub use coverage::{Cell, Coverage};
+pub use coverage::{Coverage, CoverageCell};
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};

@@ -155,7 +155,7 @@ fn place(coverage: &Coverage, rect: Rect, share: f64, tilt_deg: f64) -> Pos2 {
 mod tests {
     use super::*;
     use crate::geometry::AngleRange;
-    use crate::proposals::Cell;
+    use crate::proposals::CoverageCell;
 
     #[test]
     fn pan_runs_to_the_right_and_tilt_upwards() {
@@ -164,7 +164,7 @@ mod tests {
             pan: AngleRange::FULL,
             tilt_deg: -20.0..=0.0,
             columns: 2,
-            cells: vec![Cell::default(); 4],
+            cells: vec![CoverageCell::default(); 4],
             missing_pan_deg: None,
         };
         let rect = Rect::from_min_size(Pos2::ZERO, vec2(200.0, 100.0));

@@ -4,7 +4,7 @@ use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
     rejecting, review, status, theme, trainer, viewport,
 };
-use crate::app::session::Panel as RightPanel;
+use crate::app::session::SidePanel;
 use egui::{Frame, Margin, Ui};
 
 /// The height of the menu row and of the status row, points.
@@ -41,10 +41,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 return;
             }
             match panel.app.session.panel {
-                RightPanel::Frame => inspector::show(panel, ui),
-                RightPanel::Camera => camera_panel::show(panel, ui),
-                RightPanel::Trainer => trainer::show(panel, ui),
-                RightPanel::Review => review::show(panel, ui),
+                SidePanel::Frame => inspector::show(panel, ui),
+                SidePanel::Camera => camera_panel::show(panel, ui),
+                SidePanel::Trainer => trainer::show(panel, ui),
+                SidePanel::Review => review::show(panel, ui),
             }
         });
         egui::Panel::bottom("filmstrip")

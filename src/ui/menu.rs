@@ -1,7 +1,7 @@
 //! The top row: menus, the open document, and whether it is saved.
 
 use super::{Panel, symbol, theme};
-use crate::app::session::{Panel as RightPanel, Saving};
+use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
 use egui::{Align, Button, Layout, RichText, Ui};
@@ -91,11 +91,11 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowMasks => app.session.masks,
         Command::ShowFieldMap => app.settings.field_map,
         Command::HideOverlay => app.session.held.hide_overlay,
-        Command::CameraPanel => app.session.panel == RightPanel::Camera,
-        Command::TrainerPanel => app.session.panel == RightPanel::Trainer,
+        Command::CameraPanel => app.session.panel == SidePanel::Camera,
+        Command::TrainerPanel => app.session.panel == SidePanel::Trainer,
         Command::PauseTrainer => app.session.trainer.paused,
         Command::ShowFeatures => app.session.trainer.show_features,
-        Command::ReviewPanel => app.session.panel == RightPanel::Review,
+        Command::ReviewPanel => app.session.panel == SidePanel::Review,
         Command::QualityPage => app.session.quality.open,
         Command::UseForTraining => app.frame().is_some_and(crate::document::Frame::is_used_for_training),
         Command::PlaceOnLine => app.session.next_on_line,

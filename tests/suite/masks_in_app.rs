@@ -1,7 +1,7 @@
 //! Masks in the application: graphics that look burned in are found and asked about; masks by hand get their frames.
 
 use crate::bench::{Bench, SIZE};
-use touchline::app::session::{Level, Panel};
+use touchline::app::session::{Level, SidePanel};
 use touchline::app::{Action, App, Command, MaskList, MaskScope};
 use touchline::document::{Camera, Clip, Document, Extra, FieldSpec, Frame, MaskSource, RangedMask, VideoFrame};
 use touchline::geometry::PixelBox;
@@ -66,7 +66,7 @@ fn change_keeps_them_and_opens_the_masks() {
     let mut bench = bench_with_found();
     bench.command(Command::ChangeBurntIn);
     assert_eq!(ranged(&bench.app).len(), 1);
-    assert!(bench.app.session.masks && bench.app.session.panel == Panel::Camera);
+    assert!(bench.app.session.masks && bench.app.session.panel == SidePanel::Camera);
     bench.act(Action::RemoveMask { list: MaskList::Ranged, index: 0 });
     assert!(ranged(&bench.app).is_empty());
 }

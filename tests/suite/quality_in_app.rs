@@ -2,7 +2,7 @@
 
 use crate::bench::{Bench, SIZE, base};
 use touchline::app::quality::TimeAxis;
-use touchline::app::session::Panel;
+use touchline::app::session::SidePanel;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
 use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus};
@@ -101,7 +101,7 @@ fn escape_closes_the_page_and_a_panel_takes_its_place() {
     assert!(!bench.app.session.quality.open);
     bench.command(Command::QualityPage);
     bench.command(Command::ReviewPanel);
-    assert_eq!((bench.app.session.quality.open, bench.app.session.panel), (false, Panel::Review));
+    assert_eq!((bench.app.session.quality.open, bench.app.session.panel), (false, SidePanel::Review));
     let mut empty = Bench::new(Document::new(FieldSpec::new("soccer")));
     empty.command(Command::QualityPage);
     assert!(empty.app.session.quality.open && empty.app.quality().course.whole.is_none());

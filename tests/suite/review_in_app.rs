@@ -3,7 +3,7 @@
 use crate::bench::{Bench, SIZE, base, landmark_in};
 use touchline::app::guidance::next_step;
 use touchline::app::review::ReviewOrder;
-use touchline::app::session::{Dialog, Filter, Mode, Panel, needs_me};
+use touchline::app::session::{Dialog, Filter, Mode, SidePanel, needs_me};
 use touchline::app::{Action, Command, Effect};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
@@ -94,7 +94,7 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     let mut bench = Bench::new(suggested(&[Some(0.7), Some(0.99), None, Some(0.9), Some(0.8)]));
     assert_eq!(bench.said(), "Dashed = proposed. Enter takes it, a click corrects it, X rejects it.");
     bench.command(Command::ReviewPanel);
-    assert_eq!(bench.app.session.panel, Panel::Review);
+    assert_eq!(bench.app.session.panel, SidePanel::Review);
     assert_eq!(bench.listed(), [1, 3, 4, 0]);
     bench.command(Command::NextNeedsMe);
     assert_eq!(bench.app.session.frame, 1, "round and round");

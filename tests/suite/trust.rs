@@ -66,12 +66,12 @@ fn clicks(
 
 /// How many of some statements hold.
 #[derive(Default)]
-struct Coverage {
+struct TrustCoverage {
     held: usize,
     of: usize,
 }
 
-impl Coverage {
+impl TrustCoverage {
     fn count(&mut self, holds: bool) {
         self.held += usize::from(holds);
         self.of += 1;
@@ -90,7 +90,8 @@ fn stated_regions_hold_what_they_promise() {
         sigma: BaseSigma { position_m: Vec3::new(0.15, 0.3, 0.1), rotation: Vec3::new(5e-4, 5e-4, 0.0) },
         ..nominal_base()
     };
-    let (mut overlay, mut checks, mut corner) = (Coverage::default(), Coverage::default(), Coverage::default());
+    let (mut overlay, mut checks, mut corner) =
+        (TrustCoverage::default(), TrustCoverage::default(), TrustCoverage::default());
     while overlay.of < 6000 {
         let off = Vec3::from_fn(|_, _| normal(&mut rng)).component_mul(&nominal.sigma.position_m);
         let turn = Vec3::from_fn(|_, _| normal(&mut rng)).component_mul(&nominal.sigma.rotation);
@@ -150,7 +151,8 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
     );
     for displaced_m in [0.0, 0.05] {
         let mut rng = seeded::rng("an_estimated_base_says_how_far_it_is_to_be_trusted");
-        let (mut one, mut two, mut overlay) = (Coverage::default(), Coverage::default(), Coverage::default());
+        let (mut one, mut two, mut overlay) =
+            (TrustCoverage::default(), TrustCoverage::default(), TrustCoverage::default());
         let (mut squares, mut stated) = (0.0, Vec::new());
         for project in 0..40 {
             let displaced: Vec<Vec3> = field

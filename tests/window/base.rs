@@ -5,7 +5,7 @@ use crate::window::{Window, truth};
 use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::base::BaseWork;
-use touchline::app::session::{Mode, Panel};
+use touchline::app::session::{Mode, SidePanel};
 use touchline::document::Target;
 use touchline::scene::uncertainty::UncertaintyView;
 
@@ -22,7 +22,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     window.harness.step();
     window.wait_for(|shell| shell.app().session.base.proposed().is_some());
     window.harness.run_steps(3);
-    assert_eq!(window.app().session.panel, Panel::Camera);
+    assert_eq!(window.app().session.panel, SidePanel::Camera);
     assert!(window.app().current().base.is_none(), "nothing is taken over unasked");
     window.harness.get_by_label("WHERE IT STANDS");
     assert!(window.harness.query_all_by_label_contains("0003.png: ").next().is_some());

@@ -6,7 +6,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::Command;
-use touchline::app::session::{Dialog, Panel};
+use touchline::app::session::{Dialog, SidePanel};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] frames_selected_on_the_filmstrip_are_given_to_a_new_camera;
@@ -19,7 +19,7 @@ const SIZE: [f32; 2] = [1280.0, 720.0];
 fn camera_panel(window: &mut Window) {
     window.key(Key::F2);
     window.harness.run_steps(3);
-    assert_eq!(window.app().session.panel, Panel::Camera);
+    assert_eq!(window.app().session.panel, SidePanel::Camera);
 }
 
 fn select(window: &mut Window, frame: usize, modifiers: Modifiers) {

@@ -5,7 +5,7 @@ use crate::window::{Window, truth};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use touchline::app::session::{Dialog, Filter, Level, Panel};
+use touchline::app::session::{Dialog, Filter, Level, SidePanel};
 use touchline::app::{Action, Command, Question};
 use touchline::document::{FrameStatus, RejectReason};
 use touchline::ui::Shell;
@@ -132,7 +132,7 @@ fn details_unfold_and_say_what_two_points_cannot() {
 fn the_camera_panel_changes_the_base_and_the_overlay_follows() {
     let mut window = solved();
     window.key(Key::F2);
-    assert_eq!(window.app().session.panel, Panel::Camera);
+    assert_eq!(window.app().session.panel, SidePanel::Camera);
     window.harness.hover_at(pos2(1020.0, 40.0));
     window.harness.run_steps(3);
     window.snapshot_of("camera_panel", egui::Rect::from_min_max(pos2(980.0, 24.0), pos2(1280.0, 696.0)));
@@ -229,13 +229,13 @@ fn the_palette_finds_a_command_by_typing() {
     }
     window.type_text("camera");
     window.key(Key::Enter);
-    assert_eq!((window.app().session.dialog.clone(), window.app().session.panel), (None, Panel::Camera));
+    assert_eq!((window.app().session.dialog.clone(), window.app().session.panel), (None, SidePanel::Camera));
     chord(&mut window, Modifiers::COMMAND, Key::K);
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);
     // The focus is back: plain keys work again.
     window.key(Key::F2);
-    assert_eq!(window.app().session.panel, Panel::Frame);
+    assert_eq!(window.app().session.panel, SidePanel::Frame);
 }
 
 fn a_key_conflict_is_reported_when_a_key_is_changed() {

@@ -5,7 +5,7 @@ use crate::window::Window;
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::{NodeT as _, Queryable as _};
-use touchline::app::session::{Dialog, Panel};
+use touchline::app::session::{Dialog, SidePanel};
 use touchline::document::FrameStatus;
 use touchline::ui::Shell;
 
@@ -27,7 +27,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     use FrameStatus::{New, Reference, Suggested};
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
-    assert_eq!(window.app().session.panel, Panel::Review);
+    assert_eq!(window.app().session.panel, SidePanel::Review);
     window.harness.get_by_label_contains("Suggestion, frame 2, 0001.png, 99 %").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 1);
@@ -46,7 +46,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     assert_eq!(window.app().session.frame, 3);
     window.harness.get_by_label("Close the review panel").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().session.panel, Panel::Frame);
+    assert_eq!(window.app().session.panel, SidePanel::Frame);
     window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
 }
 

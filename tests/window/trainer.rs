@@ -7,10 +7,10 @@ use egui::{Key, Rect, pos2};
 use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 use std::time::Duration;
-use touchline::app::session::Panel;
+use touchline::app::session::SidePanel;
 use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus};
 use touchline::geometry::{Angle, AngleRange};
-use touchline::proposals::{Cell, Coverage, FoundAgain, LeftOut, LeftOutBy, Quality};
+use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_panel_says_what_is_learnt_and_where_a_reference_is_missing;
@@ -21,7 +21,7 @@ pub const TESTS: &[Test] = tests![
 fn status() -> TrainerStatus {
     let cell = |index: usize| {
         let (column, row) = (index % 10, index / 10);
-        Cell { references: if column < 5 { row as u32 } else { 0 }, field: row > 0 && (1..9).contains(&column) }
+        CoverageCell { references: if column < 5 { row as u32 } else { 0 }, field: row > 0 && (1..9).contains(&column) }
     };
     let asked = |frame: usize, found: Option<f64>| LeftOut {
         frame,
@@ -68,7 +68,7 @@ fn status() -> TrainerStatus {
 fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     let mut window = Window::open(6, [1280.0, 860.0], 1.0);
     window.key(Key::F3);
-    assert_eq!(window.app().session.panel, Panel::Trainer);
+    assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label("Waiting for the first reference.");
     window.harness.state_mut().apply([Action::Trainer(Box::new(status()))]);
     window.harness.run_steps(3);
@@ -100,7 +100,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     window.harness.run_steps(2);
     assert!(!window.app().session.trainer.paused);
     window.key(Key::F3);
-    assert_eq!(window.app().session.panel, Panel::Frame);
+    assert_eq!(window.app().session.panel, SidePanel::Frame);
 }
 
 fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
@@ -111,7 +111,7 @@ fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
     window.harness.run_steps(2);
     window.harness.get_by_label("trainer: trouble").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().session.panel, Panel::Trainer);
+    assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label_contains("the saw broke");
     assert!(window.app().why_not(Command::PauseTrainer).is_none());
 }

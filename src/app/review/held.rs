@@ -36,7 +36,7 @@ impl Review {
 mod tests {
     use crate::app::OpenProject;
     use crate::app::review::{Review, ReviewChoice};
-    use crate::app::session::{Panel, Session};
+    use crate::app::session::{Session, SidePanel};
     use crate::camera::Ptz;
     use crate::document::{Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
     use crate::geometry::ImageSize;
@@ -66,7 +66,7 @@ mod tests {
     fn session(held: bool, one_per_shot: bool) -> Session {
         let review = ReviewChoice { one_per_shot, held, ..ReviewChoice::default() };
         let mut session = Session::default();
-        (session.panel, session.review) = (Panel::Review, review);
+        (session.panel, session.review) = (SidePanel::Review, review);
         session
     }
 
@@ -101,7 +101,7 @@ mod tests {
         review.refresh(Some(&mut open), &free);
         assert_eq!((frames(&review), review.late), (vec![3, 0, 1, 2], 0));
         let mut elsewhere = session(true, false);
-        elsewhere.panel = Panel::Frame;
+        elsewhere.panel = SidePanel::Frame;
         review.refresh(Some(&mut open), &elsewhere);
         propose(&mut open, 4, 1.0);
         review.refresh(Some(&mut open), &elsewhere);

@@ -8,7 +8,7 @@ mod held;
 pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
-use super::session::{Dialog, Panel, Session};
+use super::session::{Dialog, Session, SidePanel};
 use crate::calibrate::Disagreement;
 use crate::document::{Frame, FrameStatus};
 use crate::proposals::{Coverage, LabelAdvice, label_advice};
@@ -99,7 +99,7 @@ impl Review {
             return;
         };
         let choice = &session.review;
-        let listed = session.panel == Panel::Review;
+        let listed = session.panel == SidePanel::Review;
         let with_neighbours = listed || session.dialog == Some(Dialog::AcceptAll);
         let source = Source {
             suggestions: open.derived.counts(&open.document).suggestions_edition(),
@@ -281,7 +281,7 @@ mod tests {
 
     fn review_of(open: &mut OpenProject, choice: ReviewChoice) -> Review {
         let mut session = Session::default();
-        (session.panel, session.review) = (Panel::Review, choice);
+        (session.panel, session.review) = (SidePanel::Review, choice);
         let mut review = Review::default();
         review.refresh(Some(open), &session);
         review

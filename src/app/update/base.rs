@@ -5,7 +5,7 @@ use super::cameras::counted;
 use crate::app::Command;
 use crate::app::action::Effect;
 use crate::app::base::{BaseWork, EstimateFailure, Estimating};
-use crate::app::session::{Level, Panel};
+use crate::app::session::{Level, SidePanel};
 use crate::calibrate::{BaseReadiness, EstimatedBase, describe_size};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
@@ -35,7 +35,7 @@ impl App {
         });
         let from = format!("{} frames, {} clicks", ready.frames, ready.clicks);
         self.session.base = BaseWork::Estimating(Estimating { from, progress: None });
-        self.session.panel = Panel::Camera;
+        self.session.panel = SidePanel::Camera;
     }
 
     /// Gives up what is being estimated or what was found.

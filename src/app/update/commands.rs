@@ -3,7 +3,7 @@
 use super::App;
 use super::gold::IN_ROUND;
 use crate::app::action::Effect;
-use crate::app::session::{Dialog, Level, Mode, Panel, PictureView, Question};
+use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::{Chord, Command, CommandKind, Comparison};
 use crate::document::{EditKind, Frame, FrameStatus};
 
@@ -206,11 +206,11 @@ impl App {
                 self.settings.field_map = !self.settings.field_map;
                 self.effects.push(Effect::SaveSettings);
             }
-            C::CameraPanel => self.toggle_panel(Panel::Camera),
-            C::TrainerPanel => self.toggle_panel(Panel::Trainer),
+            C::CameraPanel => self.toggle_panel(SidePanel::Camera),
+            C::TrainerPanel => self.toggle_panel(SidePanel::Trainer),
             C::PauseTrainer => self.pause_trainer(),
             C::ShowFeatures => self.show_features(),
-            C::ReviewPanel => self.toggle_panel(Panel::Review),
+            C::ReviewPanel => self.toggle_panel(SidePanel::Review),
             C::QualityPage => self.toggle_quality(),
             C::AssignToCamera => self.ask_camera(),
             C::ConfirmFieldSize => self.confirm_field_size(),

@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::progress::just_accepted;
-use crate::app::session::{Level, Mode, Panel};
+use crate::app::session::{Level, Mode, SidePanel};
 use crate::document::{Frame, FrameStatus, RejectReason};
 
 impl App {
@@ -74,7 +74,7 @@ impl App {
         self.session.retract(Command::AcceptAnyway);
         self.session.doubted = None;
         // What comes next in the list is asked before this frame leaves it.
-        let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == Panel::Review);
+        let listed = self.review.next(self.session.frame, true).filter(|_| self.session.panel == SidePanel::Review);
         if self.begin("Accept") {
             let solved = self.current.solved().cloned();
             if let Some(frame) = self.frame_mut() {
@@ -123,7 +123,7 @@ impl App {
     pub(super) fn reject_as(&mut self, reason: RejectReason) {
         let whole_shot = matches!(self.session.mode, Mode::Rejecting { whole_shot: true });
         self.session.mode = Mode::Idle;
-        let in_list = self.session.panel == Panel::Review && !whole_shot;
+        let in_list = self.session.panel == SidePanel::Review && !whole_shot;
         let listed = self.review.next(self.session.frame, true).filter(|_| in_list);
         let Some(frame) = self.frame() else { return };
         let clip = frame.clip.clone();

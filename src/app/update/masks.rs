@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::action::Effect;
 use crate::app::choices::{MaskList, MaskScope, Scope};
-use crate::app::session::{Level, Panel};
+use crate::app::session::{Level, SidePanel};
 use crate::app::{BurntInSearch, Command};
 use crate::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};
 use crate::geometry::PixelBox;
@@ -142,7 +142,7 @@ impl App {
     pub(super) fn change_burnt_in(&mut self) {
         self.keep_burnt_in();
         self.session.masks = true;
-        self.session.panel = Panel::Camera;
+        self.session.panel = SidePanel::Camera;
     }
 
     /// The boxes that look burned in and cover the shown frame, while it is asked what becomes of them.

@@ -2,20 +2,20 @@
 
 use super::App;
 use crate::app::progress::nothing_needs_you;
-use crate::app::session::{Dialog, Level, Panel, needs_me};
+use crate::app::session::{Dialog, Level, SidePanel, needs_me};
 use crate::document::{Frame, FrameStatus, Step};
 
 impl App {
     /// Opens a panel on the right-hand side, or goes back to the frame.
-    pub(super) fn toggle_panel(&mut self, panel: Panel) {
+    pub(super) fn toggle_panel(&mut self, panel: SidePanel) {
         let behind_page = std::mem::take(&mut self.session.quality.open);
         let is_shown = self.session.panel == panel && !behind_page;
-        self.session.panel = if is_shown { Panel::Frame } else { panel };
+        self.session.panel = if is_shown { SidePanel::Frame } else { panel };
     }
 
     /// Goes to the next frame that somebody has to look at: along the review panel's list while it is open.
     pub(super) fn go_to_next_that_needs_me(&mut self, forward: bool) {
-        let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == Panel::Review);
+        let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == SidePanel::Review);
         match listed {
             Some(frame) => self.go_to(frame),
             None => self.go_to_next(forward, needs_me, &nothing_needs_you(&self.review)),

@@ -9,7 +9,7 @@ use crate::app::Action;
 use crate::app::session::Filter;
 use crate::document::FrameStatus;
 use egui::{ComboBox, Id, Layout, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, pos2, vec2};
-use strip::{Cell, Strip};
+use strip::{Strip, StripCell};
 
 /// The width of the column with the filter, points.
 const COLUMN: f32 = 116.0;
@@ -83,8 +83,8 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
                 item::separator(ui, place(at), shot);
             }
             match strip.cells[at] {
-                Cell::Frame(frame) => item::show(panel, ui, frame, place(at)),
-                Cell::Unanswered { first, last, count } => fold::show(panel, ui, (first, last), count, place(at)),
+                StripCell::Frame(frame) => item::show(panel, ui, frame, place(at)),
+                StripCell::Unanswered { first, last, count } => fold::show(panel, ui, (first, last), count, place(at)),
             }
         }
     });

@@ -14,7 +14,7 @@ const FOLDED: usize = 4;
 
 /// A place of the strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cell {
+pub enum StripCell {
     /// A frame of the document.
     Frame(usize),
     /// Frames of one shot that the forest has no answer for, one after the other.
@@ -28,7 +28,7 @@ pub enum Cell {
     },
 }
 
-impl Cell {
+impl StripCell {
     /// The first frame of the document in it.
     pub const fn first(self) -> usize {
         match self {
@@ -47,7 +47,7 @@ impl Cell {
 /// The frames that a filter shows, side by side, with a wider gap before each shot.
 pub struct Strip<'a> {
     /// The cells in order.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<StripCell>,
     /// Where each shot begins, within `cells`, and its name.
     shots: Vec<(usize, Option<&'a Clip>)>,
     item: f32,
@@ -56,7 +56,7 @@ pub struct Strip<'a> {
 impl<'a> Strip<'a> {
     /// Lays the frames of a document out, `item` points wide each. The `shown` frame is never folded away.
     pub fn new(open: &'a OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
-        let mut cells: Vec<Cell> = Vec::new();
+        let mut cells: Vec<StripCell> = Vec::new();
         // The number of cells at the end that are frames without an answer.
         let mut run = 0;
         let folds =
@@ -74,7 +74,7 @@ impl<'a> Strip<'a> {
                 } else {
                     fold(&mut cells, std::mem::take(&mut run));
                 }
-                cells.push(Cell::Frame(index));
+                cells.push(StripCell::Frame(index));
             }
         }
         fold(&mut cells, run);
@@ -95,9 +95,9 @@ impl<'a> Strip<'a> {
     /// The cell of a frame of the document.
     pub fn place_of(&self, frame: usize) -> Option<usize> {
         let at = self.cells.partition_point(|cell| cell.last() < frame);
-        let stands = |cell: &Cell| match *cell {
-            Cell::Frame(here) => here == frame,
-            Cell::Unanswered { first, .. } => first <= frame,
+        let stands = |cell: &StripCell| match *cell {
+            StripCell::Frame(here) => here == frame,
+            StripCell::Unanswered { first, .. } => first <= frame,
         };
         self.cells.get(at).is_some_and(stands).then_some(at)
     }
@@ -133,14 +133,14 @@ impl<'a> Strip<'a> {
 }
 
 /// Folds the last `run` cells into one if there are enough.
-fn fold(cells: &mut Vec<Cell>, run: usize) {
+fn fold(cells: &mut Vec<StripCell>, run: usize) {
     if run < FOLDED {
         return;
     }
     let begin = cells.len() - run;
     let (first, last) = (cells[begin].last(), cells[cells.len() - 1].last());
     cells.truncate(begin);
-    cells.push(Cell::Unanswered { first, last, count: run });
+    cells.push(StripCell::Unanswered { first, last, count: run });
 }
 
 /// How many of the first `count` numbers satisfy `is_before`, which holds for a prefix of them (binary search).
@@ -174,7 +174,7 @@ mod tests {
     fn shots_stand_apart_and_only_what_is_in_view_is_laid_out() {
         let open = open(&[1, 1, 1, 2, 2, 3]);
         let strip = Strip::new(&open, Filter::All, 0, 100.0);
-        assert_eq!(strip.cells, [0, 1, 2, 3, 4, 5].map(Cell::Frame));
+        assert_eq!(strip.cells, [0, 1, 2, 3, 4, 5].map(StripCell::Frame));
         assert!((strip.left(1) - strip.left(0) - 104.0).abs() < 1e-3);
         assert!((strip.left(3) - strip.left(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
         assert_eq!(strip.shot_beginning_at(3).as_deref(), Some("shot 2"));
@@ -203,7 +203,7 @@ mod tests {
     fn a_filter_leaves_frames_out_and_a_lack_of_shots_shows_none() {
         let open = open(&[1, 1, 1, 2]);
         let strip = Strip::new(&open, Filter::Status(FrameStatus::Reference), 0, 100.0);
-        assert_eq!(strip.cells, [1, 3].map(Cell::Frame));
+        assert_eq!(strip.cells, [1, 3].map(StripCell::Frame));
         assert_eq!((strip.place_of(3), strip.place_of(2)), (Some(1), None));
         assert!(Strip::new(&open, Filter::Status(FrameStatus::Rejected), 0, 100.0).cells.is_empty());
     }
@@ -216,16 +216,16 @@ mod tests {
             frame.status = FrameStatus::New;
             frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
         }
-        let fold = |first, last| Cell::Unanswered { first, last, count: last - first + 1 };
+        let fold = |first, last| StripCell::Unanswered { first, last, count: last - first + 1 };
         let strip = Strip::new(&open, Filter::All, 0, 100.0);
-        assert_eq!(strip.cells, [Cell::Frame(0), fold(1, 5), fold(6, 10)]);
+        assert_eq!(strip.cells, [StripCell::Frame(0), fold(1, 5), fold(6, 10)]);
         assert_eq!(
             [0, 1, 5, 6, 10, 11].map(|frame| strip.place_of(frame)),
             [0, 1, 1, 2, 2, 9].map(|at| (at < 9).then_some(at))
         );
         assert_eq!(strip.shot_beginning_at(2).as_deref(), Some("shot 2"));
         let shown = Strip::new(&open, Filter::All, 6, 100.0);
-        assert_eq!(shown.cells, [Cell::Frame(0), fold(1, 5), Cell::Frame(6), fold(7, 10)]);
+        assert_eq!(shown.cells, [StripCell::Frame(0), fold(1, 5), StripCell::Frame(6), fold(7, 10)]);
         let middle = Strip::new(&open, Filter::All, 3, 100.0);
         assert_eq!(middle.cells.len(), 7, "two and two are too few to fold");
         assert_eq!(Strip::new(&open, Filter::Unanswered, 0, 100.0).cells.len(), 10);
