@@ -15,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 /// [`Frames::insert`] and `extend`.
 #[derive(Clone, Default)]
 pub struct Frames {
-    frames: Vector<Shared<Frame>>,
+    ordered: Vector<Shared<Frame>>,
     /// Where each id stood when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
     /// Whether every frame stands where `positions` says: found out when an id is not there, and forgotten when a frame is
@@ -52,31 +52,31 @@ impl Frames {
             frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
             positions.insert(frame.id.clone(), position);
         }
-        Ok(Self { frames: frames.into_iter().collect(), positions: Arc::new(positions), are_known: OnceLock::new() })
+        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), are_known: OnceLock::new() })
     }
 
     /// How many there are.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.frames.len()
+        self.ordered.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.frames.is_empty()
+        self.ordered.is_empty()
     }
 
     /// The frame at a position.
     #[must_use]
     pub fn get(&self, position: usize) -> Option<&Shared<Frame>> {
-        self.frames.get(position)
+        self.ordered.get(position)
     }
 
     /// The frame at a position, to change it.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
         self.are_known = OnceLock::new();
-        self.frames.get_mut(position)
+        self.ordered.get_mut(position)
     }
 
     /// Where the frame of an id stands.
@@ -107,31 +107,31 @@ impl Frames {
     /// The first frame.
     #[must_use]
     pub fn first(&self) -> Option<&Shared<Frame>> {
-        self.frames.front()
+        self.ordered.front()
     }
 
     /// The last frame.
     #[must_use]
     pub fn last(&self) -> Option<&Shared<Frame>> {
-        self.frames.back()
+        self.ordered.back()
     }
 
     /// The frames in their order.
     #[must_use]
     pub fn iter(&self) -> Iter<'_> {
-        self.frames.iter()
+        self.ordered.iter()
     }
 
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
         self.are_known = OnceLock::new();
-        self.frames.iter_mut()
+        self.ordered.iter_mut()
     }
 
     /// The frames in their order, on several threads.
     #[must_use]
     pub fn par_iter(&self) -> impl IndexedParallelIterator<Item = &Shared<Frame>> {
-        self.frames.par_iter()
+        self.ordered.par_iter()
     }
 
     /// The frames at these positions, as far as there are any.
@@ -152,8 +152,8 @@ impl Frames {
     /// Appends a frame; where its id is missing or taken it gets another one.
     pub fn push(&mut self, frame: Shared<Frame>) {
         let frame = self.with_own_id(frame);
-        Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.frames.len());
-        self.frames.push_back(frame);
+        Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.ordered.len());
+        self.ordered.push_back(frame);
     }
 
     /// Puts a frame before the one at a position, at the end if there is none; where its id is missing or taken it gets another.
@@ -163,40 +163,40 @@ impl Frames {
 
     /// Puts frames before the one at a position, in their order; ids as in [`Frames::push`].
     pub fn insert_all(&mut self, position: usize, frames: Vec<Shared<Frame>>) {
-        let tail = self.frames.split_off(position.min(self.frames.len()));
+        let tail = self.ordered.split_off(position.min(self.ordered.len()));
         for frame in frames {
             let frame = self.with_own_id(frame);
-            Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.frames.len());
-            self.frames.push_back(frame);
+            Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.ordered.len());
+            self.ordered.push_back(frame);
         }
-        self.frames.append(tail);
+        self.ordered.append(tail);
         self.order_changed();
     }
 
     /// Takes the frame at a position out; none if there is none.
     pub fn remove(&mut self, position: usize) -> Option<Shared<Frame>> {
-        let removed = (position < self.frames.len()).then(|| self.frames.remove(position));
+        let removed = (position < self.ordered.len()).then(|| self.ordered.remove(position));
         self.order_changed();
         removed
     }
 
     /// Takes the last frame out.
     pub fn pop(&mut self) -> Option<Shared<Frame>> {
-        let last = self.frames.pop_back()?;
+        let last = self.ordered.pop_back()?;
         Arc::make_mut(&mut self.positions).remove(&last.id);
         Some(last)
     }
 
     /// Keeps the frames for which `wanted` holds.
     pub fn retain(&mut self, mut wanted: impl FnMut(&Frame) -> bool) {
-        self.frames.retain(|frame| wanted(frame));
+        self.ordered.retain(|frame| wanted(frame));
         self.order_changed();
     }
 
     /// Whether two share every frame, so neither has changed since one was cloned from the other.
     #[must_use]
     pub fn is_same(&self, other: &Self) -> bool {
-        self.frames.ptr_eq(&other.frames)
+        self.ordered.ptr_eq(&other.ordered)
     }
 
     /// The positions at which two differ, up to the end of the shorter one. Chunks that both share are not looked at.
@@ -206,7 +206,7 @@ impl Frames {
         if self.is_same(other) {
             return differ;
         }
-        let (mut left, mut right) = (self.frames.leaves(), other.frames.leaves());
+        let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;
         loop {
@@ -242,7 +242,7 @@ impl Frames {
 
     fn order_changed(&mut self) {
         self.are_known = OnceLock::new();
-        let positions = self.frames.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
+        let positions = self.ordered.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
         self.positions = Arc::new(positions.collect());
     }
 }
@@ -267,14 +267,14 @@ impl fmt::Debug for Frames {
 impl Index<usize> for Frames {
     type Output = Shared<Frame>;
     fn index(&self, position: usize) -> &Shared<Frame> {
-        &self.frames[position]
+        &self.ordered[position]
     }
 }
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
         self.are_known = OnceLock::new();
-        &mut self.frames[position]
+        &mut self.ordered[position]
     }
 }
 

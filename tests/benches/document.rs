@@ -115,6 +115,47 @@ fn journal_edit(bencher: Bencher) {
     bencher.bench_local(|| store.append(std::slice::from_ref(&edit)).unwrap());
 }
 
+/// Saves a document of 100,000 frames, with as many steps of undo.
+#[divan::bench(args = [0, 500], sample_count = 3, sample_size = 1)]
+fn save_a_long_video_with_steps(bencher: Bencher, steps: usize) {
+    let (_folder, path, mut document, mut history) = long_video(steps);
+    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    bencher.bench_local(|| {
+        // What is on disk already is not written again.
+        step(&mut document, &mut history, 0);
+        store.save(&document, if steps > 0 { &history } else { &NO_STEPS }).unwrap();
+    });
+}
+
+/// Opens such a document; what its history takes shows in `max alloc`.
+#[divan::bench(args = [0, 500], sample_count = 3, sample_size = 1)]
+fn open_a_long_video_with_steps(bencher: Bencher, steps: usize) {
+    let (_folder, path, ..) = long_video(steps);
+    bencher.bench_local(|| open(&path).unwrap());
+}
+
+const NO_STEPS: History<Document> = History::new(0);
+
+/// A project of 100,000 frames that was saved after as many steps.
+fn long_video(steps: usize) -> (TempDir, PathBuf, Document, History<Document>) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("match");
+    let (mut document, mut history) = (document_of(100_000), History::default());
+    write_document(&Location::for_new_document(&path.join("")).unwrap(), &document, false).unwrap();
+    let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    (0..steps).for_each(|number| step(&mut document, &mut history, number * 199));
+    store.save(&document, &history).unwrap();
+    (folder, path, document, history)
+}
+
+/// A click moves.
+fn step(document: &mut Document, history: &mut History<Document>, position: usize) {
+    history.begin(document, Step::on_frame("Move", document.frames[position].id.clone()));
+    document.frames[position].clicks[0].image.x += 1.0;
+    document.frames[position].revision += 1;
+    history.commit(document);
+}
+
 /// What undo takes of a whole match.
 #[divan::bench]
 fn clone_of_a_match(bencher: Bencher) {

@@ -96,7 +96,7 @@ impl Editor {
     }
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 enum Doing {
     Comment(usize, u8),
     GoOn(usize, u8),
