@@ -120,10 +120,11 @@ fn journal_edit(bencher: Bencher) {
 fn save_a_long_video_with_steps(bencher: Bencher, steps: usize) {
     let (_folder, path, mut document, mut history) = long_video(steps);
     let Access::Writable(mut store) = open(&path).unwrap().access else { panic!("read-only") };
+    let none = History::default();
     bencher.bench_local(|| {
         // What is on disk already is not written again.
         step(&mut document, &mut history, 0);
-        store.save(&document, if steps > 0 { &history } else { &NO_STEPS }).unwrap();
+        store.save(&document, if steps > 0 { &history } else { &none }).unwrap();
     });
 }
 
@@ -133,8 +134,6 @@ fn open_a_long_video_with_steps(bencher: Bencher, steps: usize) {
     let (_folder, path, ..) = long_video(steps);
     bencher.bench_local(|| open(&path).unwrap());
 }
-
-const NO_STEPS: History<Document> = History::new(0);
 
 /// A project of 100,000 frames that was saved after as many steps.
 fn long_video(steps: usize) -> (TempDir, PathBuf, Document, History<Document>) {
