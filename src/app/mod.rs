@@ -14,7 +14,6 @@ mod compared;
 mod current;
 mod derived;
 pub mod guidance;
-mod intake;
 mod keymap;
 pub mod naming;
 mod open_project;

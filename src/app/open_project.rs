@@ -5,6 +5,7 @@ use super::derived::{Derived, FrameCounts};
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
+use crate::proposals::{Layered, Proposal};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,9 +13,9 @@ use std::sync::Arc;
 /// The document that is open.
 #[derive(Debug)]
 pub struct OpenProject {
-    /// The document as it is now.
+    /// The document as it is now; frames that nobody has touched show what is suggested for them.
     pub document: Versioned<Document>,
-    /// Undo and redo.
+    /// Undo and redo of what people did: what is suggested is not in it.
     pub history: History<Document>,
     /// What relative paths start from.
     pub folder: PathBuf,
@@ -26,8 +27,8 @@ pub struct OpenProject {
     pub revision: u64,
     /// The newest forest that has proposed anything.
     pub(super) forest_generation: u64,
-    /// The document as the journal has it.
-    pub(super) journalled: Document,
+    /// The document as the journal has it, and in it what people did apart from what is suggested.
+    pub(super) journalled: Layered,
     /// What follows from the document.
     pub(super) derived: Derived,
 }
@@ -37,7 +38,7 @@ impl OpenProject {
     #[must_use]
     pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
         Self {
-            journalled: document.clone(),
+            journalled: Layered::of(document.clone()),
             document: Versioned::new(document),
             history: History::default(),
             folder,
@@ -64,12 +65,24 @@ impl OpenProject {
     /// What has changed since the last time this was asked, to be journalled; none if nothing has. `kind` is what it is to
     /// undo and redo.
     pub(super) fn take_edit(&mut self, name: &str, kind: EditKind) -> Option<Edit> {
-        self.document.keeping_version().count_edits_since(&self.journalled);
-        let edit = Edit::between(&self.journalled, &self.document, name).of_kind(kind);
-        if edit.is_empty() {
-            return None;
+        for (position, frame) in self.journalled.not_shown_in(&self.document) {
+            self.document.frames[position] = frame;
         }
-        self.journalled = self.document.clone();
+        let edit = self.journalled.settle(self.document.keeping_version(), name)?.of_kind(kind);
+        self.revision += 1;
+        Some(edit)
+    }
+
+    /// Takes in what forests answered, to be journalled; none if nothing new is seen. Answers of an older forest than the last
+    /// one are dropped.
+    pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<Edit> {
+        let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
+        self.forest_generation = self.forest_generation.max(newest);
+        let is_current = |proposal: &&Proposal| proposal.generation == self.forest_generation;
+        let current: Vec<&Proposal> = proposals.iter().filter(is_current).collect();
+        let mut document = self.document.clone();
+        let edit = self.journalled.suggest(&mut document, &current)?;
+        *self.document = document;
         self.revision += 1;
         Some(edit)
     }
@@ -144,6 +157,28 @@ impl OpenProject {
 
     /// Begins a step of undo.
     pub(super) fn begin(&mut self, step: Step) {
-        self.history.begin(&self.document, step);
+        self.history.begin(&self.journalled.edited_of(&self.document), step);
+    }
+
+    /// Closes the step of undo.
+    pub(super) fn commit(&mut self) {
+        self.history.commit(&self.journalled.edited_of(&self.document));
+    }
+
+    /// Gives the open step of undo up.
+    pub(super) fn abort(&mut self) {
+        let mut edited = self.journalled.edited().clone();
+        if self.history.abort(&mut edited) {
+            *self.document = self.journalled.shown_of(&edited);
+        }
+    }
+
+    /// Takes the last step back, or does it again, and says which it was.
+    pub(super) fn undo(&mut self, back: bool) -> Option<Step> {
+        let mut edited = self.journalled.edited_of(&self.document);
+        let step = if back { self.history.undo(&mut edited) } else { self.history.redo(&mut edited) }?;
+        self.journalled.keep_answers_not_in(&edited);
+        *self.document = self.journalled.shown_of(&edited);
+        Some(step)
     }
 }

@@ -124,13 +124,6 @@ impl<T> History<T> {
         self.undone.last().map(|(step, _)| step)
     }
 
-    /// Changes every value that is kept, the open transaction's included, as if it had been so from the start: for what
-    /// comes from outside and is not a step of undo. The current value is the caller's to change.
-    pub fn amend(&mut self, mut change: impl FnMut(&mut T)) {
-        let kept = self.done.iter_mut().chain(&mut self.undone).map(|(_, value)| value);
-        kept.chain(self.open.iter_mut().map(|open| &mut open.before)).for_each(&mut change);
-    }
-
     /// The steps without the open transaction: what is kept of them where only whole steps are.
     #[must_use]
     pub fn committed(&self) -> Self
@@ -225,7 +218,7 @@ mod tests {
         };
     }
 
-    plain_values!(u8, i32, [i32; 2]);
+    plain_values!(u8, i32);
 
     fn step(name: &str) -> Step {
         Step::on_frame(name, "7".into())
@@ -290,27 +283,6 @@ mod tests {
         let undone: Vec<_> = std::iter::from_fn(|| history.undo(&mut value).map(|step| step.name)).collect();
         assert_eq!(undone, ["other", "3"]);
         assert_eq!(value, 2, "step 1 and 2 were forgotten");
-    }
-
-    #[test]
-    fn what_comes_from_outside_is_there_before_and_after_every_step() {
-        let (mut history, mut value) = (History::default(), [0, 0]);
-        for next in 1..=3 {
-            history.begin(&value, step("set"));
-            value[0] = next;
-            history.commit(&value);
-        }
-        history.undo(&mut value);
-        history.begin(&value, step("drag"));
-        value[0] = 9;
-        history.amend(|kept| kept[1] = 7);
-        value[1] = 7;
-        assert!(history.abort(&mut value));
-        assert_eq!(value, [2, 7]);
-        history.redo(&mut value);
-        assert_eq!(value, [3, 7]);
-        while history.undo(&mut value).is_some() {}
-        assert_eq!(value, [0, 7]);
     }
 
     proptest! {

@@ -103,7 +103,9 @@ mod repeats;
 mod shared;
 mod shots;
 mod solution;
+mod split_document;
 mod step_edit;
+mod suggestion;
 mod unanswered;
 mod uses;
 mod write;
@@ -136,7 +138,9 @@ pub use shared::Shared;
 pub use shots::{Shot, ShotEnd, ShotKind, shots};
 pub(crate) use solution::ENOUGH_EQUATIONS;
 pub use solution::{BetterName, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning, TimingsMs};
+pub(crate) use split_document::SplitDocument;
 pub use step_edit::{StepEdit, StepMisfit};
+pub(crate) use suggestion::Suggestion;
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

@@ -1,7 +1,7 @@
 //! The history of a document as edits: what each edit of a journal is to it, and what of it is kept beside a saved document.
 
 use super::edit::apply_all;
-use super::{Change, Document, Edit, EditKind, EditMismatch, History, Step, Undoable as _};
+use super::{Change, Document, Edit, EditKind, EditMismatch, History, SplitDocument, Step, Undoable as _};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -32,31 +32,35 @@ impl StepEdit {
 
 impl History<Document> {
     /// Makes an edit of `document` and takes it for what it is to undo and redo, as the history did in which it was made.
-    /// An edit that is not a step, or does not fit its step, ends the history: nothing before it can be undone.
+    /// An edit of what people did that is not a step, or does not fit its step, ends the history: nothing before it can be undone.
+    /// Suggestions are not part of it.
     ///
     /// # Errors
     /// The edit does not fit; document and history are as they were.
-    pub fn follow(&mut self, document: &mut Document, edit: Edit) -> Result<(), EditMismatch> {
+    pub(crate) fn follow(&mut self, document: &mut SplitDocument, edit: Edit) -> Result<(), EditMismatch> {
         let Edit { name, kind, changes } = edit;
-        let mut after = document.clone();
-        apply_all(changes, &mut after)?;
+        let mut shown = document.shown().clone();
+        apply_all(changes, &mut shown)?;
+        let before = document.edited().clone();
+        document.go_on_to(shown);
+        let after = document.edited();
+        let mut state = before.clone();
         let is_followed = match kind {
-            EditKind::NoStep => false,
+            EditKind::NoStep => before.is_same_state(after),
             EditKind::Step { frame } => {
-                self.begin(document, Step { name, frame });
-                self.commit(&after);
+                self.begin(&before, Step { name, frame });
+                self.commit(after);
                 true
             }
             EditKind::Continued => {
                 let last = self.next_undo().cloned();
                 let resumed = last.is_some_and(|step| self.resume(&step));
-                self.commit(&after);
+                self.commit(after);
                 resumed
             }
-            EditKind::Undone => self.undo(document).is_some() && document.is_same_state(&after),
-            EditKind::Redone => self.redo(document).is_some() && document.is_same_state(&after),
+            EditKind::Undone => self.undo(&mut state).is_some() && state.is_same_state(after),
+            EditKind::Redone => self.redo(&mut state).is_some() && state.is_same_state(after),
         };
-        *document = after;
         if !is_followed {
             self.clear();
         }

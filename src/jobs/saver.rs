@@ -5,7 +5,7 @@
 //! that does not fit what the saver knows makes it ask for the whole document.
 
 use super::{Wake, panic_message};
-use crate::document::{Document, Edit, History};
+use crate::document::{Document, Edit, History, SplitDocument};
 use crate::store::{DocumentStore, Others, Outside, StoreError};
 use std::collections::VecDeque;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -242,7 +242,7 @@ struct Work {
     /// The document as journal and file hold it.
     journaled: Document,
     journaled_revision: Revision,
-    latest: Document,
+    latest: SplitDocument,
     /// What can be undone and redone in `latest`.
     history: History<Document>,
     latest_revision: Revision,
@@ -272,7 +272,7 @@ impl Work {
             store,
             journaled: document.clone(),
             journaled_revision: 0,
-            latest: document,
+            latest: SplitDocument::of(document),
             history,
             latest_revision: 0,
             to_journal: Vec::new(),
@@ -355,7 +355,7 @@ impl Work {
         self.needs_whole = false;
         let edit = Edit::between(&self.journaled, &document, "Everything since");
         self.to_journal = if edit.is_empty() { Vec::new() } else { vec![edit] };
-        (self.latest, self.history) = (document, history);
+        (self.latest, self.history) = (SplitDocument::of(document), history);
         self.latest_revision = revision;
         self.behind_since.get_or_insert_with(Instant::now);
         self.journal();
@@ -376,14 +376,16 @@ impl Work {
             Ok(()) => {
                 self.journal_refused = false;
                 self.to_journal.clear();
-                self.journaled = self.latest.clone();
+                self.journaled = self.latest.shown().clone();
                 if self.journaled_revision < self.latest_revision {
                     self.journaled_revision = self.latest_revision;
                     self.report(SaverReport::Journaled { revision: self.journaled_revision, at: now() });
                 }
             }
             // Writing the document makes a journal anew that was deleted.
-            Err(StoreError::Gone { .. }) if self.store.keep(&self.latest, &self.history, Others::Stay).is_ok() => {
+            Err(StoreError::Gone { .. })
+                if self.store.keep(self.latest.shown(), &self.history, Others::Stay).is_ok() =>
+            {
                 self.saved(None);
             }
             Err(error) => {
@@ -400,7 +402,7 @@ impl Work {
             self.report(SaverReport::NeedsWhole);
             return;
         }
-        match self.store.keep(&self.latest, &self.history, others) {
+        match self.store.keep(self.latest.shown(), &self.history, others) {
             Ok(set_aside) => self.saved(set_aside),
             Err(error) => {
                 // Tried again after the usual time, not at once.
@@ -417,7 +419,7 @@ impl Work {
         self.journal_refused = false;
         self.behind_since = None;
         self.to_journal.clear();
-        self.journaled = self.latest.clone();
+        self.journaled = self.latest.shown().clone();
         self.journaled_revision = self.latest_revision;
         self.report(SaverReport::Saved { revision: self.latest_revision, at: now(), set_aside });
     }

@@ -6,6 +6,7 @@
 //! | [`TrainingFrames`], [`study`], [`learn`] | the references used for training, their samples, the forest trained on them |
 //! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
+//! | `Layered` | what the forest suggests, beside what people did; a document as a reader sees it |
 //! | [`LineWitness`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
 //! | `TrainingSet` | what a forest was trained on |
@@ -24,6 +25,7 @@ mod coverage;
 mod features;
 mod find_burnt_in;
 mod label;
+mod layer;
 mod learning;
 mod line_witness;
 mod order;
@@ -32,6 +34,7 @@ mod proposal;
 mod proposing;
 mod quality;
 mod store;
+mod suggestions;
 mod suspects;
 mod training_frames;
 mod training_sample;
@@ -45,6 +48,7 @@ pub use burnt_in::FoundMask;
 pub use coverage::{Coverage, CoverageCell};
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
+pub(crate) use layer::Layered;
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_witness::LineWitness;
 pub(crate) use order::AskingOrder;

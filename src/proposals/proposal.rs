@@ -4,7 +4,7 @@ use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
     Camera, CameraId, Document, Frame, FrameId, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource,
-    SolutionWarning, TimingsMs,
+    SolutionWarning, Suggestion, TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
@@ -148,13 +148,15 @@ impl Asked {
         }
     }
 
+    /// Whether it is this frame with the picture and the camera that it has now.
+    pub(crate) fn is_of(&self, frame: &Frame) -> bool {
+        self.sha256 == frame.sha256 && self.camera == frame.camera && self.picture == frame.name()
+    }
+
     /// Whether a frame is still as it was, in what an answer depends on.
     #[must_use]
     pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
-        self.sha256 == frame.sha256
-            && self.camera == frame.camera
-            && self.picture == frame.name()
-            && self.base == document.camera_of(frame).and_then(Camera::base)
+        self.is_of(frame) && self.base == document.camera_of(frame).and_then(Camera::base)
     }
 }
 
@@ -167,36 +169,33 @@ impl Proposal {
         Self { frame: frame.id.clone(), asked, generation, outcome: Err(reason), timings: Timings::default() }
     }
 
-    /// Whether it still answers its frame: the same picture and base, and nobody has clicked, accepted or
-    /// rejected it since.
-    #[must_use]
-    pub fn fits(&self, document: &Document) -> bool {
-        let Some(frame) = document.frames.by_id(&self.frame) else { return false };
-        is_open(frame) && self.asked.is_still(document, frame)
-    }
-
-    /// Writes the answer into its frame, in place of an earlier one: a camera makes it `suggested`; where there is none it is
-    /// new, and the reason stands among the warnings.
-    pub fn record(&self, frame: &mut Frame) {
+    /// What it suggests for its frame: a camera, or none and the reason among the warnings.
+    pub(crate) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));
-        let mut solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
-        match &self.outcome {
+        let solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
+        let (ptz, solution) = match &self.outcome {
             Ok(answer) => {
-                frame.ptz = Some(answer.ptz.clone());
-                frame.status = FrameStatus::Suggested;
-                solution.covariance = Some(answer.covariance);
-                solution.rms_px = Some(answer.rms_px);
-                solution.worst_corner_sigma_px = Some(answer.worst_corner_sigma_px);
-                solution.confidence = Some(answer.confidence);
-                solution.line_check = answer.line_check.as_ref().map(PaintEvidence::from);
+                let solution = Solution {
+                    covariance: Some(answer.covariance),
+                    rms_px: Some(answer.rms_px),
+                    worst_corner_sigma_px: Some(answer.worst_corner_sigma_px),
+                    confidence: Some(answer.confidence),
+                    line_check: answer.line_check.as_ref().map(PaintEvidence::from),
+                    ..solution
+                };
+                (Some(answer.ptz.clone()), solution)
             }
             Err(reason) => {
-                frame.ptz = None;
-                frame.status = FrameStatus::New;
-                solution.warnings.push(SolutionWarning::new(reason.code(), reason.to_string()));
+                let warnings = vec![SolutionWarning::new(reason.code(), reason.to_string())];
+                (None, Solution { warnings, ..solution })
             }
-        }
-        frame.solution = Some(solution);
+        };
+        Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
+    }
+
+    /// Writes the answer into its frame, as a file has it.
+    pub fn record(&self, frame: &mut Frame) {
+        self.suggestion().show_in(frame);
     }
 }
 

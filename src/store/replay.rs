@@ -2,11 +2,11 @@
 
 use super::history_file::{HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, PendingEdits};
-use crate::document::{Document, EditMismatch, History};
+use crate::document::{Document, EditMismatch, History, SplitDocument};
 
 /// A document on its way through its journal.
 pub(super) struct Replay {
-    pub document: Document,
+    pub document: SplitDocument,
     pub history: History<Document>,
     /// The names of the edits that were made.
     pub edits: Vec<String>,
@@ -17,7 +17,7 @@ pub(super) struct Replay {
 impl Replay {
     /// A document as its file has it.
     pub fn new(document: Document) -> Self {
-        Self { document, history: History::default(), edits: Vec::new(), left_out: None }
+        Self { document: SplitDocument::of(document), history: History::default(), edits: Vec::new(), left_out: None }
     }
 
     /// Makes the edits that a document of this hash lacks, with the steps of earlier sessions where the document is reached
@@ -50,7 +50,7 @@ impl Replay {
 
     fn take_steps(&mut self, file: Option<&HistoryFile>) {
         if let Some(file) = file {
-            (self.history, self.left_out) = file.history(&self.document);
+            (self.history, self.left_out) = file.history(self.document.edited());
         }
     }
 }

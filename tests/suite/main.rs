@@ -49,6 +49,7 @@ mod review_in_app;
 mod seeded;
 mod session;
 mod shaders;
+mod suggestions_in_app;
 mod synth_command;
 mod synthetic;
 mod trainer;

@@ -20,7 +20,7 @@ fn truth(index: usize) -> Ptz {
     Ptz::from_degrees(-4.0 + 0.2 * index as f64, -14.0, 2300.0)
 }
 
-fn blank(frames: usize) -> Document {
+pub fn blank(frames: usize) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
     camera.set_base(&base());
@@ -34,7 +34,7 @@ fn blank(frames: usize) -> Document {
 }
 
 /// A document whose frames are suggested with these confidences; none: the forest has no answer.
-fn suggested(confidences: &[Option<f64>]) -> Document {
+pub fn suggested(confidences: &[Option<f64>]) -> Document {
     let mut document = blank(confidences.len());
     for (index, (frame, confidence)) in document.frames.iter_mut().zip(confidences).enumerate() {
         let mut solution =
@@ -55,7 +55,7 @@ impl Bench {
         &self.app.open().unwrap().document.frames
     }
 
-    fn statuses(&self) -> String {
+    pub fn statuses(&self) -> String {
         let letter = |status| match status {
             FrameStatus::New => 'N',
             FrameStatus::Draft => 'D',
@@ -66,7 +66,7 @@ impl Bench {
         self.frames().iter().map(|frame| letter(frame.status)).collect()
     }
 
-    fn listed(&self) -> Vec<usize> {
+    pub fn listed(&self) -> Vec<usize> {
         self.app.review().rows.iter().map(|row| row.frame).collect()
     }
 
@@ -239,8 +239,12 @@ fn ten_thousand_suggestions_are_listed_and_accepted_together() {
 }
 
 /// What the forest says of a frame as it is now.
-fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
-    let document = &bench.app.open().unwrap().document;
+pub fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
+    proposal_in(&bench.app.open().unwrap().document, frame, generation, pan_deg)
+}
+
+/// What the forest says of a frame of a document.
+pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: Option<f64>) -> Proposal {
     let outcome = match pan_deg {
         Some(pan_deg) => Ok(Answer {
             ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
@@ -261,7 +265,7 @@ fn proposal(bench: &Bench, frame: usize, generation: u64, pan_deg: Option<f64>) 
 
 impl Bench {
     /// The document as somebody has it who reads the journal.
-    fn journalled(&self, start: &Document) -> Document {
+    pub fn journalled(&self, start: &Document) -> Document {
         let mut document = start.clone();
         for effect in &self.effects {
             if let Effect::Journal { edit, .. } = effect {
@@ -271,7 +275,7 @@ impl Bench {
         document
     }
 
-    fn pan_deg(&self, frame: usize) -> Option<f64> {
+    pub fn pan_deg(&self, frame: usize) -> Option<f64> {
         self.frames()[frame].ptz.as_ref().map(|ptz| (1e6 * ptz.pan_deg).round() / 1e6)
     }
 }

@@ -58,7 +58,7 @@ fn it_learns_proposes_and_goes_on_where_it_was() {
     assert_eq!(proposals.len(), 5);
     let mut answered = 0;
     for proposal in &proposals {
-        assert!(proposal.fits(&document));
+        assert!(proposal.asked.is_still(&document, document.frames.by_id(&proposal.frame).unwrap()));
         if let Ok(answer) = &proposal.outcome {
             answered += 1;
             let truth = truth.frames.by_id(&proposal.frame).unwrap().ptz.as_ref().unwrap().ptz();

@@ -295,13 +295,8 @@ impl App {
             self.session.notify(Level::Info, text);
             return;
         }
-        let (title, kind) = if back {
-            open.history.undo(&mut open.document);
-            ("Undone", EditKind::Undone)
-        } else {
-            open.history.redo(&mut open.document);
-            ("Redone", EditKind::Redone)
-        };
+        open.undo(back);
+        let (title, kind) = if back { ("Undone", EditKind::Undone) } else { ("Redone", EditKind::Redone) };
         self.journal(&format!("{title}: {}", step.name), kind);
         self.session.notify(Level::Info, format!("{title}: {}.", step.name));
         self.clamp_selection();

@@ -186,7 +186,7 @@ impl App {
         }
         round.go_back();
         if let Some(open) = &mut self.open
-            && let Some(step) = open.history.undo(&mut open.document)
+            && let Some(step) = open.undo(true)
         {
             self.journal(&format!("Undone: {}", step.name), EditKind::Undone);
         }

@@ -214,7 +214,7 @@ impl App {
             }
             Action::WholeWanted => {
                 if let Some(open) = &self.open {
-                    let document = Box::new(open.journalled.clone());
+                    let document = Box::new(open.journalled.shown().clone());
                     let history = Box::new(open.history.committed());
                     self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
                 }
@@ -270,7 +270,7 @@ impl App {
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
         let kind = open.history.open_kind();
-        open.history.commit(&open.document);
+        open.commit();
         // Even where it is no step: one that was gone on with may have come back to where it began.
         self.journal(&name, kind);
     }
@@ -278,7 +278,7 @@ impl App {
     /// Gives the open step of undo up, and whatever was begun.
     fn abort(&mut self) {
         if let Some(open) = &mut self.open {
-            open.history.abort(&mut open.document);
+            open.abort();
         }
         self.session.mode = Mode::Idle;
         self.clamp_selection();

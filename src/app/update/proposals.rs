@@ -1,7 +1,6 @@
 //! Proposals of the forest, and which of them are outdated.
 
 use super::App;
-use crate::app::OpenProject;
 use crate::app::action::Effect;
 use crate::app::session::{Level, Saving};
 use crate::document::{Camera, CameraId, Document, Frame, FrameStatus};
@@ -92,32 +91,4 @@ fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     frames.sort_unstable();
     frames.dedup();
     frames
-}
-
-impl OpenProject {
-    /// Writes proposals into the document and every state of its history; what is to be journalled, if anything.
-    fn take_proposals(&mut self, proposals: &[Proposal]) -> Option<crate::document::Edit> {
-        use crate::app::intake::{Intake, name, write};
-        let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
-        self.forest_generation = self.forest_generation.max(newest);
-        let current: Vec<&Proposal> =
-            proposals.iter().filter(|proposal| proposal.generation == self.forest_generation).collect();
-        let mut intake = Intake::new(&current);
-        let changes = intake.changes(&self.document);
-        if !changes.is_empty() {
-            write(&mut self.document, &changes);
-        }
-        self.history.amend(|state| {
-            let changes = intake.changes(state);
-            write(state, &changes);
-        });
-        let changes = intake.changes(&self.journalled);
-        let before = self.journalled.clone();
-        write(&mut self.journalled, &changes);
-        if changes.is_empty() {
-            return None;
-        }
-        self.revision += 1;
-        Some(crate::document::Edit::between(&before, &self.journalled, &name(&changes)))
-    }
 }

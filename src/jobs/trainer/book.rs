@@ -41,7 +41,8 @@ impl Book {
             let held = is_by_forest(frame);
             let lost = entry.recorded && !held && is_open(frame);
             entry.recorded |= held;
-            !lost && entry.asked.is_still(document, frame)
+            let is_edited = is_open(frame) && entry.asked.revision != frame.revision;
+            !lost && !is_edited && entry.asked.is_still(document, frame)
         });
         for frame in &document.frames {
             // What an earlier session proposed.

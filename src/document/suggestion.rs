@@ -1,0 +1,114 @@
+//! What the program suggests for a frame that nobody has decided on. In a file it stands in the frame; a program that edits
+//! the document takes it out, so that undo and redo leave it alone.
+
+use super::{Frame, FramePtz, FrameStatus, Solution};
+use crate::camera::CameraBase;
+
+/// A camera that the program suggests for a frame, or why it has none.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Suggestion {
+    /// The revision of the frame that it was made for.
+    pub revision: u64,
+    /// The base of the frame's camera that it was made for; none where that camera had none.
+    pub base: Option<CameraBase>,
+    /// How the camera is pointed; none where no answer was found.
+    pub ptz: Option<FramePtz>,
+    /// How it came about, or why there is no answer.
+    pub solution: Option<Solution>,
+}
+
+impl Suggestion {
+    /// What a frame shows as suggested, its camera having this base; none where a person decided or nothing is suggested.
+    pub(crate) fn in_frame(frame: &Frame, base: Option<CameraBase>) -> Option<Self> {
+        let Frame { revision, ptz, solution, .. } = frame;
+        let suggestion = || Self { revision: *revision, base, ptz: ptz.clone(), solution: solution.clone() };
+        frame.shows_suggestion().then(suggestion)
+    }
+
+    /// Puts it into its frame, as a file has it: with a camera the frame is `suggested`, without one it is `new`.
+    pub(crate) fn show_in(&self, frame: &mut Frame) {
+        frame.status = if self.ptz.is_some() { FrameStatus::Suggested } else { FrameStatus::New };
+        frame.ptz.clone_from(&self.ptz);
+        frame.solution.clone_from(&self.solution);
+    }
+
+    /// Whether the program looked for a camera and found none.
+    pub(crate) const fn is_unanswered(&self) -> bool {
+        self.ptz.is_none()
+    }
+}
+
+impl Frame {
+    /// Whether nobody has clicked in it, given it a camera, accepted or rejected it. What the program suggests stands beside.
+    pub(crate) fn is_untouched(&self) -> bool {
+        self.status == FrameStatus::New && self.clicks.is_empty() && self.ptz.is_none()
+    }
+
+    /// Whether its camera, or the reason why it has none, is the program's alone: no click, and nobody has decided on it.
+    pub(crate) fn shows_suggestion(&self) -> bool {
+        self.clicks.is_empty()
+            && match self.status {
+                FrameStatus::Suggested => self.ptz.is_some(),
+                FrameStatus::New => self.ptz.is_none() && self.solution.is_some(),
+                FrameStatus::Draft | FrameStatus::Reference | FrameStatus::Rejected => false,
+            }
+    }
+
+    /// The frame as people left it: without what the program suggests.
+    pub(crate) fn without_suggestion(&self) -> Self {
+        let mut frame = self.clone();
+        if frame.shows_suggestion() {
+            (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
+        }
+        frame
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::document::{Click, SolutionSource};
+    use crate::geometry::{ImagePoint, ImageSize};
+
+    fn frame(status: FrameStatus, ptz: bool, source: Option<SolutionSource>) -> Frame {
+        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(64, 36));
+        frame.status = status;
+        frame.ptz = ptz.then(|| FramePtz::new(Ptz::from_degrees(1.0, -9.0, 900.0), None));
+        frame.solution = source.map(|source| Solution { source: Some(source), ..Solution::default() });
+        frame
+    }
+
+    #[test]
+    fn a_suggestion_is_taken_out_of_its_frame_and_put_back() {
+        for frame in [
+            frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest)),
+            frame(FrameStatus::Suggested, true, Some(SolutionSource::Tracking)),
+            frame(FrameStatus::Suggested, true, None),
+            frame(FrameStatus::New, false, Some(SolutionSource::Forest)),
+        ] {
+            let suggestion = Suggestion::in_frame(&frame, None).unwrap();
+            let mut without = frame.without_suggestion();
+            assert!(without.is_untouched() && without.solution.is_none() && !without.shows_suggestion());
+            suggestion.show_in(&mut without);
+            assert_eq!(without, frame);
+        }
+    }
+
+    #[test]
+    fn what_a_person_did_stays_in_the_frame() {
+        let mut clicked = frame(FrameStatus::Suggested, true, Some(SolutionSource::Forest));
+        clicked.clicks.push(Click::unnamed(ImagePoint::new(1.0, 1.0)));
+        for frame in [
+            clicked,
+            frame(FrameStatus::New, false, None),
+            frame(FrameStatus::New, true, Some(SolutionSource::Import)),
+            frame(FrameStatus::Draft, true, Some(SolutionSource::Manual)),
+            frame(FrameStatus::Reference, true, Some(SolutionSource::Forest)),
+            frame(FrameStatus::Rejected, true, Some(SolutionSource::Forest)),
+        ] {
+            assert_eq!(Suggestion::in_frame(&frame, None), None);
+            assert_eq!(frame.without_suggestion(), frame);
+        }
+    }
+}
