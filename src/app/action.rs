@@ -2,6 +2,7 @@
 
 use super::base::EstimateFailure;
 use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
+use super::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
@@ -128,6 +129,20 @@ pub enum Action {
         list: MaskList,
         /// Which, from 0.
         index: usize,
+    },
+    /// A frame's camera was pulled onto the painted lines, or why it was not.
+    Snapped {
+        /// Which order.
+        ticket: u64,
+        /// The camera.
+        result: Result<Box<SnappedFrame>, SnapFailure>,
+    },
+    /// Cameras were judged by the painted lines.
+    LinesChecked {
+        /// Which order.
+        ticket: u64,
+        /// What the paint says, or why that is not known.
+        found: Result<Vec<CheckedLines>, WatchPanicked>,
     },
     /// What the search for burned-in graphics found in the document in this file.
     BurntIn {
@@ -394,6 +409,8 @@ impl Action {
             | Self::MirrorNames { .. } => ActionKind::Edit,
             Self::Proposals(_)
             | Self::BurntIn { .. }
+            | Self::Snapped { .. }
+            | Self::LinesChecked { .. }
             | Self::Trainer(_)
             | Self::Features(_)
             | Self::BaseProgress(_)
@@ -562,6 +579,10 @@ pub enum Effect {
     CancelEstimate,
     /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
     WatchCamera(Box<CameraWatch>),
+    /// Pull a frame's camera onto the painted lines and report [`Action::Snapped`].
+    Snap(Box<SnapOrder>),
+    /// Judge cameras by the painted lines and report [`Action::LinesChecked`].
+    CheckLines(Box<LineCheckOrder>),
     /// Look for burned-in graphics and report [`Action::BurntIn`].
     FindBurntIn(Box<BurntInSearch>),
     /// Tell the background trainer something.

@@ -52,6 +52,7 @@ pub enum Command {
     Comment,
     MendNames,
     SwitchRoot,
+    Snap,
     ZoomIn,
     ZoomOut,
     ZoomToFit,
@@ -194,6 +195,7 @@ rows! {
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
     MendNames, "mend_names", Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
+    Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
@@ -312,6 +314,7 @@ impl Command {
             | Self::Comment
             | Self::MendNames
             | Self::SwitchRoot
+            | Self::Snap
             | Self::ZoomToClick
             | Self::HideOverlay
             | Self::OverlayStyle
@@ -363,7 +366,7 @@ impl Command {
     /// Whether it acts while its key is held down.
     #[must_use]
     pub const fn is_held(self) -> bool {
-        matches!(self, Self::HideOverlay | Self::Compare)
+        matches!(self, Self::HideOverlay | Self::Compare | Self::Snap)
     }
 }
 

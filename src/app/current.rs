@@ -9,11 +9,11 @@ use crate::calibrate::{
     solved_neighbours,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{Click, Frame, FramePtz, SolutionSource, Target};
+use crate::document::{Click, Frame, FramePtz, Solution, SolutionSource, Target};
 use crate::field::{FieldError, FieldModel};
-use crate::geometry::ImagePoint;
+use crate::geometry::{ImagePoint, ImageSize};
 use crate::scene::next_click::{NextClick, next_clicks};
-use crate::solve::{FrameSolution, IdentityFinding, Judgement, Verdict, WarningCode, judge};
+use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict, WarningCode, judge};
 use std::sync::Arc;
 
 /// How many solved frames of other shots, on either side, tell where a camera usually looks.
@@ -121,7 +121,9 @@ impl Current {
         };
         let base = open.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
         let by_hand = frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
-        let asked = !by_hand && frame.clicks.iter().any(|click| click.target.is_some());
+        let snapped = frame.solution.as_ref().filter(|solution| solution.source == Some(SolutionSource::Markings));
+        let snapped = snapped.map(|solution| judge_snapped(solution, frame.image_size));
+        let asked = !by_hand && snapped.is_none() && frame.clicks.iter().any(|click| click.target.is_some());
         let solution = if asked { fresh.or_else(|| open.solve(index)) } else { None };
         let better_camera = match &solution {
             Some(Ok(solved)) if solved.warnings.iter().any(|warning| warning.code == WarningCode::OtherCamera) => {
@@ -132,6 +134,7 @@ impl Current {
         let Some(frame) = open.document.frames.get(index) else { return Self::default() };
         let judgement = match &solution {
             Some(Ok(solved)) => Some(judge(solved, frame.image_size)),
+            _ if snapped.is_some() => snapped,
             _ if by_hand => Some(Judgement { verdict: Verdict::Check, reason: "numbers set manually".to_owned() }),
             _ => None,
         };
@@ -211,6 +214,16 @@ impl Current {
     pub fn other_root(&self) -> Option<Ptz> {
         self.solved()?.alternatives.first().filter(|other| other.plausible).map(|other| other.ptz)
     }
+}
+
+/// The verdict on a camera that lies on the painted lines: they bear it out, or it would not have been taken.
+fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
+    let corner_px = solution.worst_corner_sigma_px.unwrap_or(f64::INFINITY);
+    let is_good = corner_px <= GOOD_CORNER_SIGMA_PX * size.scale_from_1920();
+    let samples = solution.samples.unwrap_or(0);
+    let rms = solution.rms_px.map(|px| format!(" to {px:.1} px")).unwrap_or_default();
+    let reason = format!("worst corner ±{corner_px:.1} px; {samples} places of the painted lines fit{rms}");
+    Judgement { verdict: if is_good { Verdict::Good } else { Verdict::Check }, reason }
 }
 
 /// What is being placed or named, if it is on the picture and has a name to try.

@@ -6,12 +6,13 @@ use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::{Command, Comparison, TrainerState};
-use crate::document::{CameraId, Frame, FrameId, FrameStatus, RejectReason, Target};
+use crate::camera::PtzCamera;
+use crate::document::{CameraId, Frame, FrameId, FrameStatus, RejectReason, Shared, Target};
 use crate::geometry::ImagePoint;
 use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
 use crate::store::Orphan;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// How many candidates are offered at the cursor.
@@ -76,11 +77,26 @@ pub struct Session {
     pub orphans: Vec<Orphan>,
     /// The scale at which the picture fits its canvas, physical px of the screen per px of the picture; the viewport keeps it true.
     pub fit_scale: f64,
+    /// The frame whose camera is being pulled onto the painted lines.
+    pub snapping: Option<Snapping>,
+    /// How many snaps have been asked for.
+    pub snap_tickets: u64,
+    /// The cameras of frames before they were snapped.
+    pub before_snap: BTreeMap<FrameId, PtzCamera>,
     /// Graphics that look burned into the pictures, until somebody decides about them.
     pub burnt_in: Vec<FoundMask>,
     /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
     pub doubted: Option<Doubted>,
     next_notice: u64,
+}
+
+/// A frame whose camera is being pulled onto the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapping {
+    /// Which order.
+    pub ticket: u64,
+    /// The frame as it was then.
+    pub frame: Shared<Frame>,
 }
 
 /// A frame that was to be accepted although its verdict is wrong.
@@ -321,6 +337,8 @@ pub struct Held {
     pub hide_overlay: bool,
     /// The other solution is shown.
     pub compare: bool,
+    /// The camera is shown as it was before it was snapped.
+    pub before_snap: bool,
 }
 
 /// How far what was done is on disk.

@@ -2,7 +2,7 @@
 
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
-use crate::app::{Action, BurntInSearch};
+use crate::app::{Action, BurntInSearch, LineCheckOrder, SnapOrder};
 use crate::media::FrameReader;
 use crate::proposals::{FeatureStore, WorkFolder};
 use std::ops::ControlFlow;
@@ -18,4 +18,20 @@ pub(super) fn burnt_in(
     let store = FeatureStore::on_disk(&WorkFolder::beside(&search.file));
     let found = search.look(&mut reader, &store, watch).unwrap_or_default();
     Action::BurntIn { file: search.file.clone(), found }
+}
+
+/// Pulls a frame's camera onto the painted lines.
+pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures) -> Action {
+    let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
+    Action::Snapped { ticket: order.ticket, result }
+}
+
+/// Judges cameras by the painted lines; fewer where `watch`, asked before each, ends it.
+pub(super) fn lines_checked(
+    order: &LineCheckOrder,
+    pictures: SharedPictures,
+    watch: &dyn Fn() -> ControlFlow<()>,
+) -> Action {
+    let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
+    Action::LinesChecked { ticket: order.ticket, found: Ok(found) }
 }

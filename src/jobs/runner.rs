@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::burnt_in;
+use super::picture_tasks::{burnt_in, lines_checked, snapped};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -9,7 +9,7 @@ use super::{
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Question, WatchPanicked};
+use crate::app::{Action, Effect, Question, SnapFailure, WatchPanicked};
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -42,6 +42,10 @@ enum Kind {
     Watch(u64),
     /// It looks for burned-in graphics.
     BurntIn,
+    /// It snaps a frame; the order's ticket.
+    Snap(u64),
+    /// It judges cameras by the painted lines; the order's ticket.
+    LineCheck(u64),
     /// Anything that runs to its end.
     Other,
 }
@@ -124,6 +128,16 @@ impl Runner {
                     Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
                 });
             }
+            Effect::Snap(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("snap", Kind::Snap(order.ticket), move |_| Ok(Outcome::Action(snapped(&order, pictures))));
+            }
+            Effect::CheckLines(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("line check", Kind::LineCheck(order.ticket), move |watch| {
+                    Ok(Outcome::Action(lines_checked(&order, pictures, &|| watch.goes_on())))
+                });
+            }
             Effect::Trainer(order) => {
                 if let Some(trainer) = &self.trainer {
                     trainer.tell(order);
@@ -191,6 +205,12 @@ impl Runner {
                     BackgroundReport::Panicked(message) => actions.push(match task.kind {
                         Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
+                        Kind::Snap(ticket) => {
+                            Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
+                        }
+                        Kind::LineCheck(ticket) => {
+                            Action::LinesChecked { ticket, found: Err(WatchPanicked { message }) }
+                        }
                         Kind::Opening | Kind::BurntIn | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }

@@ -65,11 +65,19 @@ impl LineCheck {
     /// What the paint says.
     #[must_use]
     pub fn verdict(&self) -> LineVerdict {
-        match self.score {
-            _ if self.found + self.bare < Self::FEWEST_OPEN => LineVerdict::CannotSay,
-            score if score >= SUPPORTS => LineVerdict::Supports,
-            score if score <= 1.0 - SUPPORTS => LineVerdict::Contradicts,
-            _ => LineVerdict::CannotSay,
+        LineVerdict::of(self.score, self.found + self.bare)
+    }
+}
+
+impl LineVerdict {
+    /// What a score of so many open samples says.
+    #[must_use]
+    pub fn of(score: f64, open: usize) -> Self {
+        match score {
+            _ if open < LineCheck::FEWEST_OPEN => Self::CannotSay,
+            score if score >= SUPPORTS => Self::Supports,
+            score if score <= 1.0 - SUPPORTS => Self::Contradicts,
+            _ => Self::CannotSay,
         }
     }
 }

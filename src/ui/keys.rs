@@ -78,6 +78,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     if !window_focused && panel.app.session.held != Held::default() {
         asked.push(Action::Hold(Command::HideOverlay, false));
         asked.push(Action::Hold(Command::Compare, false));
+        asked.push(Action::Hold(Command::Snap, false));
     }
     panel.actions.extend(asked);
 }
@@ -244,6 +245,7 @@ fn is_held_down(app: &App, command: Command) -> bool {
     match command {
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::Compare => app.session.held.compare,
+        Command::Snap => app.session.held.before_snap,
         _ => false,
     }
 }

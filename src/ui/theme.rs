@@ -5,9 +5,10 @@
 //! (Okabe and Ito's set, lightened for a dark ground).
 
 use crate::document::FrameStatus;
+use crate::paint::LineVerdict;
 use crate::solve::Verdict;
 use egui::{
-    Color32, CornerRadius, FontFamily, FontId, Margin, Painter, Rect, Shadow, Stroke, TextStyle, Vec2, pos2, vec2,
+    Color32, CornerRadius, FontFamily, FontId, Margin, Painter, Pos2, Rect, Shadow, Stroke, TextStyle, Vec2, pos2, vec2,
 };
 
 /// The grid, points.
@@ -206,3 +207,23 @@ pub const LIST_ROW: f32 = 22.0;
 
 /// The size of a button that is only a symbol.
 pub const SYMBOL: Vec2 = vec2(20.0, 20.0);
+
+/// The mark of what the painted lines say about a camera: a disc where they support it, a cross where they contradict it, a
+/// ring where they do not decide.
+pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
+    painter.circle_filled(centre, 6.0, BACKDROP);
+    match verdict {
+        LineVerdict::Supports => {
+            painter.circle_filled(centre, 4.0, GOOD);
+        }
+        LineVerdict::Contradicts => {
+            let arm = Rect::from_center_size(centre, Vec2::splat(6.0));
+            let stroke = Stroke::new(2.0, BAD);
+            painter.line_segment([arm.left_top(), arm.right_bottom()], stroke);
+            painter.line_segment([arm.right_top(), arm.left_bottom()], stroke);
+        }
+        LineVerdict::CannotSay => {
+            painter.circle_stroke(centre, 3.5, Stroke::new(1.0, WEAK));
+        }
+    }
+}

@@ -39,6 +39,7 @@ mod masks_in_app;
 mod names_in_app;
 mod nothing_unasked;
 mod paint;
+mod paint_in_app;
 mod pose;
 mod program;
 mod published_figures;

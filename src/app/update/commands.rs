@@ -94,6 +94,7 @@ impl App {
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
+            C::Snap => self.why_not_snap(),
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
         }
@@ -193,6 +194,7 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
+            C::Snap => self.snap(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
@@ -236,6 +238,7 @@ impl App {
     pub(super) fn hold(&mut self, command: Command, down: bool) {
         match command {
             Command::HideOverlay => self.session.held.hide_overlay = down,
+            Command::Snap => self.hold_snap(down),
             Command::Compare => self.session.held.compare = down && self.why_not(command).is_none(),
             _ => {}
         }

@@ -35,8 +35,11 @@ impl App {
         self.effects.push(Effect::CancelEstimate);
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
+        let snap_tickets = self.session.snap_tickets;
         self.session = Session::default();
         self.session.trainer = trainer;
+        // A report of the document before is passed over.
+        self.session.snap_tickets = snap_tickets;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());
@@ -60,6 +63,7 @@ impl App {
         self.quality = super::Quality::default();
         // A look at the document before is reported in vain.
         self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
+        self.line_checks = self.line_checks.for_another();
         self.find_burnt_in();
     }
 

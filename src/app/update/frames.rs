@@ -84,6 +84,7 @@ impl App {
                 frame.status = FrameStatus::Reference;
                 frame.reason = None;
             }
+            self.record_paint();
             self.commit();
             self.refresh_review();
             let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);

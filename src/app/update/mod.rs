@@ -14,6 +14,7 @@ mod masks;
 mod naming;
 mod numbers;
 mod outside;
+mod paint;
 mod proposals;
 mod quality;
 mod review;
@@ -24,6 +25,7 @@ pub use commands::MAX_SCALE;
 use super::action::{Action, Effect};
 use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
+use super::line_checks::LineChecks;
 use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
@@ -45,6 +47,7 @@ pub struct App {
     review: Review,
     quality: Quality,
     watched: Watched,
+    line_checks: LineChecks,
     effects: Vec<Effect>,
 }
 
@@ -99,6 +102,7 @@ impl App {
         }
         self.watch_camera();
         self.tell_trainer();
+        self.check_lines();
         std::mem::take(&mut self.effects)
     }
 
@@ -136,6 +140,8 @@ impl App {
             Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
             Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
             Action::RemoveMask { list, index } => self.remove_mask(list, index),
+            Action::Snapped { ticket, result } => self.snapped(ticket, result),
+            Action::LinesChecked { ticket, found } => self.lines_checked(ticket, found),
             Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),

@@ -4,7 +4,7 @@ use super::strip::SHOT_GAP;
 use crate::app::review::percent;
 use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
-use crate::app::{Action, OpenProject};
+use crate::app::{Action, OpenProject, PaintSays, sentence};
 use crate::document::{Frame, Solution};
 use crate::ui::menu::file_name;
 use crate::ui::symbol::{self, Symbol};
@@ -53,7 +53,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
             (false, false) => panel.actions.extend([Action::SelectNoFrames, Action::GoTo(index)]),
         }
     }
-    tooltip(response, index, frame);
+    tooltip(response, index, frame, app.paint_says(index));
 }
 
 /// A frame of the open project and its place in the strip.
@@ -103,6 +103,10 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
             painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
         }
     }
+    if let Some(says) = panel.app.paint_says(index) {
+        let mark = picture.right_bottom() + vec2(if frame.gold { -21.0 } else { -8.0 }, -8.0);
+        theme::paint_line_mark(painter, mark, says.verdict);
+    }
     if frame.gold {
         let mark = picture.right_bottom() + vec2(-7.0, -7.0);
         painter.circle_filled(mark, 5.0, theme::BACKDROP);
@@ -134,13 +138,16 @@ fn fitted(size: egui::Vec2, within: Rect) -> Rect {
     Rect::from_center_size(within.center(), size * scale)
 }
 
-fn tooltip(response: Response, index: usize, frame: &Frame) {
+fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintSays>) {
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(theme::STRONG));
         let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!("Frame {} · {}{}", index + 1, status_label(frame.status), reason.unwrap_or_default()));
         if let Some(confidence) = confidence(frame) {
             ui.label(format!("Confidence {}", percent(confidence)));
+        }
+        if let Some(says) = paint {
+            ui.label(sentence(&says.describe()));
         }
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
             ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));

@@ -19,7 +19,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.vertical(|ui| {
         ui.set_min_height(HEIGHT);
         ui.set_width(ui.available_width());
-        match (&app.current().judgement, &app.current().solution) {
+        match (app.judgement(), &app.current().solution) {
             (Some(judgement), _) => {
                 let colour = theme::verdict_colour(judgement.verdict);
                 ui.horizontal(|ui| {
@@ -46,6 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             (None, _) => said(ui, "There is no verdict until there is a solution."),
         }
+        paint(app, ui);
         training_switch(panel, ui);
     });
 }
@@ -77,6 +78,18 @@ fn training_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     if used != before {
         panel.actions.push(Action::SetUseForTraining { frame: panel.app.session.frame, used });
     }
+}
+
+/// What the painted lines say about the camera.
+fn paint(app: &App, ui: &mut Ui) {
+    let Some(says) = app.paint_says(app.session.frame) else { return };
+    let text = sentence(&says.describe());
+    ui.horizontal(|ui| {
+        let (mark, _) = ui.allocate_exact_size(egui::Vec2::splat(12.0), egui::Sense::hover());
+        theme::paint_line_mark(ui.painter(), mark.center(), says.verdict);
+        let told = ui.add(Label::new(RichText::new(text).small().color(theme::TEXT)).wrap());
+        told.on_hover_text("Where the camera predicts painted lines, paint is looked for in the picture.");
+    });
 }
 
 fn said(ui: &mut Ui, text: &str) {

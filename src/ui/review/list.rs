@@ -136,11 +136,13 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         Some(confidence) => percent(confidence),
         None => "not known".to_owned(),
     };
+    let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
     let neighbours = row.apart_px().filter(|_| !row.gone).map(|px| format!("{px:.0} px from neighbours"));
     response.widget_info(|| {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
         let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
-        let label = format!("{what}, frame {}, {name}, {confidence}{apart}", row.frame + 1);
+        let lines = paint.map(|says| format!(", {}", says.in_brief())).unwrap_or_default();
+        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}", row.frame + 1);
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     let painter = ui.painter();
@@ -150,6 +152,10 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
     miniature::paint(panel, painter, open, row.frame, picture);
+    if let Some(says) = &paint {
+        let corner = picture.right_bottom() - vec2(5.0, 5.0);
+        theme::paint_line_mark(painter, corner, says.verdict);
+    }
     if response.has_focus() {
         painter.rect_stroke(place.shrink(2.0), 4.0, Stroke::new(1.0, theme::ACCENT), egui::StrokeKind::Inside);
     }
@@ -176,7 +182,8 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     }
     let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
     let is = if row.gone { "" } else { "confidence " };
-    let tip = format!("{}: {is}{confidence}{neighbours}. Click to look at it.", frame.name());
+    let paint = paint.map(|says| format!(", {}", says.describe())).unwrap_or_default();
+    let tip = format!("{}: {is}{confidence}{neighbours}{paint}. Click to look at it.", frame.name());
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(row.frame));
     }

@@ -35,6 +35,7 @@ impl Overlay {
             let field = proposal.map_or(field, |proposal| &proposal.field);
             let camera = match proposal {
                 Some(proposal) => proposal.camera,
+                None if app.session.held.before_snap => app.before_snap().copied().or(app.current().camera),
                 None => app.current().camera,
             };
             let compared = app.current().alternative().filter(|_| app.session.held.compare);

@@ -1,0 +1,111 @@
+//! What the painted lines of the open document's pictures are asked in the background.
+
+use crate::calibrate::{SnapFrameError, check_frame, snap_frame};
+use crate::camera::{CameraBase, PtzCamera};
+use crate::document::{Document, FrameId};
+use crate::field::FieldModel;
+use crate::media::ReadFrames;
+use crate::paint::{LineCheck, SnapOptions, Snapped};
+use crate::proposals::{PictureError, read_picture};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+use std::sync::Arc;
+use thiserror::Error;
+
+/// A frame's camera is to be pulled onto the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SnapOrder {
+    /// Which order: the report says it again.
+    pub ticket: u64,
+    /// The document.
+    pub document: Document,
+    /// Where its relative paths start.
+    pub folder: PathBuf,
+    /// The frame's place.
+    pub frame: usize,
+    /// The field that it shows.
+    pub field: Arc<FieldModel>,
+}
+
+/// A camera on the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SnappedFrame {
+    /// The base it was snapped with.
+    pub base: CameraBase,
+    /// The camera and what speaks for it.
+    pub snapped: Snapped,
+}
+
+/// Why a frame is not snapped.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SnapFailure {
+    /// Its picture cannot be had.
+    #[error(transparent)]
+    Picture(#[from] PictureError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Frame(#[from] SnapFrameError),
+    /// A mistake in this program.
+    #[error("internal error (please report it): {message}")]
+    Panicked {
+        /// The words of the panic.
+        message: String,
+    },
+}
+
+impl SnapOrder {
+    /// Pulls the camera onto the paint.
+    ///
+    /// # Errors
+    /// The picture cannot be had, or the paint does not decide.
+    pub fn carry_out(&self, reader: &mut dyn ReadFrames) -> Result<Box<SnappedFrame>, SnapFailure> {
+        let frame = self.document.frames.get(self.frame).ok_or(SnapFrameError::Unsolved)?;
+        let picture = read_picture(reader, frame, &self.folder)?;
+        let options = SnapOptions::default();
+        let (base, snapped) = snap_frame(&self.document, frame, &self.field, &picture, &options)?;
+        Ok(Box::new(SnappedFrame { base, snapped }))
+    }
+}
+
+/// Cameras of frames are to be judged by the painted lines.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineCheckOrder {
+    /// Which order: the report says it again.
+    pub ticket: u64,
+    /// The document.
+    pub document: Document,
+    /// Where its relative paths start.
+    pub folder: PathBuf,
+    /// The frames by their places, and the fields that they show.
+    pub frames: Vec<(usize, Arc<FieldModel>)>,
+}
+
+/// What the paint says about a frame's camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CheckedLines {
+    /// Which frame.
+    pub frame: FrameId,
+    /// The camera that was judged.
+    pub camera: PtzCamera,
+    /// What the paint says; none where the picture cannot be read.
+    pub check: Option<LineCheck>,
+}
+
+impl LineCheckOrder {
+    /// Judges the cameras one after another; fewer where `watch` ended it.
+    #[must_use]
+    pub fn carry_out(&self, reader: &mut dyn ReadFrames, watch: &dyn Fn() -> ControlFlow<()>) -> Vec<CheckedLines> {
+        let mut checked = Vec::with_capacity(self.frames.len());
+        for (index, field) in &self.frames {
+            if watch().is_break() {
+                break;
+            }
+            let Some(frame) = self.document.frames.get(*index) else { continue };
+            let Some(camera) = self.document.pointed(frame) else { continue };
+            let picture = read_picture(reader, frame, &self.folder);
+            let check = picture.ok().and_then(|picture| check_frame(&self.document, frame, field, &picture));
+            checked.push(CheckedLines { frame: frame.id.clone(), camera, check });
+        }
+        checked
+    }
+}

@@ -1,0 +1,167 @@
+//! The painted lines: a frame snapped to them, cameras judged by them.
+
+use super::App;
+use crate::app::action::Effect;
+use crate::app::camera_watch::WatchPanicked;
+use crate::app::line_checks::PaintSays;
+use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
+use crate::app::session::{Level, Mode, Snapping};
+use crate::calibrate::{record_line_check, record_snapped};
+use crate::camera::PtzCamera;
+use crate::document::{Frame, FrameStatus, SolutionSource};
+use crate::paint::LineVerdict;
+use crate::solve::{Judgement, Verdict};
+
+impl App {
+    /// Why the shown frame cannot be snapped now; none if it can.
+    pub(super) fn why_not_snap(&self) -> Option<&'static str> {
+        let frame = self.frame()?;
+        if self.open.as_ref().is_some_and(|open| open.read_only.is_some()) {
+            return Some("The document is read-only.");
+        }
+        if frame.status == FrameStatus::Rejected {
+            return Some("This frame is marked as not calibratable.");
+        }
+        if self.session.snapping.is_some() {
+            return Some("The lines are being looked for.");
+        }
+        self.current.camera.is_none().then_some("There is no camera to snap yet: click two points first.")
+    }
+
+    /// Has the shown frame's camera pulled onto the painted lines.
+    pub(super) fn snap(&mut self) {
+        let Some(field) = self.current.field().cloned() else { return };
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+        let Some(open) = &self.open else { return };
+        let Some(frame) = open.document.frames.get(self.session.frame) else { return };
+        self.session.snap_tickets += 1;
+        let ticket = self.session.snap_tickets;
+        self.session.snapping = Some(Snapping { ticket, frame: frame.clone() });
+        self.effects.push(Effect::Snap(Box::new(SnapOrder {
+            ticket,
+            document: (*open.document).clone(),
+            folder: open.folder.clone(),
+            frame: self.session.frame,
+            field,
+        })));
+    }
+
+    /// Takes the report of a snap: one step of undo, or the reason why not.
+    pub(super) fn snapped(&mut self, ticket: u64, result: Result<Box<SnappedFrame>, SnapFailure>) {
+        let Some(asked) = self.session.snapping.take_if(|snapping| snapping.ticket == ticket) else { return };
+        let found = match result {
+            Ok(found) => found,
+            Err(failure) => {
+                let level = if matches!(failure, SnapFailure::Panicked { .. }) { Level::Error } else { Level::Warning };
+                self.session.notify(level, format!("Not snapped: {failure}."));
+                return;
+            }
+        };
+        let position = self.open.as_ref().and_then(|open| {
+            let position = open.document.frames.position_of(&asked.frame.id)?;
+            open.document.frames[position].is_same(&asked.frame).then_some(position)
+        });
+        let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
+            self.session.notify(Level::Info, "The frame has changed meanwhile and was not snapped.");
+            return;
+        };
+        let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
+        if !self.begin_step(self.step_at("Snap to the painted lines", position)) {
+            return;
+        }
+        if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
+            record_snapped(frame, &found.base, &found.snapped);
+        }
+        self.commit();
+        if let Some(before) = before {
+            let text = describe_snap(&before, &found, &asked.frame);
+            self.session.before_snap.insert(asked.frame.id.clone(), before);
+            self.session.notify(Level::Info, text);
+        }
+    }
+
+    /// The shown frame's camera before it was snapped, where the frame is snapped and that is known.
+    #[must_use]
+    pub fn before_snap(&self) -> Option<&PtzCamera> {
+        let frame = self.frame().filter(|frame| is_snapped(frame))?;
+        self.session.before_snap.get(&frame.id)
+    }
+
+    /// Shows the camera before while the key is down; a frame that is not snapped is.
+    pub(super) fn hold_snap(&mut self, down: bool) {
+        if down && self.before_snap().is_none() {
+            self.command(crate::app::Command::Snap);
+        } else {
+            self.session.held.before_snap = down;
+        }
+    }
+
+    /// What the painted lines say about a frame's camera, where that is known.
+    #[must_use]
+    pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
+        let open = self.open.as_ref()?;
+        self.line_checks.of(open, open.frame(frame)?)
+    }
+
+    /// The verdict on the shown frame, the painted lines included: what they contradict is looked at first.
+    #[must_use]
+    pub fn judgement(&self) -> Option<Judgement> {
+        let judgement = self.current.judgement.clone()?;
+        let says = self.paint_says(self.session.frame);
+        match says.filter(|says| says.verdict == LineVerdict::Contradicts) {
+            Some(says) if judgement.verdict == Verdict::Good => {
+                Some(Judgement { verdict: Verdict::Check, reason: says.describe() })
+            }
+            _ => Some(judgement),
+        }
+    }
+
+    /// Has cameras judged by the paint that nobody has judged yet, between edits.
+    pub(super) fn check_lines(&mut self) {
+        let Some(open) = self.open.as_mut().filter(|open| !open.history.is_open()) else { return };
+        let Some((ticket, places)) = self.line_checks.next(open, self.session.frame) else { return };
+        let with_field = |index: usize| Some((index, open.field_of(index).ok()?));
+        let frames = places.into_iter().filter_map(with_field).collect();
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.effects.push(Effect::CheckLines(Box::new(LineCheckOrder { ticket, document, folder, frames })));
+    }
+
+    /// Takes in what the paint says.
+    pub(super) fn lines_checked(&mut self, ticket: u64, found: Result<Vec<CheckedLines>, WatchPanicked>) {
+        let found = found.unwrap_or_else(|panicked| {
+            self.session.notify(Level::Error, panicked.to_string());
+            Vec::new()
+        });
+        self.line_checks.take(ticket, found);
+    }
+
+    /// Writes what the paint says about the shown frame's camera into its solution, within a step.
+    pub(super) fn record_paint(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let Some(frame) = open.frame(self.session.frame) else { return };
+        let Some(check) = self.line_checks.fresh(open, frame) else { return };
+        if let Some(frame) = open.document.frames.get_mut(self.session.frame) {
+            record_line_check(frame, &check);
+        }
+    }
+}
+
+/// Whether a frame's camera lies on the painted lines.
+fn is_snapped(frame: &Frame) -> bool {
+    frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Markings))
+}
+
+/// How far the picture's middle moved, and what it rests on.
+fn describe_snap(before: &PtzCamera, found: &SnappedFrame, frame: &Frame) -> String {
+    let snapped = &found.snapped;
+    let after = PtzCamera::new(found.base, snapped.ptz);
+    let centre = frame.image_size.centre();
+    let moved = before.ray_from_image(centre).ok().and_then(|ray| after.image_from_ray(ray).ok());
+    let moved = moved.map(|to| format!(", {:.1} px away", to.distance_px(centre))).unwrap_or_default();
+    format!(
+        "Snapped to {} places of paint (within {:.1} px){moved}. Hold S to see it before.",
+        snapped.samples, snapped.rms_px
+    )
+}

@@ -1,0 +1,115 @@
+//! The painted lines in the application: a frame is snapped in one step, cameras are judged in the background.
+
+use crate::headless::Headless;
+use crate::program::touchline;
+use touchline::app::session::Level;
+use touchline::app::{Action, App, Command};
+use touchline::camera::{Ptz, PtzCamera};
+use touchline::document::{
+    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, document_from_bytes, document_to_string,
+};
+use touchline::geometry::Angle;
+use touchline::paint::LineVerdict;
+use touchline::solve::Verdict;
+
+/// Two drawn frames: the camera of the first is 10 px off, that of the second looks elsewhere.
+fn project() -> (tempfile::TempDir, Document) {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 2 --seed 11 --size 960x540 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.path().join("match");
+    let truth = document_from_bytes(&std::fs::read(folder.join("truth.json")).unwrap()).unwrap();
+    let mut off = truth.clone();
+    for (frame, pan_px) in off.frames.iter_mut().zip([10.0, 260.0]) {
+        frame.clicks.clear();
+        let ptz = frame.ptz.as_ref().unwrap().ptz();
+        let pan = ptz.pan + Angle::from_radians(pan_px / ptz.focal_px);
+        frame.ptz = Some(FramePtz::new(Ptz { pan, ..ptz }, None));
+        frame.solution = Some(Solution { source: Some(SolutionSource::Manual), ..Solution::default() });
+        frame.status = FrameStatus::Draft;
+    }
+    let project = place.path().join("project");
+    std::fs::create_dir(&project).unwrap();
+    for frame in &mut off.frames {
+        let name = frame.image.clone().unwrap();
+        frame.image = Some(folder.join(name).to_string_lossy().into_owned());
+    }
+    std::fs::write(project.join("project.json"), document_to_string(&off).unwrap()).unwrap();
+    (place, truth)
+}
+
+fn frame(app: &App) -> &Frame {
+    app.frame().unwrap()
+}
+
+fn is_snapped(app: &App) -> bool {
+    frame(app).solution.as_ref().unwrap().source == Some(SolutionSource::Markings)
+}
+
+/// How far the picture's middle is off, px.
+fn off_px(app: &App, truth: &Document) -> f64 {
+    let centre = frame(app).image_size.centre();
+    let camera: PtzCamera = app.current().camera.unwrap();
+    let truth = truth.pointed(&truth.frames[app.session.frame]).unwrap();
+    truth.image_from_ray(camera.ray_from_image(centre).unwrap()).unwrap().distance_px(centre)
+}
+
+#[test]
+fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
+    let (place, truth) = project();
+    let mut headless = Headless::new();
+    headless.act(Action::Open(place.path().join("project")));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless.wait_for_picture();
+    assert!((9.0..11.0).contains(&off_px(&headless.app, &truth)));
+
+    // Both are judged without being asked for, the shown one first.
+    headless.wait_until("the line checks", |app| app.paint_says(0).is_some() && app.paint_says(1).is_some());
+    assert_eq!(headless.app.paint_says(1).unwrap().verdict, LineVerdict::Contradicts);
+    let document = &headless.app.open().unwrap().document;
+    assert!(document.frames.iter().all(|frame| frame.solution.as_ref().unwrap().line_check.is_none()), "no edit");
+
+    // The key snaps; held down again it shows the camera before.
+    let before = frame(&headless.app).ptz.clone();
+    headless.act(Action::Hold(Command::Snap, true));
+    assert!(headless.app.why_not(Command::Snap).is_some(), "one at a time");
+    headless.act(Action::Hold(Command::Snap, false));
+    headless.wait_until("the snap", is_snapped);
+    assert!(off_px(&headless.app, &truth) < 0.5, "{}", off_px(&headless.app, &truth));
+    assert_eq!(headless.app.judgement().unwrap().verdict, Verdict::Good, "{:?}", headless.app.judgement());
+    assert_eq!(headless.app.paint_says(0).unwrap().verdict, LineVerdict::Supports);
+    let solution = frame(&headless.app).solution.as_ref().unwrap();
+    assert!(solution.worst_corner_sigma_px.is_some_and(|px| px < 5.0) && solution.covariance.is_some());
+    headless.act(Action::Hold(Command::Snap, true));
+    assert!(headless.app.session.held.before_snap && headless.app.session.snapping.is_none());
+    assert_eq!(Some(headless.app.before_snap().unwrap().ptz()), before.as_ref().map(FramePtz::ptz));
+    headless.act(Action::Hold(Command::Snap, false));
+    assert!(!headless.app.session.held.before_snap);
+    headless.act(Action::Command(Command::Undo));
+    assert_eq!(frame(&headless.app).ptz, before);
+    headless.act(Action::Command(Command::Redo));
+    assert!(is_snapped(&headless.app));
+}
+
+#[test]
+fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
+    let (place, _) = project();
+    let mut headless = Headless::new();
+    headless.act(Action::Open(place.path().join("project")));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless.act(Action::GoTo(1));
+    headless.wait_for_picture();
+    let before = frame(&headless.app).ptz.clone();
+    headless.act(Action::Command(Command::Snap));
+    headless.wait_until("the refusal", |app| {
+        app.session.notices.iter().any(|notice| notice.text.starts_with("Not snapped: "))
+    });
+    let refusal = headless.app.session.notices.iter().find(|notice| notice.text.starts_with("Not snapped")).unwrap();
+    assert_eq!(refusal.level, Level::Warning);
+    assert_eq!(frame(&headless.app).ptz, before);
+    headless.wait_until("the line check", |app| app.paint_says(1).is_some());
+    headless.act(Action::Command(Command::AcceptAndStay));
+    let solution = frame(&headless.app).solution.as_ref().unwrap();
+    assert!(solution.line_check.as_ref().is_some_and(|check| check.score < 0.1), "{solution:?}");
+    assert!(solution.warnings.iter().any(|warning| warning.code == "line_check"));
+}
