@@ -45,7 +45,7 @@ pub enum SnapFailure {
     /// The paint does not decide.
     #[error(transparent)]
     Frame(#[from] SnapFrameError),
-    /// A mistake in this program.
+    /// An internal error of this program.
     #[error("internal error (please report it): {message}")]
     Panicked {
         /// The words of the panic.

@@ -1,7 +1,7 @@
-//! Where numbers pass between JSON and the types of the program: arrays to points, sizes, boxes and matrices.
+//! Serde adapters between JSON and the types of the program: arrays to points, sizes, boxes and matrices.
 //!
-//! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value); reading refuses sizes
-//! and focal lengths that mean nothing.
+//! Writing refuses NaN and infinity (JSON has neither, and a silent `null` would lose the value); reading refuses
+//! impossible sizes and focal lengths.
 
 #![allow(
     clippy::wildcard_imports,

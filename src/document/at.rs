@@ -5,7 +5,7 @@ use crate::field::{FieldError, FieldModel};
 use std::ops::Deref;
 use std::path::Path;
 
-/// A document and the folder that its relative paths start from: what everything needs that looks at its pictures or at a
+/// A document and the folder that its relative paths start from: needed for its pictures and for a
 /// field template of its own.
 #[derive(Clone, Copy, Debug)]
 pub struct DocumentAt<'a> {

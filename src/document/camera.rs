@@ -1,4 +1,4 @@
-//! A camera of the document: what stands still.
+//! A camera of the document.
 
 use super::{Extra, FieldSpec, Frame, RangedMask, adapters};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
@@ -57,10 +57,10 @@ pub struct Camera {
     /// The lens; absent: no distortion, unless a frame brings its own k₁.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub distortion: Option<Distortion>,
-    /// How far position and rotation are known; absent: exactly.
+    /// The 1-σ of position and rotation; absent: exactly known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma: Option<CameraSigma>,
-    /// Boxes whose pixels give no features in any frame: the score bug, a logo.
+    /// Boxes that are excluded from feature detection in all frames: the score bug, a logo.
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
     /// Further such boxes that count for a part of the frames, or that the program found itself.
@@ -162,7 +162,7 @@ impl Camera {
         Some(FocalCurve { at_focal_px: k1.at_focal_px, value: k1.value, per_1000_px: k1.per_1000_px })
     }
 
-    /// The base, where position and rotation are known; rounded digits of the rotation are tidied up.
+    /// The base, where position and rotation are known; the rotation is orthogonalised.
     #[must_use]
     pub fn base(&self) -> Option<CameraBase> {
         let (position_m, stated) = (self.position_m?, self.base_from_world?);
@@ -195,7 +195,7 @@ impl Camera {
         Some(PtzCamera::new(self.base_for(frame)?, frame.ptz.as_ref()?.ptz()))
     }
 
-    /// Takes a base over; what it does not change keeps its digits, and unknown keys stay.
+    /// Sets the base; unchanged values keep their digits, and unknown keys stay.
     pub fn set_base(&mut self, base: &CameraBase) {
         let before = self.base();
         if before.is_none_or(|before| before.position_m != base.position_m) {

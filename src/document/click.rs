@@ -1,4 +1,4 @@
-//! A point that a person clicked, and what they named it.
+//! A click: a point of the picture and its name.
 
 use super::{Extra, adapters};
 use crate::field::{FieldElement, FieldModel, LandmarkId, LineId};
@@ -48,7 +48,7 @@ impl Target {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "ClickJson", into = "ClickJson")]
 pub struct Click {
-    /// What it shows; none while it waits for its name. A project may hold such a click, a dataset never does.
+    /// What it shows; none while it has no name. A project may contain such a click, a dataset never does.
     pub target: Option<Target>,
     /// Where it is, px.
     pub image: ImagePoint,

@@ -1,4 +1,4 @@
-//! The annotator's own click noise as a document keeps it, and what it makes of the clicks' sigmas.
+//! The annotator's own click noise as a document stores it, and its effect on the clicks' sigmas.
 
 use super::{Document, Extra, adapters};
 use crate::field::FieldModel;

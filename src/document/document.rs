@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// What `format` says in every document of this program.
+/// The value of `format` in every document of this program.
 pub const FORMAT_NAME: &str = "touchline";
 /// The newest `version` that this program reads, and the one it writes.
 pub const DOCUMENT_VERSION: u64 = 1;
@@ -16,7 +16,7 @@ pub const DOCUMENT_VERSION: u64 = 1;
 /// The parameter that every template takes: how much the middle is higher than the touchlines, m.
 const CROWN: &str = "crown_m";
 
-/// What `generator` says in a document that this program writes.
+/// The value of `generator` in documents that this program writes.
 #[must_use]
 pub fn generator() -> String {
     format!("touchline {}", env!("CARGO_PKG_VERSION"))
@@ -80,7 +80,7 @@ impl FieldSpec {
         self.params.get(CROWN).copied().unwrap_or(0.0)
     }
 
-    /// Sets the crown; a flat field that says nothing of it stays as it is.
+    /// Sets the crown; a flat field without the key stays without it.
     pub fn set_crown_m(&mut self, crown_m: f64) {
         if crown_m != self.crown_m() {
             self.params.insert(CROWN.to_owned(), crown_m);

@@ -23,7 +23,7 @@ pub struct Edit {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum EditKind {
-    /// Nobody's step, or an edit in a journal of an earlier version, which does not say: no step before it can be undone.
+    /// Not a step of undo, or an edit in a journal of an earlier version without this information: no step before it can be undone.
     #[default]
     NoStep,
     /// A step, called as the edit is.
@@ -36,7 +36,7 @@ pub enum EditKind {
     Continued,
     /// The last step, taken back.
     Undone,
-    /// The step that was taken back last, done again.
+    /// The redo of the step that was undone last.
     Redone,
 }
 

@@ -1,4 +1,4 @@
-//! How sure the size of the field is: venues differ within what the rules allow, and a wrong size looks like a wrong camera.
+//! Where the size of the field comes from: venues differ within what the rules allow, and a wrong size looks like a wrong camera.
 
 use super::{Document, FieldSpec, SolutionWarning};
 use crate::field::builtin;
@@ -13,7 +13,7 @@ const SIZE: [&str; 2] = ["length_m", "width_m"];
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSize {
-    /// Nobody has looked: the template's usual size, or a guess.
+    /// Not checked: the template's usual size, or a guess.
     #[default]
     Assumed,
     /// A person knows it.
@@ -57,7 +57,7 @@ impl FieldSpec {
         self.template == other.template && self.params == other.params
     }
 
-    /// What is said where the size is assumed.
+    /// The message where the size is assumed.
     #[must_use]
     pub fn describe_assumed_size(&self) -> Option<String> {
         self.assumed_size().map(|size| format!("Field size {size} is assumed."))

@@ -1,4 +1,4 @@
-//! The fields of a document: the cameras may stand at different venues.
+//! The fields of a document: its cameras may be at different venues.
 
 use super::{Camera, Document, DocumentAt, FieldSpec, Frame};
 use crate::field::{FieldError, FieldModel};

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// A frame: a picture, what people clicked in it, and how the camera was pointed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Frame {
-    /// What edits, suggestions and undo call it; unique within the document.
+    /// The id that edits, suggestions and undo refer to; unique within the document.
     #[serde(default, skip_serializing_if = "FrameId::is_missing")]
     pub id: FrameId,
     /// Counts its edits.
@@ -41,10 +41,10 @@ pub struct Frame {
     /// What somebody noted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub comment: Option<String>,
-    /// Its clicks take part when the base of its camera is estimated.
+    /// Whether its clicks are used to estimate the base of its camera.
     #[serde(default = "yes", skip_serializing_if = "is_yes")]
     pub use_for_base: bool,
-    /// What a person said of whether the forest learns from it; none: it does unless it is
+    /// The user's choice whether it is used for training; none: it is unless it is
     /// a suggestion or judged Wrong.
     #[serde(default, alias = "teaches", skip_serializing_if = "Option::is_none")]
     pub use_for_training: Option<bool>,
@@ -57,10 +57,10 @@ pub struct Frame {
     /// What people clicked, in their order.
     #[serde(default)]
     pub clicks: Vec<Click>,
-    /// Landmarks that were clicked again, blind, to learn the annotator's click noise; no label.
+    /// Landmarks that were clicked again, blind, to measure the annotator's click noise; not labels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<Repeat>,
-    /// Boxes whose pixels give no features in this frame: players.
+    /// Boxes that are excluded from feature detection in this frame: players.
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
     /// Pan, tilt and focal length; none: unsolved.
@@ -238,12 +238,12 @@ impl Frame {
         Self { id, image: None, video: Some(video), ..Self::from_image("", camera, image_size) }
     }
 
-    /// Whether another frame holds the same, however often either was edited.
+    /// Whether another frame has the same contents, regardless of the revisions.
     pub(super) fn has_content_of(&self, other: &Self) -> bool {
         self == other || *self == Self { revision: self.revision, ..other.clone() }
     }
 
-    /// What a message calls it: the image's path, else the video's and the frame's number (`match.mp4#412`).
+    /// Its name in messages: the image's path, else the video's and the frame's number (`match.mp4#412`).
     #[must_use]
     pub fn name(&self) -> String {
         match (&self.image, &self.video) {

@@ -1,4 +1,4 @@
-//! Which frames changed from one state of a document to another, for whoever derives something from them.
+//! Which frames changed from one state of a document to another, for deriving values from them.
 
 use super::Frames;
 

@@ -1,4 +1,4 @@
-//! What a frame is called by whoever refers to it: a short string that stays when frames come, go or move.
+//! The id of a frame: a short string that stays the same when frames are added, removed or moved.
 
 use super::Frame;
 use serde::{Deserialize, Deserializer, Serialize};

@@ -1,4 +1,4 @@
-//! The frames of a document: in order, each with an id of its own, shared with the states that undo keeps.
+//! The frames of a document: ordered, each with a unique id, shared with the states that undo keeps.
 
 use super::{Frame, FrameId, Shared};
 use imbl::Vector;

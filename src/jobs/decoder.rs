@@ -1,8 +1,8 @@
 //! Decodes the current frame and its neighbours.
 
 use super::Wake;
-use super::desk::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
+use super::mailbox::{Choice, WorkReport};
 use super::shared_pictures::{SharedPictures, SharedReader};
 use crate::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
 use std::collections::BTreeMap;
@@ -38,11 +38,11 @@ pub enum DecoderReport {
         /// Why.
         error: MediaError,
     },
-    /// A mistake in this program or in a library stopped the decoding of a frame; the decoder goes on with others.
+    /// An internal error of this program or of a library stopped the decoding of a frame; the decoder goes on with others.
     Panicked {
         /// Which frame.
         frame: FrameRef,
-        /// The words of the panic.
+        /// The panic's message.
         message: String,
     },
     /// A video without an even rate is being read through once to number its frames.
@@ -119,7 +119,7 @@ impl Decoder {
         let is_new = self.memory.current.as_ref() != Some(current);
         self.memory.current = Some(current.clone());
         let memory = &mut self.memory;
-        self.worker.desk().replace_agenda(|reports| {
+        self.worker.mailbox().replace_queue(|reports| {
             for report in reports {
                 memory.take_in(report);
             }
@@ -135,7 +135,7 @@ impl Decoder {
 
     /// Gives up everything asked for, as when a document is closed; kept frames and failures are forgotten.
     pub fn clear(&mut self) {
-        self.worker.desk().replace_agenda(|_| Choice { wanted: Vec::new(), missing: Vec::new() });
+        self.worker.mailbox().replace_queue(|_| Choice { wanted: Vec::new(), missing: Vec::new() });
         self.asked = None;
         self.memory.cache.clear();
         self.memory =
@@ -144,7 +144,7 @@ impl Decoder {
 
     /// What has happened since the last call. To be called whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<DecoderReport> {
-        for report in self.worker.desk().fetch_reports() {
+        for report in self.worker.mailbox().fetch_reports() {
             self.memory.take_in(report);
         }
         std::mem::take(&mut self.memory.unpolled)
@@ -161,7 +161,7 @@ impl Decoder {
             FrameState::Ready(picture)
         } else if let Some(error) = self.memory.failures.get(frame) {
             FrameState::Failed(error.clone())
-        } else if self.worker.desk().is_pending(frame) {
+        } else if self.worker.mailbox().is_pending(frame) {
             FrameState::Pending
         } else {
             FrameState::Absent
@@ -226,13 +226,13 @@ impl Memory {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::{Answer, Hand, frame, picture, stand_in};
+    use super::super::stand_in::{Controller, Reply, frame, picture, stand_in};
     use super::*;
     use std::path::Path;
 
-    fn held_decoder() -> (Decoder, Hand) {
-        let (make_reader, wake, hand) = stand_in();
-        (Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(), hand)
+    fn held_decoder() -> (Decoder, Controller) {
+        let (make_reader, wake, controller) = stand_in();
+        (Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap(), controller)
     }
 
     fn frames(indices: &[usize]) -> Vec<FrameRef> {
@@ -245,15 +245,15 @@ mod tests {
 
     #[test]
     fn the_current_frame_comes_first_then_its_neighbours_in_order() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         assert_eq!(decoder.state(&frame(5)), FrameState::Absent);
         decoder.request(&frame(5), &frames(&[6, 7, 50, 5, 6]));
         assert_eq!(decoder.state(&frame(5)), FrameState::Pending);
         let mut order = Vec::new();
         for _ in 0..4 {
-            order.push(hand.next_begun());
-            hand.let_out(Answer::Picture);
-            assert_eq!(hand.poll_until(|| decoder.poll()), [ready(*order.last().unwrap())]);
+            order.push(controller.next_begun());
+            controller.let_out(Reply::Picture);
+            assert_eq!(controller.poll_until(|| decoder.poll()), [ready(*order.last().unwrap())]);
         }
         assert_eq!(order, [5, 6, 7, 50]);
         assert_eq!(decoder.state(&frame(50)), FrameState::Ready(picture(50)));
@@ -261,142 +261,142 @@ mod tests {
 
     #[test]
     fn what_is_no_longer_asked_for_is_not_read() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &frames(&[1, 2, 3]));
-        assert_eq!(hand.next_begun(), 0);
+        assert_eq!(controller.next_begun(), 0);
         decoder.request(&frame(50), &frames(&[51]));
         assert_eq!(decoder.state(&frame(1)), FrameState::Absent);
-        hand.let_out_pictures(3);
-        assert_eq!([hand.next_begun(), hand.next_begun()], [50, 51]);
+        controller.let_out_pictures(3);
+        assert_eq!([controller.next_begun(), controller.next_begun()], [50, 51]);
         let mut reports = Vec::new();
         while reports.len() < 3 {
-            reports.extend(hand.poll_until(|| decoder.poll()));
+            reports.extend(controller.poll_until(|| decoder.poll()));
         }
         assert_eq!(reports, [ready(0), ready(50), ready(51)], "what had been begun is kept all the same");
-        assert!(hand.begun.try_recv().is_err());
+        assert!(controller.begun.try_recv().is_err());
     }
 
     #[test]
     fn a_frame_kept_or_being_read_is_not_read_again() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &frames(&[1]));
-        hand.let_out_pictures(1);
-        assert_eq!([hand.next_begun(), hand.next_begun()], [0, 1]);
+        controller.let_out_pictures(1);
+        assert_eq!([controller.next_begun(), controller.next_begun()], [0, 1]);
         // 0 waits to be polled, 1 is being read.
         decoder.request(&frame(1), &frames(&[0, 2]));
         assert_eq!(decoder.picture(&frame(0)), Some(picture(0)), "taken in with the request");
-        hand.let_out_pictures(2);
-        assert_eq!(hand.next_begun(), 2);
+        controller.let_out_pictures(2);
+        assert_eq!(controller.next_begun(), 2);
         let mut reports = Vec::new();
         while reports.len() < 3 {
-            reports.extend(hand.poll_until(|| decoder.poll()));
+            reports.extend(controller.poll_until(|| decoder.poll()));
         }
         assert_eq!(reports, [ready(0), ready(1), ready(2)]);
         decoder.request(&frame(2), &frames(&[1, 0]));
         assert_eq!(decoder.state(&frame(2)), FrameState::Ready(picture(2)));
-        assert!(hand.begun.try_recv().is_err());
+        assert!(controller.begun.try_recv().is_err());
     }
 
     #[test]
     fn a_neighbour_that_fails_is_reported_when_the_user_comes_to_it() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         let error = MediaError::Missing { path: Path::new("match.mp4").to_path_buf() };
         decoder.request(&frame(0), &frames(&[1]));
-        hand.let_out(Answer::Picture);
-        hand.let_out(Answer::Missing);
-        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+        controller.let_out(Reply::Picture);
+        controller.let_out(Reply::Missing);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
         while decoder.state(&frame(1)) == FrameState::Pending {
             assert_eq!(decoder.poll(), []);
         }
         assert_eq!(decoder.poll(), []);
         assert_eq!(decoder.state(&frame(1)), FrameState::Failed(error.clone()));
         // The user comes to it: it is tried again, and fails again.
-        hand.let_out(Answer::Missing);
+        controller.let_out(Reply::Missing);
         decoder.request(&frame(1), &frames(&[0]));
         let failed = DecoderReport::Failed { frame: frame(1), error };
-        assert_eq!(hand.poll_until(|| decoder.poll()), [failed]);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [failed]);
         // The same request again is no new try; coming back to it is.
         decoder.request(&frame(1), &frames(&[0]));
         decoder.request(&frame(0), &[]);
-        hand.let_out(Answer::Picture);
+        controller.let_out(Reply::Picture);
         decoder.request(&frame(1), &[]);
-        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(1)]);
-        assert_eq!(hand.begun.try_iter().collect::<Vec<_>>(), [0, 1, 1, 1]);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(1)]);
+        assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [0, 1, 1, 1]);
     }
 
     #[test]
     fn a_panic_is_reported_and_the_next_frame_is_read() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &frames(&[1]));
-        hand.let_out(Answer::Panic);
-        hand.let_out(Answer::Picture);
+        controller.let_out(Reply::Panic);
+        controller.let_out(Reply::Picture);
         let mut reports = Vec::new();
         while reports.len() < 2 {
-            reports.extend(hand.poll_until(|| decoder.poll()));
+            reports.extend(controller.poll_until(|| decoder.poll()));
         }
         let message = "frame 0 is cursed".to_owned();
         assert_eq!(reports, [DecoderReport::Panicked { frame: frame(0), message }, ready(1)]);
         let FrameState::Failed(error) = decoder.state(&frame(0)) else { panic!("not failed") };
         assert_eq!(
             error.to_string(),
-            "match.mp4: reading it failed inside the program (frame 0 is cursed); please report this with the file"
+            "match.mp4: internal error while reading it (frame 0 is cursed); please report it together with the file"
         );
     }
 
     #[test]
     fn a_long_count_ends_when_the_user_goes_to_another_file() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &[]);
-        hand.let_out(Answer::Count);
-        let reports = hand.poll_until(|| decoder.poll());
+        controller.let_out(Reply::Count);
+        let reports = controller.poll_until(|| decoder.poll());
         assert!(matches!(reports[0], DecoderReport::Counting(CountProgress { stated: 9, .. })));
         let elsewhere = FrameRef::video(Path::new("other.mp4"), 3);
         decoder.request(&elsewhere, &[]);
-        hand.let_out(Answer::Picture);
+        controller.let_out(Reply::Picture);
         let is_ready =
             |report: &DecoderReport| matches!(report, DecoderReport::Ready { frame, .. } if *frame == elsewhere);
-        while !hand.poll_until(|| decoder.poll()).iter().any(is_ready) {}
+        while !controller.poll_until(|| decoder.poll()).iter().any(is_ready) {}
         assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
     }
 
     #[test]
     fn dropping_ends_a_count_and_a_worker_that_waits_for_room() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &[]);
-        hand.let_out(Answer::Count);
-        assert_eq!(hand.next_begun(), 0);
+        controller.let_out(Reply::Count);
+        assert_eq!(controller.next_begun(), 0);
         drop(decoder);
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &(1..100).map(frame).collect::<Vec<_>>());
-        hand.let_out_pictures(100);
-        while hand.next_begun() < 32 {}
+        controller.let_out_pictures(100);
+        while controller.next_begun() < 32 {}
         drop(decoder);
-        assert!(hand.begun.try_recv().is_err(), "the worker pauses when nobody polls");
+        assert!(controller.begun.try_recv().is_err(), "the worker pauses when nobody polls");
     }
 
     #[test]
     fn closing_a_document_forgets_its_frames() {
-        let (mut decoder, hand) = held_decoder();
+        let (mut decoder, controller) = held_decoder();
         decoder.request(&frame(0), &[]);
-        hand.let_out(Answer::Picture);
-        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
         decoder.clear();
         assert_eq!(decoder.state(&frame(0)), FrameState::Absent);
-        hand.let_out(Answer::Picture);
+        controller.let_out(Reply::Picture);
         decoder.request(&frame(0), &[]);
-        assert_eq!(hand.poll_until(|| decoder.poll()), [ready(0)]);
+        assert_eq!(controller.poll_until(|| decoder.poll()), [ready(0)]);
     }
 
     #[test]
     fn a_small_cache_keeps_the_current_frame() {
-        let (make_reader, wake, hand) = stand_in();
+        let (make_reader, wake, controller) = stand_in();
         let options = DecoderOptions { cache_bytes: 2 * picture(0).bytes() };
         let mut decoder = Decoder::with_reader(options, wake, make_reader).unwrap();
         decoder.request(&frame(0), &frames(&[1, 2, 3]));
-        hand.let_out_pictures(4);
+        controller.let_out_pictures(4);
         let mut reports = Vec::new();
         while reports.len() < 4 {
-            reports.extend(hand.poll_until(|| decoder.poll()));
+            reports.extend(controller.poll_until(|| decoder.poll()));
         }
         assert_eq!(decoder.picture(&frame(0)), Some(picture(0)));
         assert_eq!(decoder.picture(&frame(1)), None);

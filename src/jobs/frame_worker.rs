@@ -1,6 +1,6 @@
-//! A thread that reads frames in the order of an agenda, which its owner replaces whenever the user moves.
+//! A thread that reads frames in the order of an queue, which its owner replaces whenever the user moves.
 
-use super::desk::{Desk, WorkReport};
+use super::mailbox::{FrameMailbox, WorkReport};
 use super::{Wake, panic_message};
 use crate::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 use std::io;
@@ -9,39 +9,40 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 
-/// What makes the reader of a worker's thread, again after a panic. It takes what a long count asks whether to go on.
-pub(super) type MakeReader = Box<dyn Fn(Watch) -> Box<dyn ReadFrames> + Send>;
+/// Makes the reader of a worker's thread, again after a panic. The watch decides whether a long count goes on.
+pub(super) type MakeReader = Box<dyn Fn(CountWatch) -> Box<dyn ReadFrames> + Send>;
 
 /// Asked now and then during a long count.
-pub(super) type Watch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
+pub(super) type CountWatch = Box<dyn FnMut(CountProgress) -> ControlFlow<()>>;
 
 /// A thread that reads frames. Dropping it stops and joins the thread.
 pub(super) struct FrameWorker {
-    desk: Arc<Desk>,
+    mailbox: Arc<FrameMailbox>,
     thread: Option<JoinHandle<()>>,
-    /// The desk of a worker that goes first.
-    yields_to: Option<Arc<Desk>>,
+    /// The mailbox of a worker with priority.
+    yields_to: Option<Arc<FrameMailbox>>,
 }
 
 impl FrameWorker {
     /// Starts the thread. While `yields_to` has something to do, this worker starts no frame.
     pub(super) fn spawn(name: &str, wake: Wake, yields_to: Option<&Self>, make_reader: MakeReader) -> io::Result<Self> {
-        let desk = Arc::new(Desk::default());
-        let yields_to = yields_to.map(|first| Arc::clone(&first.desk));
-        let clerk = Clerk { desk: Arc::clone(&desk), yields_to: yields_to.clone(), wake, make_reader };
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || clerk.work())?;
-        Ok(Self { desk, thread: Some(thread), yields_to })
+        let mailbox = Arc::new(FrameMailbox::default());
+        let yields_to = yields_to.map(|first| Arc::clone(&first.mailbox));
+        let worker_thread =
+            WorkerThread { mailbox: Arc::clone(&mailbox), yields_to: yields_to.clone(), wake, make_reader };
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || worker_thread.work())?;
+        Ok(Self { mailbox, thread: Some(thread), yields_to })
     }
 
-    /// What the thread works from.
-    pub(super) fn desk(&self) -> &Desk {
-        &self.desk
+    /// The thread's mailbox.
+    pub(super) fn mailbox(&self) -> &FrameMailbox {
+        &self.mailbox
     }
 }
 
 impl Drop for FrameWorker {
     fn drop(&mut self) {
-        self.desk.stop();
+        self.mailbox.stop();
         if let Some(first) = &self.yields_to {
             first.wake_waiting();
         }
@@ -53,27 +54,27 @@ impl Drop for FrameWorker {
 }
 
 /// The thread's side.
-struct Clerk {
-    desk: Arc<Desk>,
-    yields_to: Option<Arc<Desk>>,
+struct WorkerThread {
+    mailbox: Arc<FrameMailbox>,
+    yields_to: Option<Arc<FrameMailbox>>,
     wake: Wake,
     make_reader: MakeReader,
 }
 
-impl Clerk {
+impl WorkerThread {
     fn work(self) {
         let mut reader = (self.make_reader)(self.watch());
-        while let Some(frame) = self.desk.take(self.yields_to.as_deref()) {
+        while let Some(frame) = self.mailbox.take(self.yields_to.as_deref()) {
             match catch_unwind(AssertUnwindSafe(|| (reader.read(&frame), reader.take_notices()))) {
                 Ok((result, notices)) => {
                     for notice in notices {
-                        self.desk.report(WorkReport::Notice(notice));
+                        self.mailbox.report(WorkReport::Notice(notice));
                     }
                     self.finish(frame, result);
                 }
                 Err(payload) => {
                     reader = (self.make_reader)(self.watch());
-                    self.desk.finish(WorkReport::Panicked(frame, panic_message(payload.as_ref())));
+                    self.mailbox.finish(WorkReport::Panicked(frame, panic_message(payload.as_ref())));
                 }
             }
             (self.wake)();
@@ -82,18 +83,18 @@ impl Clerk {
 
     fn finish(&self, frame: FrameRef, result: Result<Picture, MediaError>) {
         match result {
-            Err(MediaError::Stopped { .. }) => self.desk.give_up(),
-            result => self.desk.finish(WorkReport::Frame(frame, result)),
+            Err(MediaError::Stopped { .. }) => self.mailbox.give_up(),
+            result => self.mailbox.finish(WorkReport::Frame(frame, result)),
         }
     }
 
-    fn watch(&self) -> Watch {
-        let (desk, wake) = (Arc::clone(&self.desk), Arc::clone(&self.wake));
+    fn watch(&self) -> CountWatch {
+        let (mailbox, wake) = (Arc::clone(&self.mailbox), Arc::clone(&self.wake));
         Box::new(move |progress| {
-            if !desk.is_reading_wanted() {
+            if !mailbox.is_reading_wanted() {
                 return ControlFlow::Break(());
             }
-            desk.report_progress(progress);
+            mailbox.report_progress(progress);
             wake();
             ControlFlow::Continue(())
         })

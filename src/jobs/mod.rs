@@ -5,16 +5,16 @@
 //! next, never by queueing behind stale work. A panic in a job becomes a report that the user sees. Dropping the handle
 //! stops and joins the thread.
 
-mod agenda;
 mod background;
 mod decoder;
 mod demo;
-mod desk;
 mod error;
 mod frame_worker;
+mod mailbox;
 mod opening;
 mod picture_tasks;
 mod pictures;
+mod queue;
 mod runner;
 mod saver;
 mod shared_pictures;
@@ -41,7 +41,7 @@ use std::sync::Arc;
 /// Called by a job's thread when a report waits to be polled; a window repaints then.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// The words of a panic.
+/// The message of a panic.
 fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())

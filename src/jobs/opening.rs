@@ -20,7 +20,7 @@ const REPORT_EVERY: usize = 50;
 const DEFAULT_FIELD: &str = "soccer";
 
 /// Told in words how far the opening has come; may end it.
-pub type Watch<'a> = &'a (dyn Fn(String) -> ControlFlow<()> + Sync);
+pub type OpenWatch<'a> = &'a (dyn Fn(String) -> ControlFlow<()> + Sync);
 
 /// A document as the app gets it, and the way to write it, if there is one.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub struct Ready {
 ///
 /// # Errors
 /// It is not there, cannot be read or made, is open here already, or `watch` ended it.
-pub fn open_anything(path: &Path, held: Option<&Location>, watch: Watch<'_>) -> Result<Ready, JobError> {
+pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>) -> Result<Ready, JobError> {
     if !path.exists() {
         return Err(JobError::Missing { path: path.to_path_buf() });
     }

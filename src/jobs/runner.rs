@@ -52,9 +52,9 @@ enum Kind {
 
 /// What a task tells the window through. A break says that nobody waits any more.
 #[derive(Clone, Copy)]
-struct Watch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
+struct TaskWatch<'a>(&'a Reporter<Action, Result<Outcome, JobError>>);
 
-impl Watch<'_> {
+impl TaskWatch<'_> {
     /// Tells how far the task has come.
     fn tell(self, action: Action) -> ControlFlow<()> {
         self.0.progress(action);
@@ -320,9 +320,9 @@ impl Runner {
         &mut self,
         name: &str,
         kind: Kind,
-        task: impl FnOnce(Watch<'_>) -> Result<Outcome, JobError> + Send + 'static,
+        task: impl FnOnce(TaskWatch<'_>) -> Result<Outcome, JobError> + Send + 'static,
     ) {
-        let background = Background::spawn(name, self.wake.clone(), move |reporter| task(Watch(reporter)));
+        let background = Background::spawn(name, self.wake.clone(), move |reporter| task(TaskWatch(reporter)));
         match background {
             Ok(background) => self.tasks.push(Task { background, kind, given_up: false }),
             Err(source) => {

@@ -1,7 +1,7 @@
-//! A reader of frames that tests hold by the hand: it says what it starts and goes on when told so.
+//! A reader of frames for tests: it reports what it starts and continues when the test lets it.
 
 use super::Wake;
-use super::frame_worker::{MakeReader, Watch};
+use super::frame_worker::{CountWatch, MakeReader};
 use crate::geometry::ImageSize;
 use crate::media::{CountProgress, FrameRef, MediaError, Picture, ReadFrames};
 use std::ops::ControlFlow;
@@ -10,16 +10,16 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 
 /// The test's end of a stand-in.
-pub(super) struct Hand {
+pub(super) struct Controller {
     /// The frames whose reading has begun, in order.
     pub(super) begun: Receiver<usize>,
-    go: Sender<Answer>,
+    go: Sender<Reply>,
     /// One for each call of the wake callback.
     pub(super) woken: Receiver<()>,
 }
 
 /// What the stand-in is to do with the frame it has begun.
-pub(super) enum Answer {
+pub(super) enum Reply {
     Picture,
     Missing,
     Panic,
@@ -27,21 +27,21 @@ pub(super) enum Answer {
     Count,
 }
 
-impl Hand {
+impl Controller {
     /// Waits until a frame is begun, and says which.
     pub(super) fn next_begun(&self) -> usize {
         self.begun.recv().unwrap()
     }
 
     /// Lets the frame that has been begun, or the next one, come out in a way.
-    pub(super) fn let_out(&self, answer: Answer) {
-        self.go.send(answer).unwrap();
+    pub(super) fn let_out(&self, reply: Reply) {
+        self.go.send(reply).unwrap();
     }
 
     /// Lets the next frames come out well.
     pub(super) fn let_out_pictures(&self, count: usize) {
         for _ in 0..count {
-            self.let_out(Answer::Picture);
+            self.let_out(Reply::Picture);
         }
     }
 
@@ -67,34 +67,34 @@ pub(super) fn picture(index: usize) -> Picture {
     Picture::filled(ImageSize::new(16, 9), [index as u8, 0, 0, 255])
 }
 
-/// A stand-in and the hand that holds it.
-pub(super) fn stand_in() -> (MakeReader, Wake, Hand) {
+/// A stand-in and its controller.
+pub(super) fn stand_in() -> (MakeReader, Wake, Controller) {
     let (begin, begun) = channel();
     let (go, orders) = channel();
     let (wake, woken) = channel();
     let orders = Arc::new(Mutex::new(orders));
     let make: MakeReader =
         Box::new(move |watch| Box::new(StandIn { begin: begin.clone(), orders: Arc::clone(&orders), watch }));
-    (make, Arc::new(move || wake.send(()).unwrap_or_default()), Hand { begun, go, woken })
+    (make, Arc::new(move || wake.send(()).unwrap_or_default()), Controller { begun, go, woken })
 }
 
 struct StandIn {
     begin: Sender<usize>,
-    orders: Arc<Mutex<Receiver<Answer>>>,
-    watch: Watch,
+    orders: Arc<Mutex<Receiver<Reply>>>,
+    watch: CountWatch,
 }
 
 impl ReadFrames for StandIn {
     fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
         let FrameRef::Video { path, index } = frame else { panic!("{frame} is no frame of a video") };
         self.begin.send(*index).unwrap_or_default();
-        // The hand let go: come out well.
-        let answer = self.orders.lock().map_or(Answer::Picture, |orders| orders.recv().unwrap_or(Answer::Picture));
+        // The controller was dropped: succeed.
+        let answer = self.orders.lock().map_or(Reply::Picture, |orders| orders.recv().unwrap_or(Reply::Picture));
         match answer {
-            Answer::Picture => Ok(picture(*index)),
-            Answer::Missing => Err(MediaError::Missing { path: path.to_path_buf() }),
-            Answer::Panic => panic!("frame {index} is cursed"),
-            Answer::Count => {
+            Reply::Picture => Ok(picture(*index)),
+            Reply::Missing => Err(MediaError::Missing { path: path.to_path_buf() }),
+            Reply::Panic => panic!("frame {index} is cursed"),
+            Reply::Count => {
                 let progress = |counted| CountProgress { path: Arc::clone(path), counted, stated: 9 };
                 let mut counted = 0;
                 while (self.watch)(progress(counted)) == ControlFlow::Continue(()) {

@@ -1,7 +1,7 @@
 //! Makes the small pictures of the filmstrip, whenever the decoder has nothing to do.
 
-use super::desk::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
+use super::mailbox::{Choice, WorkReport};
 use super::shared_pictures::SharedReader;
 use super::{Decoder, Wake};
 use crate::media::{
@@ -28,11 +28,11 @@ pub enum ThumbnailReport {
         /// Of which frame.
         frame: FrameRef,
     },
-    /// A mistake in this program or in a library; the maker goes on with other frames.
+    /// An internal error of this program or of a library; the job goes on with other frames.
     Panicked {
         /// At which frame.
         frame: FrameRef,
-        /// The words of the panic.
+        /// The panic's message.
         message: String,
     },
 }
@@ -80,7 +80,7 @@ impl Thumbnails {
             return;
         }
         let memory = &mut self.memory;
-        self.worker.desk().replace_agenda(|reports| {
+        self.worker.mailbox().replace_queue(|reports| {
             for report in reports {
                 memory.take_in(report);
             }
@@ -92,7 +92,7 @@ impl Thumbnails {
 
     /// What has happened since the last call. To be called whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<ThumbnailReport> {
-        for report in self.worker.desk().fetch_reports() {
+        for report in self.worker.mailbox().fetch_reports() {
             self.memory.take_in(report);
         }
         std::mem::take(&mut self.memory.unpolled)
@@ -153,75 +153,78 @@ impl ReadFrames for SmallReader {
 
 #[cfg(test)]
 mod tests {
-    use super::super::stand_in::{Answer, Hand, frame, stand_in};
+    use super::super::stand_in::{Controller, Reply, frame, stand_in};
     use super::*;
     use crate::jobs::DecoderOptions;
     use std::sync::mpsc::TryRecvError;
 
-    fn held_pair() -> (Decoder, Hand, Thumbnails, Hand) {
-        let (make_reader, wake, decoder_hand) = stand_in();
+    fn held_pair() -> (Decoder, Controller, Thumbnails, Controller) {
+        let (make_reader, wake, decoder_controller) = stand_in();
         let decoder = Decoder::with_reader(DecoderOptions::default(), wake, make_reader).unwrap();
-        let (make_reader, wake, hand) = stand_in();
+        let (make_reader, wake, controller) = stand_in();
         let thumbnails = Thumbnails::with_reader(&decoder, wake, make_reader).unwrap();
-        (decoder, decoder_hand, thumbnails, hand)
+        (decoder, decoder_controller, thumbnails, controller)
     }
 
     #[test]
     fn thumbnails_are_small_and_kept() {
-        let (_decoder, _, mut thumbnails, hand) = held_pair();
+        let (_decoder, _, mut thumbnails, controller) = held_pair();
         thumbnails.request(&[frame(3), frame(4)]);
-        hand.let_out(Answer::Picture);
-        let reports = hand.poll_until(|| thumbnails.poll());
+        controller.let_out(Reply::Picture);
+        let reports = controller.poll_until(|| thumbnails.poll());
         let [ThumbnailReport::Ready { frame: of, picture }] = reports.as_slice() else { panic!("{reports:?}") };
         assert_eq!((of, picture.size()), (&frame(3), THUMBNAIL_SIZE));
         assert_eq!(thumbnails.picture(&frame(3)).as_ref(), Some(picture));
-        hand.let_out(Answer::Missing);
-        assert_eq!(hand.poll_until(|| thumbnails.poll()), [ThumbnailReport::Failed { frame: frame(4) }]);
+        controller.let_out(Reply::Missing);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()), [ThumbnailReport::Failed { frame: frame(4) }]);
         assert!(thumbnails.has_failed(&frame(4)) && !thumbnails.has_failed(&frame(3)));
         // Neither is read again.
         thumbnails.request(&[frame(5), frame(4), frame(3)]);
-        hand.let_out(Answer::Panic);
+        controller.let_out(Reply::Panic);
         let message = "frame 5 is cursed".to_owned();
-        assert_eq!(hand.poll_until(|| thumbnails.poll()), [ThumbnailReport::Panicked { frame: frame(5), message }]);
-        assert_eq!(hand.begun.try_iter().collect::<Vec<_>>(), [3, 4, 5]);
+        assert_eq!(
+            controller.poll_until(|| thumbnails.poll()),
+            [ThumbnailReport::Panicked { frame: frame(5), message }]
+        );
+        assert_eq!(controller.begun.try_iter().collect::<Vec<_>>(), [3, 4, 5]);
     }
 
     #[test]
     fn thumbnails_wait_for_the_decoder() {
-        let (mut decoder, decoder_hand, mut thumbnails, hand) = held_pair();
+        let (mut decoder, decoder_controller, mut thumbnails, controller) = held_pair();
         decoder.request(&frame(0), &[frame(1)]);
-        assert_eq!(decoder_hand.next_begun(), 0);
+        assert_eq!(decoder_controller.next_begun(), 0);
         thumbnails.request(&[frame(9)]);
-        decoder_hand.let_out(Answer::Picture);
-        assert_eq!(decoder_hand.next_begun(), 1);
-        assert_eq!(hand.begun.try_recv(), Err(TryRecvError::Empty));
-        decoder_hand.let_out(Answer::Picture);
-        assert_eq!(hand.next_begun(), 9);
-        hand.let_out(Answer::Picture);
-        assert_eq!(hand.poll_until(|| thumbnails.poll()).len(), 1);
+        decoder_controller.let_out(Reply::Picture);
+        assert_eq!(decoder_controller.next_begun(), 1);
+        assert_eq!(controller.begun.try_recv(), Err(TryRecvError::Empty));
+        decoder_controller.let_out(Reply::Picture);
+        assert_eq!(controller.next_begun(), 9);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()).len(), 1);
     }
 
     #[test]
     fn dropping_ends_the_wait_for_the_decoder() {
-        let (mut decoder, decoder_hand, mut thumbnails, _hand) = held_pair();
+        let (mut decoder, decoder_controller, mut thumbnails, _hand) = held_pair();
         decoder.request(&frame(0), &[]);
-        assert_eq!(decoder_hand.next_begun(), 0);
+        assert_eq!(decoder_controller.next_begun(), 0);
         thumbnails.request(&[frame(9)]);
         drop(thumbnails);
-        decoder_hand.let_out(Answer::Picture);
+        decoder_controller.let_out(Reply::Picture);
         drop(decoder);
     }
 
     #[test]
     fn thumbnails_outlive_the_decoder() {
-        let (mut decoder, decoder_hand, mut thumbnails, hand) = held_pair();
-        decoder_hand.let_out(Answer::Picture);
+        let (mut decoder, decoder_controller, mut thumbnails, controller) = held_pair();
+        decoder_controller.let_out(Reply::Picture);
         decoder.request(&frame(0), &[frame(1)]);
-        decoder_hand.let_out_pictures(1);
+        decoder_controller.let_out_pictures(1);
         drop(decoder);
         thumbnails.request(&[frame(9)]);
-        assert_eq!(hand.next_begun(), 9);
-        hand.let_out(Answer::Picture);
-        assert_eq!(hand.poll_until(|| thumbnails.poll()).len(), 1);
+        assert_eq!(controller.next_begun(), 9);
+        controller.let_out(Reply::Picture);
+        assert_eq!(controller.poll_until(|| thumbnails.poll()).len(), 1);
     }
 }

@@ -25,7 +25,7 @@ impl FrameCache {
         self.frames.get(frame).cloned()
     }
 
-    /// Whether a frame is kept; this is no use.
+    /// Whether a frame is kept; this does not count as a use.
     #[must_use]
     pub fn contains(&self, frame: &FrameRef) -> bool {
         self.frames.contains(frame)

@@ -1,4 +1,4 @@
-//! The fingerprint that tells whether a frame's file is still the one that was labelled.
+//! The SHA-256 of a frame's file, to detect whether it is still the one that was labelled.
 
 use super::MediaError;
 use super::error::open_file;

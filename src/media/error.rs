@@ -1,11 +1,11 @@
-//! What can go wrong with a frame: which file, what is wrong with it, how to mend it.
+//! Errors of reading frames: which file, what is wrong with it, how to fix it.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Why a picture, a video or one of its frames could not be had.
+/// Why a picture, a video or one of its frames could not be read.
 ///
-/// Every message is one line: what, where, how to mend it.
+/// Every message is one line: what, where, how to fix it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MediaError {
@@ -141,12 +141,12 @@ pub enum MediaError {
         /// The video.
         path: PathBuf,
     },
-    /// A mistake in this program or in a library.
-    #[error("{}: reading it failed inside the program ({message}); please report this with the file", path.display())]
+    /// An internal error of this program or of a library.
+    #[error("{}: internal error while reading it ({message}); please report it together with the file", path.display())]
     Panicked {
         /// The file.
         path: PathBuf,
-        /// The words of the panic.
+        /// The panic's message.
         message: String,
     },
     /// A buffer whose length does not fit its size.
@@ -174,7 +174,7 @@ impl MediaError {
     }
 }
 
-/// Opens a regular file that holds at least one byte, or says by name why not.
+/// Opens a regular file with at least one byte.
 pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
     let metadata = std::fs::metadata(path).map_err(|error| MediaError::from_io(path, &error))?;
     if !metadata.is_file() {

@@ -1,4 +1,4 @@
-//! The images of a folder, in the order a person expects.
+//! The images of a folder in natural order.
 
 use super::{MediaError, Notice};
 use std::path::{Path, PathBuf};

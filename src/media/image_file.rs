@@ -119,7 +119,7 @@ fn open_decoder(path: &Path, limits: ImageLimits) -> Result<(ImageFormat, impl I
     Ok((format, decoder))
 }
 
-/// Unreadable EXIF data turn nothing: the pixels are still good.
+/// Unreadable EXIF data are ignored: the pixels are still usable.
 fn orientation_of(decoder: &mut impl ImageDecoder) -> Orientation {
     decoder.orientation().unwrap_or(Orientation::NoTransforms)
 }
@@ -135,7 +135,7 @@ fn lay_over_black(rgba: &mut image::RgbaImage) {
     }
 }
 
-/// The named form of what a decoder said.
+/// The error of a decoder as a `MediaError`.
 fn named(path: &Path, limits: ImageLimits, error: &ImageError) -> MediaError {
     let damaged = |error: &dyn Error| MediaError::DamagedImage { path: path.to_path_buf(), reason: reason(error) };
     match error {
@@ -160,7 +160,7 @@ fn ends_too_early(path: &Path) -> MediaError {
     MediaError::DamagedImage { path: path.to_path_buf(), reason: "the file ends too early".to_owned() }
 }
 
-/// The innermost words of an error as one line, without the dump of a data structure at their end.
+/// The innermost message of an error as one line, without a dumped data structure at its end.
 fn reason(error: &dyn Error) -> String {
     let innermost = std::iter::successors(Some(error), |&error| error.source()).last().unwrap_or(error);
     let words = innermost.to_string().split_whitespace().collect::<Vec<_>>().join(" ");

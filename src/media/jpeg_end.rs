@@ -1,6 +1,6 @@
 //! Whether a JPEG file ends before its picture does.
 //!
-//! Decoders fill what is missing with grey and say nothing; a frame that is half grey must not pass for a good one.
+//! Decoders silently fill missing data with grey; a frame that is half grey must not be accepted.
 
 /// End of the picture (ITU-T T.81, table B.1).
 const END: u8 = 0xd9;

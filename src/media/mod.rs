@@ -9,7 +9,7 @@
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
 //! | [`open_regular`], [`read_regular`] | files in a folder that is not trusted: no links, pipes or devices |
-//! | [`Notice`] | what the user should know, though nothing failed |
+//! | [`Notice`] | remarks for the user about a source that is usable |
 //!
 //! Nothing here starts a thread; the background work is in `jobs`.
 //!

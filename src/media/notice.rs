@@ -1,4 +1,4 @@
-//! What the user should know about a source, though nothing failed.
+//! Remarks for the user about a source that is usable.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -48,7 +48,7 @@ impl PrefetchOptions {
     #[must_use]
     pub fn within(self, budget_bytes: usize, picture_bytes: usize) -> Self {
         let room = budget_bytes / 2 / picture_bytes.max(1);
-        // Stepping back in blocks, two blocks are alive at once.
+        // Stepping back in blocks keeps two blocks at once.
         let ahead = if self.in_blocks { room / 2 } else { room.saturating_sub(self.behind.min(room / 2)) };
         Self { ahead: self.ahead.min(ahead.max(1)), behind: self.behind.min(room / 2), ..self }
     }

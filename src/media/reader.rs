@@ -1,4 +1,4 @@
-//! What fetches frames, keeping videos open between calls.
+//! Reading frames, with videos kept open between calls.
 
 use super::{CountProgress, FrameRef, MediaError, Notice, Picture, Video, VideoInfo, load_image};
 use std::collections::BTreeSet;

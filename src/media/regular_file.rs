@@ -1,7 +1,7 @@
 //! Opens files in a folder that may come from an untrusted source: regular files only, and no symbolic links.
 //!
-//! A received project may hold a link where the program keeps its own files; writing through it would destroy a file of the
-//! user's. A pipe would let the program wait for ever, a device would take what is written.
+//! A project from somebody else may contain a link where the program keeps its own files; writing through it would destroy
+//! one of the user's files. A pipe would block the program for ever, a device would receive what is written.
 
 use std::fs::{self, File, FileType, OpenOptions};
 use std::io::{self, Read as _};

@@ -95,10 +95,10 @@ pub enum NoProposal {
     /// The picture or its features cannot be had.
     #[error(transparent)]
     Picture(#[from] PictureError),
-    /// A mistake in this program.
+    /// An internal error of this program.
     #[error("internal error (please report it): {message}")]
     Panicked {
-        /// The words of the panic.
+        /// The panic's message.
         message: String,
     },
 }

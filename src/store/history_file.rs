@@ -43,7 +43,7 @@ pub enum HistoryLeftOut {
         version: u32,
     },
     /// It is larger than any that this program writes.
-    #[error("their file has {bytes} bytes, more than any that was written here")]
+    #[error("their file has {bytes} bytes, more than this program writes")]
     TooLarge {
         /// How large it is.
         bytes: u64,

@@ -1,4 +1,4 @@
-//! Advertising boards along the far touchline and behind both goals, with words that can be read.
+//! Advertising boards with readable words along the far touchline and behind both goals.
 
 use super::colour::{Light, hex, mix};
 use super::noise::{hash, sub_seed, unit};

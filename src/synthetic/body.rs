@@ -1,4 +1,4 @@
-//! A person out of sticks: a runner's pose from speed and stride.
+//! A person as a stick figure: a runner's pose from speed and stride.
 
 use super::colour::{Light, hex};
 use super::noise::{hash, unit};

@@ -38,7 +38,7 @@ pub struct ClickOptions {
 
 /// A click this near to the frame's border is not placed, px.
 const BORDER_PX: f64 = 12.0;
-/// A landmark that people hit worse than this is left alone, px at 1920 px width.
+/// Landmarks with more click noise than this are not clicked, px at 1920 px width.
 const CLEAR_SIGMA_PX: f64 = 3.0;
 
 /// The clicks of one frame: landmarks in view, clear of `hidden` (players, the score graphic), the first at random and

@@ -38,7 +38,7 @@ const CLOTHS: [&str; 9] = [
     "NO PASSING",
 ];
 
-/// Who sits where, and what the stands are made of.
+/// The crowd and the materials of the stands.
 #[derive(Clone, Debug)]
 pub(super) struct Crowd {
     seed: u32,
@@ -274,7 +274,7 @@ impl Crowd {
     }
 }
 
-/// A supporters' cloth: two dyes and a word.
+/// A supporters' banner: two colours and a word.
 fn cloth(words: &str, dye: Light, home: Light) -> Texture {
     let (width, height) = ((CLOTH_M[0] * CLOTH_TEXELS_PER_M) as usize, (CLOTH_M[1] * CLOTH_TEXELS_PER_M) as usize);
     let full = rasterise(words, 22.0, 1.8);
@@ -289,7 +289,7 @@ fn cloth(words: &str, dye: Light, home: Light) -> Texture {
     })
 }
 
-/// A way in below the seats: a dark mouth with a pale frame, at every third block.
+/// A tunnel below the seats: a dark opening with a pale frame, at every third block.
 fn tunnel(place: &Place, flight: i32, seed: u32, colour: Light) -> Light {
     if (flight + (seed % 3) as i32).rem_euclid(3) != 0 {
         return colour;

@@ -1,8 +1,8 @@
-//! A drawn match with exact truth: for tests, measurements, the demo and `touchline synth`.
+//! A synthetic match with exact truth: for tests, measurements, the demo and `touchline synth`.
 //!
 //! [`stadium`] builds a place from a seed: striped grass whose grain differs from spot to spot, the painted lines of a
 //! [`FieldModel`](crate::field::FieldModel) at their real width, boards with words, stands full of people, goals with
-//! nets, and a match that runs. [`Stadium::render`] takes a picture of it with a [`PtzCamera`](crate::camera::PtzCamera):
+//! nets, and a match in progress. [`Stadium::render`] takes a picture of it with a [`PtzCamera`](crate::camera::PtzCamera):
 //! every pixel is the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the camera
 //! as an operator would. Nothing is copied from real footage; all names are invented.
 //!

@@ -1,4 +1,4 @@
-//! Seeded noise of the place: the same hash at the same place whatever the camera, the frame or the thread.
+//! Seeded spatial noise: the same value at the same place for every camera, frame and thread.
 
 /// A well-mixed hash of two integers and a seed (the finaliser of `MurmurHash3` after a Weyl-like combination).
 pub(super) const fn hash(seed: u32, x: i32, y: i32) -> u32 {

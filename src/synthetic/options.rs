@@ -127,7 +127,7 @@ pub enum Preset {
     /// The conditions of the paper's sequences: long lenses, a trace of noise, ordinary JPEG.
     #[default]
     Paper,
-    /// What live television does at its worst: low sun, motion blur, defocus, noise, a strong lens, coarse JPEG.
+    /// The worst conditions of live television: low sun, motion blur, defocus, noise, a strong lens, coarse JPEG.
     Hard,
 }
 

@@ -74,7 +74,7 @@ struct Operator {
 }
 
 impl Operator {
-    /// The ball as a person with reflexes sees it: averaged over the last second and a half, a little ahead.
+    /// The ball as a human operator follows it: averaged over the last second and a half, slightly extrapolated.
     fn attention(&self, time_s: f64) -> Vec3 {
         let taps = 12;
         let sum: Vec3 = (0..taps).map(|tap| self.play.ball(time_s + 0.4 - 0.16 * f64::from(tap))).sum();
@@ -133,7 +133,7 @@ mod tests {
         for pair in path.windows(2) {
             let (pan, tilt) = (pair[1].ptz.pan.turn_from(pair[0].ptz.pan), pair[1].ptz.tilt - pair[0].ptz.tilt);
             assert!(pan.degrees().abs() < 1.0 && tilt.degrees().abs() < 0.4, "{pan} {tilt} at {} s", pair[1].time_s);
-            // The motion that is stated is the motion that is made.
+            // The stated motion equals the differences of the poses.
             let stated = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * shoot.step_s);
             assert!((stated - pan).degrees().abs() < 0.02, "{stated} for {pan}");
         }

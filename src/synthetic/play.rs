@@ -1,4 +1,4 @@
-//! How a match runs: where the ball and the players are at any time, as a plain function of time and seed.
+//! The course of a match: where the ball and the players are, as a plain function of time and seed.
 
 use super::noise::{hash, smooth_walk, sub_seed, unit};
 use crate::geometry::Vec3;

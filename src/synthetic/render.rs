@@ -14,7 +14,7 @@ use image::{GrayImage, RgbImage};
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// A drawn frame and what is known of it.
+/// A rendered frame with its ground truth.
 #[derive(Clone, Debug)]
 pub struct RenderedFrame {
     /// The picture.

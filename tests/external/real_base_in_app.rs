@@ -11,15 +11,15 @@ pub const TESTS: &[Test] = tests![
 
 fn real_frames_from_their_clicks_alone() {
     let (_, document, _) = touchline::store::read(&frames_folder().join("scouting-d82e7a/clicks.json")).unwrap();
-    let mut desk = Headless::new();
-    desk.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-    desk.act(Action::Command(Command::EstimateBase));
-    desk.wait_until("the estimate", |app| !matches!(app.session.base, BaseWork::Estimating(_)));
-    let estimate = &desk.app.session.base.proposed().unwrap().estimate;
+    let mut fixture = Headless::new();
+    fixture.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+    fixture.act(Action::Command(Command::EstimateBase));
+    fixture.wait_until("the estimate", |app| !matches!(app.session.base, BaseWork::Estimating(_)));
+    let estimate = &fixture.app.session.base.proposed().unwrap().estimate;
     assert!(estimate.median_px < 3.5, "{}", estimate.median_px);
     // There is no disk behind this project: nothing is written.
-    desk.app.update(Action::Command(Command::UseEstimatedBase));
-    let frames = &desk.app.open().unwrap().document.frames;
+    fixture.app.update(Action::Command(Command::UseEstimatedBase));
+    let frames = &fixture.app.open().unwrap().document.frames;
     let solved = frames.iter().filter(|frame| frame.is_solved_by_clicks()).count();
     assert!(solved * 10 >= frames.len() * 9, "{solved} of {}", frames.len());
 }

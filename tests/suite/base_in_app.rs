@@ -63,13 +63,13 @@ fn document(frames: usize, clicked: usize) -> Document {
     document
 }
 
-struct Desk {
+struct Fixture {
     app: App,
     runner: Runner,
     woken: Receiver<()>,
 }
 
-impl Desk {
+impl Fixture {
     fn on(document: Document) -> Self {
         let (wake, woken) = channel();
         // Nobody listens once the test has seen enough.
@@ -77,9 +77,9 @@ impl Desk {
             let _ = wake.send(());
         });
         let runner = Runner::new(wake, SharedPictures::none());
-        let mut desk = Self { app: App::new(Settings::default()), runner, woken };
-        desk.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        desk
+        let mut fixture = Self { app: App::new(Settings::default()), runner, woken };
+        fixture.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        fixture
     }
 
     fn act(&mut self, action: Action) {
@@ -121,97 +121,97 @@ impl Desk {
 
 #[test]
 fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
-    let mut desk = Desk::on(document(5, 4));
-    let before = document_to_string(desk.document()).unwrap();
-    assert!(next_step(&desk.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
-    desk.estimate();
-    let found = desk.app.session.base.proposed().unwrap();
+    let mut fixture = Fixture::on(document(5, 4));
+    let before = document_to_string(fixture.document()).unwrap();
+    assert!(next_step(&fixture.app).offers.contains(&("Estimate the base now", Command::EstimateBase)));
+    fixture.estimate();
+    let found = fixture.app.session.base.proposed().unwrap();
     assert_eq!(found.frames, [0, 1, 2, 3]);
     assert!(found.estimate.median_px < 2.0, "{}", found.estimate.median_px);
     assert!(!found.landmarks.is_empty());
-    assert_eq!(document_to_string(desk.document()).unwrap(), before, "nothing is changed before it is decided");
-    assert!(desk.app.current().proposal.as_ref().unwrap().camera.is_some(), "but the picture shows it");
-    assert!(next_step(&desk.app).offers.contains(&("Use it", Command::UseEstimatedBase)));
+    assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
+    assert!(fixture.app.current().proposal.as_ref().unwrap().camera.is_some(), "but the picture shows it");
+    assert!(next_step(&fixture.app).offers.contains(&("Use it", Command::UseEstimatedBase)));
 
-    desk.command(Command::UseEstimatedBase);
-    let (base, sigma) = (desk.base().unwrap(), desk.base().unwrap().sigma.position_m);
+    fixture.command(Command::UseEstimatedBase);
+    let (base, sigma) = (fixture.base().unwrap(), fixture.base().unwrap().sigma.position_m);
     let miss = base.position_m - truth(0).base().position_m;
     assert!(miss.norm() < 1.0, "{miss:?}");
     assert!(sigma.iter().all(|sigma| *sigma > 0.0), "{sigma:?}");
-    for frame in desk.document().frames.range(..4) {
+    for frame in fixture.document().frames.range(..4) {
         assert!(frame.is_solved_by_clicks(), "{}", frame.name());
     }
-    assert!(desk.document().frames[4].ptz.is_none());
-    desk.command(Command::Undo);
-    assert_eq!(document_to_string(&uncounted(desk.document())).unwrap(), before);
-    desk.command(Command::Redo);
-    assert_eq!(desk.base(), Some(base));
+    assert!(fixture.document().frames[4].ptz.is_none());
+    fixture.command(Command::Undo);
+    assert_eq!(document_to_string(&uncounted(fixture.document())).unwrap(), before);
+    fixture.command(Command::Redo);
+    assert_eq!(fixture.base(), Some(base));
 }
 
 #[test]
 fn the_size_of_the_field_is_fitted_with_the_base_in_one_step() {
-    let mut desk = Desk::on(document(6, 6));
-    desk.run(Command::FitFieldSize);
-    let found = desk.app.session.base.proposed().unwrap();
+    let mut fixture = Fixture::on(document(6, 6));
+    fixture.run(Command::FitFieldSize);
+    let found = fixture.app.session.base.proposed().unwrap();
     let names: Vec<&str> = found.sizes.iter().map(|size| size.name.as_str()).collect();
     assert_eq!(names, ["length_m", "width_m"]);
     for (size, real) in found.sizes.iter().zip([105.0, 68.0]) {
         assert!((size.value_m - real).abs() < 3.0 * size.sigma_m && size.sigma_m < 1.0, "{size:?}");
     }
-    let told = &desk.app.session.notices.last().unwrap().text;
+    let told = &fixture.app.session.notices.last().unwrap().text;
     assert!(told.contains("Field length 10") && told.contains("m assumed)"), "{told}");
-    assert!(desk.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
-    desk.command(Command::UseEstimatedBase);
-    assert_eq!(*desk.document().field.size(), FieldSize::Fitted);
-    desk.command(Command::Undo);
-    assert!(desk.document().field.assumed_size().is_some() && desk.base().is_none(), "one step");
+    assert!(fixture.document().field.assumed_size().is_some(), "nothing is changed before it is decided");
+    fixture.command(Command::UseEstimatedBase);
+    assert_eq!(*fixture.document().field.size(), FieldSize::Fitted);
+    fixture.command(Command::Undo);
+    assert!(fixture.document().field.assumed_size().is_some() && fixture.base().is_none(), "one step");
 }
 
 #[test]
 fn what_was_found_can_be_discarded_and_the_estimation_stopped() {
-    let mut desk = Desk::on(document(4, 4));
-    desk.command(Command::EstimateBase);
-    desk.command(Command::DropEstimatedBase);
-    assert!(matches!(desk.app.session.base, BaseWork::Idle));
-    desk.estimate();
-    assert!(desk.app.session.base.proposed().is_some());
-    desk.command(Command::Cancel);
-    assert!(matches!(desk.app.session.base, BaseWork::Idle));
-    assert!(desk.base().is_none());
+    let mut fixture = Fixture::on(document(4, 4));
+    fixture.command(Command::EstimateBase);
+    fixture.command(Command::DropEstimatedBase);
+    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    fixture.estimate();
+    assert!(fixture.app.session.base.proposed().is_some());
+    fixture.command(Command::Cancel);
+    assert!(matches!(fixture.app.session.base, BaseWork::Idle));
+    assert!(fixture.base().is_none());
 }
 
 #[test]
 fn a_compared_base_shows_the_one_before_while_the_key_is_held() {
-    let mut desk = Desk::on(document(4, 4));
-    desk.estimate();
-    desk.command(Command::UseEstimatedBase);
-    let mut off = (*desk.document().cameras[0]).clone();
+    let mut fixture = Fixture::on(document(4, 4));
+    fixture.estimate();
+    fixture.command(Command::UseEstimatedBase);
+    let mut off = (*fixture.document().cameras[0]).clone();
     off.position_m = off.position_m.map(|position| position + Vec3::new(0.0, 2.0, -1.0));
-    desk.act(Action::EditCamera(Box::new(off)));
-    desk.estimate();
-    let estimate = &desk.app.session.base.proposed().unwrap().estimate;
+    fixture.act(Action::EditCamera(Box::new(off)));
+    fixture.estimate();
+    let estimate = &fixture.app.session.base.proposed().unwrap().estimate;
     assert!(estimate.previous_median_px.unwrap() > estimate.median_px);
-    assert_eq!(desk.app.why_not(Command::Compare), None);
-    desk.act(Action::Hold(Command::Compare, true));
-    assert!(desk.app.session.held.compare);
-    desk.act(Action::Hold(Command::Compare, false));
-    assert!(!desk.app.session.held.compare);
+    assert_eq!(fixture.app.why_not(Command::Compare), None);
+    fixture.act(Action::Hold(Command::Compare, true));
+    assert!(fixture.app.session.held.compare);
+    fixture.act(Action::Hold(Command::Compare, false));
+    assert!(!fixture.app.session.held.compare);
 }
 
 #[test]
 fn a_frame_is_left_out_and_put_back() {
-    let mut desk = Desk::on(document(4, 4));
-    desk.act(Action::UseForBase { frame: 1, used: false });
-    let text = document_to_string(desk.document()).unwrap();
+    let mut fixture = Fixture::on(document(4, 4));
+    fixture.act(Action::UseForBase { frame: 1, used: false });
+    let text = document_to_string(fixture.document()).unwrap();
     assert!(text.contains("\"use_for_base\": false"), "{text}");
-    assert_eq!((desk.app.base_readiness().frames, desk.app.base_readiness().left_out), (3, 1));
-    desk.estimate();
-    assert_eq!(desk.app.session.base.proposed().unwrap().frames, [0, 2, 3]);
-    desk.command(Command::DropEstimatedBase);
-    desk.act(Action::UseForBase { frame: 1, used: true });
-    assert!(!document_to_string(desk.document()).unwrap().contains("use_for_base"));
-    desk.command(Command::UseForBase);
-    assert!(!desk.document().frames[0].use_for_base, "the command is about the shown frame");
+    assert_eq!((fixture.app.base_readiness().frames, fixture.app.base_readiness().left_out), (3, 1));
+    fixture.estimate();
+    assert_eq!(fixture.app.session.base.proposed().unwrap().frames, [0, 2, 3]);
+    fixture.command(Command::DropEstimatedBase);
+    fixture.act(Action::UseForBase { frame: 1, used: true });
+    assert!(!document_to_string(fixture.document()).unwrap().contains("use_for_base"));
+    fixture.command(Command::UseForBase);
+    assert!(!fixture.document().frames[0].use_for_base, "the command is about the shown frame");
 }
 
 #[test]
@@ -223,47 +223,51 @@ fn a_mirrored_frame_is_found_and_mended_in_one_step() {
         let twin = Symmetry::MirrorX.landmark_twin(&field, field.landmark(id.as_str()).unwrap()).unwrap();
         click.target = Some(Target::Landmark(twin.id.clone()));
     }
-    let mut desk = Desk::on(document);
-    desk.estimate();
-    let mirrored = desk.app.session.base.proposed().unwrap().estimate.mirrored.clone();
+    let mut fixture = Fixture::on(document);
+    fixture.estimate();
+    let mirrored = fixture.app.session.base.proposed().unwrap().estimate.mirrored.clone();
     assert_eq!(mirrored.iter().map(|mirrored| mirrored.frame).collect::<Vec<_>>(), [2]);
-    desk.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
-    assert_eq!(desk.app.session.frame, 2);
-    let names: Vec<_> = desk.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
+    fixture.act(Action::MirrorNames { frame: 2, symmetry: mirrored[0].symmetry });
+    assert_eq!(fixture.app.session.frame, 2);
+    let names: Vec<_> = fixture.app.frame().unwrap().clicks.iter().map(|click| click.target.clone().unwrap()).collect();
     let right: Vec<_> = visible(2).into_iter().map(|(target, _)| target).collect();
     assert_eq!(names, right);
-    assert!(desk.app.session.base.found().unwrap().estimate.mirrored.is_empty());
+    assert!(fixture.app.session.base.found().unwrap().estimate.mirrored.is_empty());
 }
 
 #[test]
 fn without_a_base_guidance_counts_and_four_landmarks_name_the_next() {
-    let mut desk = Desk::on(document(3, 0));
-    assert!(next_step(&desk.app).text.starts_with("Two clicks need a known camera."));
+    let mut fixture = Fixture::on(document(3, 0));
+    assert!(next_step(&fixture.app).text.starts_with("Two clicks need a known camera."));
     let (landmarks, last) = {
         let mut landmarks = visible(0);
         let last = landmarks.pop().unwrap();
         (landmarks, last)
     };
     for (count, (target, at)) in landmarks.into_iter().enumerate() {
-        desk.act(Action::Pick(target));
-        desk.act(Action::Press { at, on: None });
-        desk.act(Action::Release);
+        fixture.act(Action::Pick(target));
+        fixture.act(Action::Press { at, on: None });
+        fixture.act(Action::Release);
         if count == 1 {
-            assert!(next_step(&desk.app).text.starts_with("2 of 4 landmarks here"), "{}", next_step(&desk.app).text);
+            assert!(
+                next_step(&fixture.app).text.starts_with("2 of 4 landmarks here"),
+                "{}",
+                next_step(&fixture.app).text
+            );
         }
     }
-    assert!(next_step(&desk.app).text.ends_with("Done: 1 of 3."));
-    assert!(desk.app.current().preview.is_some(), "the lines show what four landmarks tell");
-    desk.act(Action::Press { at: last.1, on: None });
-    desk.act(Action::Release);
-    assert_eq!(desk.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
+    assert!(next_step(&fixture.app).text.ends_with("Done: 1 of 3."));
+    assert!(fixture.app.current().preview.is_some(), "the lines show what four landmarks tell");
+    fixture.act(Action::Press { at: last.1, on: None });
+    fixture.act(Action::Release);
+    assert_eq!(fixture.app.frame().unwrap().clicks.last().unwrap().target, Some(last.0), "it names itself");
 }
 
 #[test]
 fn too_little_is_said_and_changes_nothing() {
-    let mut desk = Desk::on(document(3, 0));
-    desk.estimate();
-    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet.")));
+    let mut fixture = Fixture::on(document(3, 0));
+    fixture.estimate();
+    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("Not enough points yet.")));
     let mut contradicting = document(3, 3);
     for frame in &mut contradicting.frames {
         let names: Vec<_> = frame.clicks.iter().map(|click| click.target.clone()).collect();
@@ -272,10 +276,10 @@ fn too_little_is_said_and_changes_nothing() {
             click.target.clone_from(&names[(index * 5 + 3) % count]);
         }
     }
-    let mut desk = Desk::on(contradicting);
-    let before = document_to_string(desk.document()).unwrap();
-    desk.estimate();
-    assert!(desk.app.session.base.found().is_none(), "{:?}", desk.app.session.base);
-    assert!(desk.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
-    assert_eq!(document_to_string(desk.document()).unwrap(), before);
+    let mut fixture = Fixture::on(contradicting);
+    let before = document_to_string(fixture.document()).unwrap();
+    fixture.estimate();
+    assert!(fixture.app.session.base.found().is_none(), "{:?}", fixture.app.session.base);
+    assert!(fixture.app.session.notices.iter().any(|notice| notice.text.starts_with("No base: ")));
+    assert_eq!(document_to_string(fixture.document()).unwrap(), before);
 }

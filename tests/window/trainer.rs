@@ -105,7 +105,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
 
 fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
     let mut window = Window::open(2, [1280.0, 720.0], 1.0);
-    let trouble = Some("A mistake in this program while learning: the saw broke.".to_owned());
+    let trouble = Some("Internal error while learning (please report it): the saw broke.".to_owned());
     let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
     window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
     window.harness.run_steps(2);

@@ -1,24 +1,24 @@
-//! The trainer: accepted references teach a forest, the forest proposes cameras for all other frames.
+//! The trainer: a forest is trained on the accepted references and proposes cameras for all other frames.
 //!
-//! Its owner tells it the document as it is now, which costs nothing: only the newest waits, so that bursts of references
-//! are one change. A thread of its own then finds out what has to be done: train, ask the forest for frames, measure what
-//! it is worth. References that are added let a running training end; one that was changed or withdrawn stops it. After
-//! each training at least as much time belongs to proposals, so that somebody who accepts without a pause sees them.
+//! Its owner passes the current document, which is cheap: only the newest one waits, so that a burst of references is one
+//! change. A thread then decides what has to be done: train, ask the forest for frames, measure its accuracy. Added references
+//! let a running training finish; a changed or withdrawn one stops it. After each training at least as much time is spent on
+//! proposals, so that somebody who accepts without a pause sees them.
 //!
-//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What it panics at is reported
-//! and left alone until something changes.
+//! The work runs on threads of its own, one fewer than the machine has: the window keeps one. What causes a panic is
+//! reported and not tried again until something changes.
 
-mod book;
-mod craft;
-mod desk;
+mod answer_cache;
+mod backend;
 mod kept_forest;
+mod mailbox;
 #[cfg(test)]
 mod tests;
 mod watch;
 mod work;
 
-use self::craft::Workshop;
-use self::desk::Desk;
+use self::backend::ForestBackend;
+use self::mailbox::TrainerMailbox;
 use self::work::Work;
 use super::{SharedPictures, Wake};
 use crate::app::{TrainerOrder, TrainerStatus};
@@ -46,66 +46,66 @@ impl Default for TrainerOptions {
     }
 }
 
-/// What the trainer says.
+/// A report of the trainer.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TrainerReport {
     /// What it is doing and has found out, when that changed.
     Status(Box<TrainerStatus>),
     /// What the forest proposes.
     Proposals(Vec<Proposal>),
-    /// What the forest made of the shown frame's features.
+    /// How the forest used the shown frame's features.
     Features(Box<UsedFeatures>),
 }
 
 /// The trainer of an open document. Dropping it ends its thread.
 pub struct Trainer {
-    desk: Arc<Desk>,
+    mailbox: Arc<TrainerMailbox>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Trainer {
-    /// Starts the trainer of a document that lies at `file`; frames among `pictures` are not decoded again. It does nothing
-    /// before it is told the document.
+    /// Starts the trainer of a document at `file`; frames among `pictures` are not decoded again. It does nothing before it
+    /// gets the document.
     ///
     /// # Errors
     /// The system gives no thread.
     pub fn start(file: PathBuf, options: TrainerOptions, pictures: SharedPictures, wake: Wake) -> io::Result<Self> {
-        Self::start_with(options, wake, move |desk| Workshop::new(&file, desk, pictures))
+        Self::start_with(options, wake, move |mailbox| ForestBackend::new(&file, mailbox, pictures))
     }
 
-    /// Starts a trainer with the workshop that `make` sets up on its thread.
-    fn start_with<C: craft::Craft>(
+    /// Starts a trainer with the backend that `make` sets up on its thread.
+    fn start_with<C: backend::Backend>(
         options: TrainerOptions,
         wake: Wake,
-        make: impl FnOnce(Arc<Desk>) -> C + Send + 'static,
+        make: impl FnOnce(Arc<TrainerMailbox>) -> C + Send + 'static,
     ) -> io::Result<Self> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = options.threads.unwrap_or(cores - 1).max(1);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|at| format!("trainer {at}"));
         let pool = pool.build().map_err(io::Error::other)?;
-        let desk = Arc::new(Desk::new(wake));
-        let of_thread = Arc::clone(&desk);
+        let mailbox = Arc::new(TrainerMailbox::new(wake));
+        let of_thread = Arc::clone(&mailbox);
         let thread = std::thread::Builder::new().name("trainer".to_owned()).spawn(move || {
             pool.install(|| Work::new(Arc::clone(&of_thread), make(of_thread), options).run());
         })?;
-        Ok(Self { desk, thread: Some(thread) })
+        Ok(Self { mailbox, thread: Some(thread) })
     }
 
-    /// Tells the trainer something; never waits.
+    /// Sends the trainer an order; never waits.
     pub fn tell(&self, order: TrainerOrder) {
-        self.desk.take_order(order);
+        self.mailbox.take_order(order);
     }
 
     /// What it has to say since the last call.
     #[must_use]
     pub fn poll(&self) -> Vec<TrainerReport> {
-        self.desk.fetch_reports()
+        self.mailbox.fetch_reports()
     }
 }
 
 impl Drop for Trainer {
     fn drop(&mut self) {
-        self.desk.stop();
+        self.mailbox.stop();
         if let Some(thread) = self.thread.take() {
             // Panics of the work have been reported.
             let _ = thread.join();

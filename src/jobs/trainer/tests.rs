@@ -1,7 +1,7 @@
-//! The trainer with a craft that the test holds by the hand: it says what it begins and goes on when told so.
+//! The trainer with a backend that the test controls: it reports what it begins and continues when the test lets it.
 
-use super::book::Book;
-use super::craft::{Craft, Learnt, Measured};
+use super::answer_cache::AnswerCache;
+use super::backend::{Backend, Learnt, Measured};
 use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
@@ -68,7 +68,7 @@ fn model() -> ForestModel {
     ForestModel { document: String::new(), features: FeatureOptions::default(), cameras }
 }
 
-impl Craft for StandIn {
+impl Backend for StandIn {
     fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, String> {
         match self.begin(Begun::Recall) {
             Let::Well => Ok(Some(model())),
@@ -160,7 +160,7 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
 }
 
 /// The test's side.
-struct Hand {
+struct Controller {
     trainer: Option<Trainer>,
     begun: Receiver<Begun>,
     go: Sender<Let>,
@@ -170,7 +170,7 @@ struct Hand {
     features: Vec<FrameId>,
 }
 
-impl Hand {
+impl Controller {
     fn start(confidence: f64) -> Self {
         let (begin, begun) = channel();
         let (go, orders) = channel();
@@ -249,248 +249,259 @@ fn accept(frame: &mut Frame, pan_deg: f64) {
 
 #[test]
 fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
-    let mut hand = Hand::start(0.95);
+    let mut controller = Controller::start(0.95);
     let all = document(2, 28);
-    hand.tell(TrainerOrder::Frame(all.frames[6].id.clone()));
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Stopped);
-    hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    controller.tell(TrainerOrder::Frame(all.frames[6].id.clone()));
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
     for near in [vec![6, 5, 7, 4], vec![8, 3, 9, 2], vec![10, 11, 12, 13], vec![14]] {
-        hand.expect(&Begun::Propose(near), Let::Well);
+        controller.expect(&Begun::Propose(near), Let::Well);
     }
-    hand.expect(&Begun::Measure, Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
     for far in [15..19, 19..23, 23..27, 27..30] {
-        hand.expect(&Begun::Propose(far.collect()), Let::Well);
+        controller.expect(&Begun::Propose(far.collect()), Let::Well);
     }
-    hand.until_idle();
-    assert_eq!((hand.status.references, hand.status.training_frames, hand.status.answered), (2, 2, 28));
-    assert_eq!(hand.status.forest.unwrap().generation, 1);
-    assert!(hand.status.quality.is_some());
-    assert_eq!(hand.status.suspects[0].frame, 0);
-    assert_eq!(hand.proposals.len(), 28);
-    assert!(hand.proposals.iter().all(|proposal| proposal.generation == 1));
+    controller.until_idle();
+    assert_eq!(
+        (controller.status.references, controller.status.training_frames, controller.status.answered),
+        (2, 2, 28)
+    );
+    assert_eq!(controller.status.forest.unwrap().generation, 1);
+    assert!(controller.status.quality.is_some());
+    assert_eq!(controller.status.suspects[0].frame, 0);
+    assert_eq!(controller.proposals.len(), 28);
+    assert!(controller.proposals.iter().all(|proposal| proposal.generation == 1));
 }
 
 #[test]
 fn a_burst_is_one_change_and_added_references_let_a_training_end() {
-    let mut hand = Hand::start(0.95);
-    hand.document(&document(1, 0));
-    hand.expect(&Begun::Recall, Let::Stopped);
-    assert_eq!(hand.begun.recv().unwrap(), Begun::Learn(vec![0]));
+    let mut controller = Controller::start(0.95);
+    controller.document(&document(1, 0));
+    controller.expect(&Begun::Recall, Let::Stopped);
+    assert_eq!(controller.begun.recv().unwrap(), Begun::Learn(vec![0]));
     for references in 2..=6 {
-        hand.document(&document(references, 0));
+        controller.document(&document(references, 0));
     }
-    hand.go.send(Let::Well).unwrap();
-    hand.expect(&Begun::Learn((0..6).collect()), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
-    assert_eq!(hand.status.forest.unwrap().generation, 2);
-    hand.nothing_begun();
+    controller.go.send(Let::Well).unwrap();
+    controller.expect(&Begun::Learn((0..6).collect()), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    assert_eq!(controller.status.forest.unwrap().generation, 2);
+    controller.nothing_begun();
 }
 
 #[test]
 fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_again() {
-    let mut hand = Hand::start(0.99);
+    let mut controller = Controller::start(0.99);
     let mut all = document(3, 2);
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Stopped);
-    assert_eq!(hand.begun.recv().unwrap(), Begun::Learn(vec![0, 1, 2]));
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    assert_eq!(controller.begun.recv().unwrap(), Begun::Learn(vec![0, 1, 2]));
     all.frames[1].status = FrameStatus::Draft;
-    hand.document(&all);
-    hand.go.send(Let::Stopped).unwrap();
-    hand.expect(&Begun::Learn(vec![0, 2]), Let::Well);
-    hand.expect(&Begun::Propose(vec![3, 4]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
+    controller.document(&all);
+    controller.go.send(Let::Stopped).unwrap();
+    controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);
+    controller.expect(&Begun::Propose(vec![3, 4]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
 
     // Answers that are certain are kept when something is added, and asked for again when something is withdrawn.
-    for (index, proposal) in hand.proposals.drain(..).enumerate() {
+    for (index, proposal) in controller.proposals.drain(..).enumerate() {
         proposal.record(&mut all.frames[3 + index]);
     }
     accept(&mut all.frames[1], 1.5);
-    hand.document(&all);
-    hand.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
     all.frames[0].ptz.as_mut().unwrap().pan_deg = 0.25;
-    hand.document(&all);
-    hand.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
-    hand.expect(&Begun::Propose(vec![3, 4]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 1, 2]), Let::Well);
+    controller.expect(&Begun::Propose(vec![3, 4]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
 
     for index in 0..3 {
         all.frames[index].status = FrameStatus::New;
     }
-    hand.document(&all);
-    hand.until(|status| status.references == 0);
-    assert_eq!((hand.status.forest, &hand.status.quality), (None, &None));
-    hand.nothing_begun();
+    controller.document(&all);
+    controller.until(|status| status.references == 0);
+    assert_eq!((controller.status.forest, &controller.status.quality), (None, &None));
+    controller.nothing_begun();
 }
 
 #[test]
 fn doubtful_answers_are_asked_for_again_by_a_better_forest() {
-    let hand = Hand::start(0.6);
+    let controller = Controller::start(0.6);
     let mut all = document(2, 1);
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Stopped);
-    hand.expect(&Begun::Learn(vec![0, 1]), Let::Well);
-    hand.expect(&Begun::Propose(vec![2]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
     all.frames.push(document(3, 0).frames[2].clone());
-    hand.document(&all);
-    hand.expect(&Begun::Learn(vec![0, 1, 3]), Let::Well);
-    hand.expect(&Begun::Propose(vec![2]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 1, 3]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
 }
 
 #[test]
 fn every_stage_can_be_paused_and_taken_up_again() {
-    let mut hand = Hand::start(0.95);
-    hand.document(&document(1, 1));
-    hand.expect(&Begun::Recall, Let::Stopped);
+    let mut controller = Controller::start(0.95);
+    controller.document(&document(1, 1));
+    controller.expect(&Begun::Recall, Let::Stopped);
     for stage in [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure] {
-        hand.expect(&stage, Let::Stopped);
-        hand.until(|status| status.doing != Doing::Paused);
-        hand.tell(TrainerOrder::Pause(true));
-        hand.until(|status| status.doing == Doing::Paused);
-        hand.nothing_begun();
-        hand.tell(TrainerOrder::Pause(false));
-        hand.expect(&stage, Let::Well);
+        controller.expect(&stage, Let::Stopped);
+        controller.until(|status| status.doing != Doing::Paused);
+        controller.tell(TrainerOrder::Pause(true));
+        controller.until(|status| status.doing == Doing::Paused);
+        controller.nothing_begun();
+        controller.tell(TrainerOrder::Pause(false));
+        controller.expect(&stage, Let::Well);
     }
-    hand.until_idle();
+    controller.until_idle();
 }
 
 #[test]
 fn features_are_shown_while_they_are_wanted_and_follow_the_shown_frame() {
-    let mut hand = Hand::start(0.95);
+    let mut controller = Controller::start(0.95);
     let all = document(1, 1);
     let [first, second] = [0, 1].map(|position| all.frames[position].id.clone());
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Well);
-    hand.expect(&Begun::Propose(vec![1]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
-    hand.tell(TrainerOrder::Features(true));
-    hand.woken.recv().unwrap();
-    hand.tell(TrainerOrder::Frame(second.clone()));
-    while hand.features.last() != Some(&second) {
-        hand.woken.recv().unwrap();
-        hand.poll();
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Propose(vec![1]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    controller.tell(TrainerOrder::Features(true));
+    controller.woken.recv().unwrap();
+    controller.tell(TrainerOrder::Frame(second.clone()));
+    while controller.features.last() != Some(&second) {
+        controller.woken.recv().unwrap();
+        controller.poll();
     }
-    assert!(hand.features == [first, second.clone()] || hand.features == [second], "{:?}", hand.features);
-    hand.nothing_begun();
+    assert!(
+        controller.features == [first, second.clone()] || controller.features == [second],
+        "{:?}",
+        controller.features
+    );
+    controller.nothing_begun();
 }
 
 #[test]
 fn references_wait_for_the_base_of_their_camera() {
-    let mut hand = Hand::start(0.95);
+    let mut controller = Controller::start(0.95);
     let known = document(2, 0);
     let mut all = known.clone();
     all.cameras[0].position_m = None;
-    hand.document(&all);
-    hand.until(|status| status.references == 2);
-    assert_eq!((hand.status.training_frames, &hand.status.trouble), (0, &None));
-    hand.nothing_begun();
-    hand.document(&known);
-    hand.expect(&Begun::Recall, Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
-    assert_eq!(hand.status.training_frames, 2);
+    controller.document(&all);
+    controller.until(|status| status.references == 2);
+    assert_eq!((controller.status.training_frames, &controller.status.trouble), (0, &None));
+    controller.nothing_begun();
+    controller.document(&known);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    assert_eq!(controller.status.training_frames, 2);
 }
 
 #[test]
 fn every_stage_ends_when_the_trainer_is_dropped() {
     for stages in 0..3 {
-        let mut hand = Hand::start(0.95);
-        hand.document(&document(1, 1));
-        hand.expect(&Begun::Recall, Let::Stopped);
+        let mut controller = Controller::start(0.95);
+        controller.document(&document(1, 1));
+        controller.expect(&Begun::Recall, Let::Stopped);
         let all = [Begun::Learn(vec![0]), Begun::Propose(vec![1]), Begun::Measure];
         for (number, stage) in all.into_iter().take(stages + 1).enumerate() {
-            hand.expect(&stage, if number == stages { Let::Stopped } else { Let::Well });
+            controller.expect(&stage, if number == stages { Let::Stopped } else { Let::Well });
         }
-        drop(hand.trainer.take());
+        drop(controller.trainer.take());
     }
 }
 
 #[test]
 fn a_panic_is_shown_and_work_goes_on() {
-    let mut hand = Hand::start(0.95);
+    let mut controller = Controller::start(0.95);
     let mut all = document(1, 1);
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Stopped);
-    hand.expect(&Begun::Learn(vec![0]), Let::Panic);
-    hand.until(|status| status.trouble.is_some());
-    assert!(hand.status.trouble.as_ref().unwrap().contains("while learning: the saw broke"), "{:?}", hand.status);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0]), Let::Panic);
+    controller.until(|status| status.trouble.is_some());
+    assert!(
+        controller.status.trouble.as_ref().unwrap().contains("while learning: the saw broke"),
+        "{:?}",
+        controller.status
+    );
     // Not again for the same references, unless somebody asks.
     all.frames[1].comment = Some("rain".to_owned());
-    hand.document(&all);
-    hand.until(|status| status.doing == Doing::Nothing);
-    hand.nothing_begun();
-    hand.tell(TrainerOrder::Pause(true));
-    hand.until(|status| status.doing == Doing::Paused);
-    hand.tell(TrainerOrder::Pause(false));
-    hand.expect(&Begun::Learn(vec![0]), Let::Fail);
-    hand.until(|status| status.trouble.as_deref() == Some("no features"));
+    controller.document(&all);
+    controller.until(|status| status.doing == Doing::Nothing);
+    controller.nothing_begun();
+    controller.tell(TrainerOrder::Pause(true));
+    controller.until(|status| status.doing == Doing::Paused);
+    controller.tell(TrainerOrder::Pause(false));
+    controller.expect(&Begun::Learn(vec![0]), Let::Fail);
+    controller.until(|status| status.trouble.as_deref() == Some("no features"));
     all.frames.push(document(2, 0).frames[1].clone());
-    hand.document(&all);
-    hand.expect(&Begun::Learn(vec![0, 2]), Let::Well);
-    hand.expect(&Begun::Propose(vec![1]), Let::Panic);
-    hand.expect(&Begun::Measure, Let::Panic);
-    hand.until(|status| status.trouble.as_ref().is_some_and(|trouble| trouble.contains("the rule bent")));
-    hand.until_idle();
-    let [failed] = &hand.proposals[..] else { panic!("{:?}", hand.proposals) };
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);
+    controller.expect(&Begun::Propose(vec![1]), Let::Panic);
+    controller.expect(&Begun::Measure, Let::Panic);
+    controller.until(|status| status.trouble.as_ref().is_some_and(|trouble| trouble.contains("the rule bent")));
+    controller.until_idle();
+    let [failed] = &controller.proposals[..] else { panic!("{:?}", controller.proposals) };
     assert_eq!(failed.outcome, Err(NoProposal::Panicked { message: "the forest burns".to_owned() }));
 }
 
 #[test]
 fn the_forest_of_an_earlier_session_serves_and_a_damaged_one_is_made_again() {
-    let mut hand = Hand::start(0.95);
+    let mut controller = Controller::start(0.95);
     let mut all = document(1, 2);
     // What an earlier session proposed and is certain is not asked for.
     proposal(&document(1, 2), 1, 1, 0.97).record(&mut all.frames[1]);
-    hand.document(&all);
-    hand.expect(&Begun::Recall, Let::Well);
-    hand.expect(&Begun::Propose(vec![2]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
-    assert_eq!(hand.status.forest.unwrap().took, None);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Propose(vec![2]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    assert_eq!(controller.status.forest.unwrap().took, None);
 
-    let mut hand = Hand::start(0.95);
-    hand.document(&document(1, 0));
-    hand.expect(&Begun::Recall, Let::Fail);
-    hand.expect(&Begun::Learn(vec![0]), Let::Well);
-    hand.expect(&Begun::Measure, Let::Well);
-    hand.until_idle();
-    assert_eq!(hand.status.trouble, None, "it has been mended");
+    let mut controller = Controller::start(0.95);
+    controller.document(&document(1, 0));
+    controller.expect(&Begun::Recall, Let::Fail);
+    controller.expect(&Begun::Learn(vec![0]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    assert_eq!(controller.status.trouble, None, "it has been mended");
 }
 
 #[test]
-fn the_book_asks_again_for_what_the_document_lost() {
-    let (mut all, forest, mut book) = (document(1, 3), model(), Book::default());
-    let wanted = |book: &Book, document: &Document, generation| -> Vec<usize> {
-        (0..4).filter(|&index| book.wants(document, index, &forest, generation)).collect()
+fn frames_whose_answer_the_document_lost_are_asked_again() {
+    let (mut all, forest, mut answer_cache) = (document(1, 3), model(), AnswerCache::default());
+    let wanted = |answer_cache: &AnswerCache, document: &Document, generation| -> Vec<usize> {
+        (0..4).filter(|&index| answer_cache.wants(document, index, &forest, generation)).collect()
     };
-    assert_eq!(wanted(&book, &all, 1), [1, 2, 3]);
+    assert_eq!(wanted(&answer_cache, &all, 1), [1, 2, 3]);
     for index in 1..4 {
         let said = proposal(&all, index, 1, if index == 3 { 0.6 } else { 0.95 });
-        book.enter(&said);
-        book.look_at(&all);
-        assert_eq!(wanted(&book, &all, 1).len(), 3 - index, "answered, though not yet in the document");
+        answer_cache.enter(&said);
+        answer_cache.look_at(&all);
+        assert_eq!(wanted(&answer_cache, &all, 1).len(), 3 - index, "answered, though not yet in the document");
         said.record(&mut all.frames[index]);
     }
-    book.look_at(&all);
-    assert_eq!((wanted(&book, &all, 1), wanted(&book, &all, 2)), (vec![], vec![3]));
-    assert_eq!((book.answered(&all), book.unanswered(&all), book.given_by(1)), (3, 0, 3));
+    answer_cache.look_at(&all);
+    assert_eq!((wanted(&answer_cache, &all, 1), wanted(&answer_cache, &all, 2)), (vec![], vec![3]));
+    assert_eq!((answer_cache.answered(&all), answer_cache.unanswered(&all), answer_cache.given_by(1)), (3, 0, 3));
 
     let mut undone = all.clone();
     undone.frames[1] = document(1, 3).frames[1].clone();
-    book.look_at(&undone);
-    assert_eq!(wanted(&book, &undone, 1), [1]);
+    answer_cache.look_at(&undone);
+    assert_eq!(wanted(&answer_cache, &undone, 1), [1]);
     let mut moved = all.clone();
     moved.cameras[0].position_m = Some(Vec3::new(0.0, -60.0, 18.0));
-    let mut book = Book::default();
-    book.enter(&proposal(&all, 2, 1, 0.95));
-    book.look_at(&moved);
+    let mut answer_cache = AnswerCache::default();
+    answer_cache.enter(&proposal(&all, 2, 1, 0.95));
+    answer_cache.look_at(&moved);
     // With the base everything that was taught is another.
-    book.trust_from(2);
-    assert!(book.wants(&moved, 2, &forest, 2), "an answer for another base is none");
+    answer_cache.trust_from(2);
+    assert!(answer_cache.wants(&moved, 2, &forest, 2), "an answer for another base is none");
 }

@@ -1,14 +1,14 @@
 //! What a long piece of work asks now and then: whether to go on.
 
-use super::desk::Desk;
+use super::mailbox::TrainerMailbox;
 use crate::app::{Doing, TrainerStatus};
 use crate::proposals::{TrainingFrames, TrainingSet};
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
 
-/// Tells how far a piece of work has come, and ends it when it is not wanted any more.
+/// Reports the progress of a piece of work, and ends it when it is no longer wanted.
 pub(super) struct Watch<'a> {
-    desk: &'a Desk,
+    mailbox: &'a TrainerMailbox,
     status: TrainerStatus,
     until: Until,
     /// The edition of the document that was looked at last.
@@ -19,27 +19,27 @@ pub(super) struct Watch<'a> {
 pub(super) enum Until {
     /// Nothing.
     Done,
-    /// Something of this is not taught any more: added references may wait.
+    /// Part of this training set was withdrawn; added references may wait.
     Unlearnt(TrainingSet),
-    /// Something else is taught.
+    /// The training set changed.
     Changed(TrainingSet),
 }
 
 impl<'a> Watch<'a> {
-    pub(super) fn new(desk: &'a Desk, status: &TrainerStatus, edition: u64, until: Until) -> Self {
-        Self { desk, status: status.clone(), until, looked_at: Mutex::new(edition) }
+    pub(super) fn new(mailbox: &'a TrainerMailbox, status: &TrainerStatus, edition: u64, until: Until) -> Self {
+        Self { mailbox, status: status.clone(), until, looked_at: Mutex::new(edition) }
     }
 
-    /// Tells what is being done; a break where it is to end.
+    /// Reports what is being done; a break if it is to end.
     pub(super) fn tell(&self, doing: Doing) -> ControlFlow<()> {
-        self.desk.report(&TrainerStatus { doing, ..self.status.clone() });
+        self.mailbox.report(&TrainerStatus { doing, ..self.status.clone() });
         if self.is_wanted() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
     }
 
     /// Whether the work is to go on.
     pub(super) fn is_wanted(&self) -> bool {
         let mut looked_at = self.looked_at.lock().unwrap_or_else(PoisonError::into_inner);
-        let news = self.desk.peek(|orders| {
+        let news = self.mailbox.peek(|orders| {
             let document = (orders.edition != *looked_at).then(|| orders.document.clone()).flatten();
             (!orders.paused).then_some((orders.edition, document))
         });
@@ -53,7 +53,7 @@ impl<'a> Watch<'a> {
             Until::Changed(learning) => taught() == *learning,
         };
         if !wanted {
-            // Every thread that asks must hear of it.
+            // Every other thread that asks must stop, too.
             *looked_at = u64::MAX;
         }
         wanted

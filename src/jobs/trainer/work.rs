@@ -1,9 +1,9 @@
 //! What the trainer does next, and doing it.
 
 use super::TrainerOptions;
-use super::book::Book;
-use super::craft::{Craft, Learnt, Measured};
-use super::desk::{Desk, Orders};
+use super::answer_cache::AnswerCache;
+use super::backend::{Backend, Learnt, Measured};
+use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
 use crate::document::{Document, FrameId};
@@ -26,8 +26,8 @@ const LONGEST_TURN: Duration = Duration::from_secs(20);
 
 /// What is known and what has been done.
 pub(super) struct Work<C> {
-    desk: Arc<Desk>,
-    craft: C,
+    mailbox: Arc<TrainerMailbox>,
+    backend: C,
     options: TrainerOptions,
     orders: Orders,
     document: Document,
@@ -43,7 +43,7 @@ pub(super) struct Work<C> {
     failed: Option<TrainingSet>,
     /// Until then proposals have their turn.
     turn_until: Instant,
-    book: Book,
+    answer_cache: AnswerCache,
     queue: Queue,
     /// The frame whose features were shown last, and by which forest.
     shown: Option<(FrameId, u64)>,
@@ -78,12 +78,12 @@ enum Step {
     Wait(Doing, Option<Instant>),
 }
 
-impl<C: Craft> Work<C> {
-    pub(super) fn new(desk: Arc<Desk>, craft: C, options: TrainerOptions) -> Self {
+impl<C: Backend> Work<C> {
+    pub(super) fn new(mailbox: Arc<TrainerMailbox>, backend: C, options: TrainerOptions) -> Self {
         let now = Instant::now();
         Self {
-            desk,
-            craft,
+            mailbox,
+            backend,
             options,
             orders: Orders::default(),
             document: Document::new(crate::document::FieldSpec::new("")),
@@ -95,7 +95,7 @@ impl<C: Craft> Work<C> {
             recalled: false,
             failed: None,
             turn_until: now,
-            book: Book::default(),
+            answer_cache: AnswerCache::default(),
             queue: Queue::default(),
             shown: None,
             measured: 0,
@@ -105,9 +105,9 @@ impl<C: Craft> Work<C> {
         }
     }
 
-    /// Works until it is told to end.
+    /// Works until it is stopped.
     pub(super) fn run(mut self) {
-        while let Some(orders) = self.desk.orders() {
+        while let Some(orders) = self.mailbox.orders() {
             self.take_in(orders);
             let step = self.next();
             if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
@@ -121,7 +121,7 @@ impl<C: Craft> Work<C> {
                 Step::Measure => self.measure(),
                 Step::Wait(doing, until) => {
                     self.report(doing);
-                    self.desk.wait(self.orders.number, until);
+                    self.mailbox.wait(self.orders.number, until);
                 }
             }
         }
@@ -129,7 +129,7 @@ impl<C: Craft> Work<C> {
 
     fn take_in(&mut self, orders: Orders) {
         if self.orders.paused && !orders.paused {
-            // Pausing and going on is how somebody asks to try again.
+            // Pausing and resuming is how the user retries.
             self.failed = None;
         }
         if orders.edition != self.orders.edition
@@ -142,7 +142,7 @@ impl<C: Craft> Work<C> {
                 self.training_set = training_set;
                 self.changed = Instant::now();
             }
-            self.book.look_at(document);
+            self.answer_cache.look_at(document);
             let TrainingFrames { frames, references, withheld } = &self.training_frames;
             (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
@@ -164,7 +164,7 @@ impl<C: Craft> Work<C> {
         }
         let taught = self.forest.as_ref().map(|forest| &forest.training_set);
         let is_taught = taught == Some(&self.training_set);
-        // A forest that has learnt what was withdrawn answers nobody any more.
+        // A forest that was trained with something withdrawn is no longer used.
         let serves = taught.is_some_and(|taught| self.training_set.contains(taught));
         let is_due = !is_taught && self.failed.as_ref() != Some(&self.training_set);
         let mut due = None;
@@ -204,7 +204,7 @@ impl<C: Craft> Work<C> {
     /// Nothing is taught any more.
     fn forget(&mut self) {
         if self.forest.take().is_some() {
-            self.book.trust_from(self.generation + 1);
+            self.answer_cache.trust_from(self.generation + 1);
         }
         self.status = TrainerStatus {
             references: self.status.references,
@@ -217,14 +217,14 @@ impl<C: Craft> Work<C> {
 
     fn recall(&mut self) {
         self.recalled = true;
-        match self.craft.recall(&self.training_set) {
+        match self.backend.recall(&self.training_set) {
             Ok(Some(model)) => {
                 let facts = ForestFacts { references: self.training_frames.frames.len(), ..facts(&model) };
                 self.take_forest(model, self.training_set.clone(), facts);
             }
             Ok(None) => {}
-            // It is made again, which mends it.
-            Err(reason) => self.status.trouble = Some(format!("The kept forest is made again: {reason}")),
+            // Training it again solves the problem.
+            Err(reason) => self.status.trouble = Some(format!("The stored forest is trained again: {reason}")),
         }
     }
 
@@ -232,9 +232,10 @@ impl<C: Craft> Work<C> {
         let begun = Instant::now();
         let (document, training_frames) = (self.document.clone(), self.training_frames.frames.clone());
         let training_set = self.training_set.clone();
-        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
-        let craft = &mut self.craft;
-        let learnt = catch_unwind(AssertUnwindSafe(|| craft.learn(&document, &training_frames, &training_set, &watch)));
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Unlearnt(training_set.clone()));
+        let backend = &mut self.backend;
+        let learnt =
+            catch_unwind(AssertUnwindSafe(|| backend.learn(&document, &training_frames, &training_set, &watch)));
         match learnt {
             Ok(Ok(None)) => {}
             Ok(Ok(Some(Learnt { model, features, failed }))) => {
@@ -259,13 +260,13 @@ impl<C: Craft> Work<C> {
                 self.failed = Some(training_set);
             }
         }
-        self.status.not_kept = self.craft.not_kept();
+        self.status.not_kept = self.backend.not_kept();
     }
 
     fn take_forest(&mut self, model: ForestModel, training_set: TrainingSet, facts: ForestFacts) {
         self.generation += 1;
         if self.forest.as_ref().is_some_and(|before| !training_set.contains(&before.training_set)) {
-            self.book.trust_from(self.generation);
+            self.answer_cache.trust_from(self.generation);
         }
         self.status.forest = Some(ForestFacts { generation: self.generation, ..facts });
         self.forest = Some(Forest { model: Arc::new(model), training_set });
@@ -274,14 +275,14 @@ impl<C: Craft> Work<C> {
 
     fn propose(&mut self, frames: &[usize]) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
-        let done = self.book.given_by(self.generation);
+        let done = self.answer_cache.given_by(self.generation);
         let of = done + frames.len() + self.queue.first.len() + self.queue.rest.len();
-        let watch = Watch::new(&self.desk, &self.status, self.orders.edition, Until::Done);
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
         let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
         let (document, generation) = (&self.document, self.generation);
-        let craft = &mut self.craft;
+        let backend = &mut self.backend;
         let proposed =
-            catch_unwind(AssertUnwindSafe(|| craft.propose(document, frames, (&model, generation), &asking)));
+            catch_unwind(AssertUnwindSafe(|| backend.propose(document, frames, (&model, generation), &asking)));
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
             let message = super::super::panic_message(panic.as_ref());
@@ -298,7 +299,7 @@ impl<C: Craft> Work<C> {
             self.gathered_since = Instant::now();
         }
         for proposal in &proposals {
-            self.book.enter(proposal);
+            self.answer_cache.enter(proposal);
         }
         self.gathered.extend(proposals);
         if self.gathered.len() >= GATHER_MOST {
@@ -310,9 +311,9 @@ impl<C: Craft> Work<C> {
     fn show_features(&mut self, frame: usize) {
         self.shown = Some((self.document.frames[frame].id.clone(), self.generation));
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
-        let (craft, document) = (&mut self.craft, &self.document);
-        match catch_unwind(AssertUnwindSafe(|| craft.features(document, frame, &model))) {
-            Ok(Some(used)) => self.desk.show_features(used),
+        let (backend, document) = (&mut self.backend, &self.document);
+        match catch_unwind(AssertUnwindSafe(|| backend.features(document, frame, &model))) {
+            Ok(Some(used)) => self.mailbox.show_features(used),
             // The picture is missing: the viewport says so.
             Ok(None) => {}
             Err(panic) => self.status.trouble = Some(broke_down("looking at features", panic.as_ref())),
@@ -325,21 +326,21 @@ impl<C: Craft> Work<C> {
             return;
         }
         self.count();
-        self.desk.propose(std::mem::take(&mut self.gathered));
+        self.mailbox.propose(std::mem::take(&mut self.gathered));
     }
 
     fn count(&mut self) {
-        self.status.answered = self.book.answered(&self.document);
-        self.status.unanswered = self.book.unanswered(&self.document);
+        self.status.answered = self.answer_cache.answered(&self.document);
+        self.status.unanswered = self.answer_cache.unanswered(&self.document);
     }
 
     fn measure(&mut self) {
         let document = self.document.clone();
         let training_frames = &self.training_frames.frames;
         let watch =
-            Watch::new(&self.desk, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
-        let craft = &mut self.craft;
-        let measured = catch_unwind(AssertUnwindSafe(|| craft.measure(&document, training_frames, &watch)));
+            Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Changed(self.training_set.clone()));
+        let backend = &mut self.backend;
+        let measured = catch_unwind(AssertUnwindSafe(|| backend.measure(&document, training_frames, &watch)));
         // What was ended is begun again.
         match measured {
             Ok(None) => return,
@@ -355,7 +356,7 @@ impl<C: Craft> Work<C> {
     /// Draws the maps of what references see.
     fn survey(&mut self) {
         let training_frames = &self.training_frames.frames;
-        self.status.coverage = Coverage::of_cameras(self.document.at(self.craft.folder()), training_frames).into();
+        self.status.coverage = Coverage::of_cameras(self.document.at(self.backend.folder()), training_frames).into();
     }
 
     /// The next frames of a part of the queue.
@@ -366,7 +367,7 @@ impl<C: Craft> Work<C> {
         while taken.len() < BATCH
             && let Some(index) = part(&mut self.queue).pop_front()
         {
-            if self.book.wants(&self.document, index, &model, self.generation) {
+            if self.answer_cache.wants(&self.document, index, &model, self.generation) {
                 taken.push(index);
             }
         }
@@ -378,7 +379,7 @@ impl<C: Craft> Work<C> {
         let Some(forest) = &self.forest else { return false };
         let made_for = Some((self.orders.edition, self.orders.frame.clone(), self.generation));
         if self.queue.made_for != made_for {
-            let wanted = |index| self.book.wants(&self.document, index, &forest.model, self.generation);
+            let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, self.generation);
             let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
             self.queue = Queue { first: first.into(), rest: rest.into(), made_for };
         }
@@ -395,7 +396,7 @@ impl<C: Craft> Work<C> {
 
     fn report(&mut self, doing: Doing) {
         self.status.doing = doing;
-        self.desk.report(&self.status);
+        self.mailbox.report(&self.status);
     }
 }
 
@@ -411,5 +412,5 @@ fn facts(model: &ForestModel) -> ForestFacts {
 
 fn broke_down(what: &str, panic: &(dyn Any + Send)) -> String {
     let message = super::super::panic_message(panic);
-    format!("A mistake in this program while {what}: {message}. Pause and resume to try again.")
+    format!("Internal error while {what} (please report it): {message}. Pause and resume to try again.")
 }

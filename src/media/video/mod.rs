@@ -1,4 +1,4 @@
-//! Videos: frames by their true number.
+//! Videos: frames by their number among the decoded frames.
 //!
 //! A frame's number counts the frames that decode, from 0. The container's own count is not used: edit lists, cut-off
 //! files and duration-based estimates make it wrong. Every frame is known by its time stamp, so that frame N is the

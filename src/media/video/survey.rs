@@ -1,7 +1,7 @@
-//! What is found out about a video when it is opened: how many frames decode, when each is shown, how to jump.
+//! Examining a video when it is opened: how many frames decode, when each is shown, how to seek.
 //!
 //! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
-//! That is made sure of in two ways: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
+//! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
 //! because it states the average over all frames; of other files the packets are counted. Where neither holds, every
 //! frame is visited once.
 
@@ -208,7 +208,7 @@ fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>,
     Ok((times_s, capture))
 }
 
-/// Tells now and then how far a count has come.
+/// Reports the progress of a count now and then.
 struct Counter<'a> {
     path: Arc<Path>,
     stated: usize,
@@ -236,7 +236,7 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
     })
 }
 
-/// Tells the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
+/// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
 /// and addresses that it holds.
 fn container_of(path: &Path) -> Result<Container, MediaError> {
     let mut head = Vec::new();

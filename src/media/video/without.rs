@@ -1,4 +1,4 @@
-//! The same interface without OpenCV: no video opens, by name.
+//! The same interface without OpenCV: opening a video is an error.
 
 use super::{CountProgress, VideoInfo};
 use crate::media::error::open_file;

@@ -81,7 +81,7 @@ pub fn train_without(
     let drawn: Vec<Vec<u32>> =
         (0..options.trees.max(1)).map(|tree| draw(samples, used.clone(), options, tree)).collect();
     let total = drawn.iter().map(Vec::len).sum();
-    let watch = Watch { placed: AtomicUsize::new(0), total, stopped: AtomicBool::new(false), progress };
+    let watch = TrainWatch { placed: AtomicUsize::new(0), total, stopped: AtomicBool::new(false), progress };
     let trees: Option<Vec<Tree>> = drawn
         .into_par_iter()
         .enumerate()
@@ -115,14 +115,14 @@ fn mixed(seed: u64, number: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-struct Watch<'a> {
+struct TrainWatch<'a> {
     placed: AtomicUsize,
     total: usize,
     stopped: AtomicBool,
     progress: &'a (dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 }
 
-impl Watch<'_> {
+impl TrainWatch<'_> {
     /// Counts samples that have reached their leaf; every thousand the caller hears of it.
     fn placed(&self, count: usize) {
         let before = self.placed.fetch_add(count, Ordering::Relaxed);
@@ -144,7 +144,7 @@ enum Grown {
 struct Grower<'a> {
     samples: &'a Samples,
     options: &'a TrainOptions,
-    watch: &'a Watch<'a>,
+    watch: &'a TrainWatch<'a>,
 }
 
 impl Grower<'_> {

@@ -1,4 +1,4 @@
-//! What the forest has been asked and has answered, so that no frame is asked twice for nothing.
+//! The forest's answers so far, so that no frame is asked for twice without a reason.
 
 use crate::document::{Document, Frame, FrameId, SolutionSource};
 use crate::proposals::{Asked, NoProposal, Proposal, SURE, is_open};
@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 
 /// The answers so far, by frame.
 #[derive(Debug, Default)]
-pub(super) struct Book {
+pub(super) struct AnswerCache {
     entries: BTreeMap<FrameId, Entry>,
-    /// Forests before this one had learnt something that was withdrawn since.
+    /// Forests before this one were trained with something that was withdrawn since.
     trusted_from: u64,
 }
 
@@ -17,14 +17,14 @@ pub(super) struct Book {
 struct Entry {
     asked: Asked,
     generation: u64,
-    answer: Said,
+    answer: CachedAnswer,
     /// The document holds it.
     recorded: bool,
 }
 
-/// What was answered.
+/// An answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Said {
+enum CachedAnswer {
     /// A camera, right with this probability.
     Camera(f64),
     /// None that this forest knows; another may.
@@ -33,8 +33,8 @@ enum Said {
     Never,
 }
 
-impl Book {
-    /// Looks at a new state of the document: what of it the book knows, and what the document has lost again.
+impl AnswerCache {
+    /// Updates the cache for a new state of the document: drops answers that no longer apply or that the document has lost.
     pub(super) fn look_at(&mut self, document: &Document) {
         self.entries.retain(|id, entry| {
             let Some(frame) = document.frames.by_id(id) else { return false };
@@ -55,7 +55,7 @@ impl Book {
                 self.entries.entry(frame.id.clone()).or_insert_with(|| Entry {
                     asked: Asked::of(document, frame),
                     generation: 0,
-                    answer: Said::Camera(confidence),
+                    answer: CachedAnswer::Camera(confidence),
                     recorded: true,
                 });
             }
@@ -71,25 +71,25 @@ impl Book {
         let Some(entry) = self.entries.get(&frame.id) else { return true };
         entry.generation < generation
             && match entry.answer {
-                Said::Camera(confidence) => confidence < SURE || entry.generation < self.trusted_from,
-                Said::NotFound => true,
-                Said::Never => false,
+                CachedAnswer::Camera(confidence) => confidence < SURE || entry.generation < self.trusted_from,
+                CachedAnswer::NotFound => true,
+                CachedAnswer::Never => false,
             }
     }
 
-    /// Enters an answer.
+    /// Stores an answer.
     pub(super) fn enter(&mut self, proposal: &Proposal) {
         let answer = match &proposal.outcome {
-            Ok(answer) => Said::Camera(answer.confidence),
-            Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => Said::NotFound,
-            Err(_) => Said::Never,
+            Ok(answer) => CachedAnswer::Camera(answer.confidence),
+            Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => CachedAnswer::NotFound,
+            Err(_) => CachedAnswer::Never,
         };
         let asked = proposal.asked.clone();
         let entry = Entry { asked, generation: proposal.generation, answer, recorded: false };
         self.entries.insert(proposal.frame.clone(), entry);
     }
 
-    /// Answers of forests before this one are not to be relied on.
+    /// Answers of forests before this one are no longer reliable.
     pub(super) fn trust_from(&mut self, generation: u64) {
         self.trusted_from = generation;
     }
@@ -101,12 +101,12 @@ impl Book {
 
     /// How many open frames have a camera proposed.
     pub(super) fn answered(&self, document: &Document) -> usize {
-        self.open(document).filter(|entry| matches!(entry.answer, Said::Camera(_))).count()
+        self.open(document).filter(|entry| matches!(entry.answer, CachedAnswer::Camera(_))).count()
     }
 
-    /// How many open frames were asked for in vain.
+    /// How many open frames have no answer.
     pub(super) fn unanswered(&self, document: &Document) -> usize {
-        self.open(document).filter(|entry| entry.answer == Said::NotFound).count()
+        self.open(document).filter(|entry| entry.answer == CachedAnswer::NotFound).count()
     }
 
     fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
@@ -115,12 +115,12 @@ impl Book {
     }
 }
 
-/// The forest was asked for it last.
+/// Whether its camera was proposed by the forest.
 fn is_by_forest(frame: &Frame) -> bool {
     source(frame) == Some(SolutionSource::Forest)
 }
 
-/// Somebody else proposed its camera.
+/// Whether its camera comes from another source.
 fn is_by_others(frame: &Frame) -> bool {
     frame.ptz.is_some() && !is_by_forest(frame)
 }

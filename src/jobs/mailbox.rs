@@ -1,6 +1,6 @@
-//! What a worker and its owner share: the agenda, the frame being read, and the reports that wait to be fetched.
+//! The mailbox between a worker and its owner: the queue, the frame being read, and the reports that wait to be fetched.
 
-use super::agenda::next_place;
+use super::queue::next_place;
 use crate::media::{CountProgress, FrameRef, MediaError, Notice, Picture};
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
@@ -8,10 +8,10 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// How many reports may wait to be fetched before the worker pauses.
 const MAX_REPORTS: usize = 32;
 
-/// What a worker says.
+/// A worker's report.
 #[derive(Debug)]
 pub(super) enum WorkReport {
-    /// A frame of the agenda is done.
+    /// A frame of the queue is done.
     Frame(FrameRef, Result<Picture, MediaError>),
     /// Reading a frame panicked with this message.
     Panicked(FrameRef, String),
@@ -21,17 +21,17 @@ pub(super) enum WorkReport {
     Notice(Notice),
 }
 
-/// Where a worker finds its agenda and leaves its reports. One lock guards all of it, so that a frame is at every
+/// Where a worker finds its queue and leaves its reports. One lock guards all of it, so that a frame is at every
 /// moment either to be read, being read, or reported.
 #[derive(Default)]
-pub(super) struct Desk {
+pub(super) struct FrameMailbox {
     state: Mutex<State>,
     changed: Condvar,
 }
 
 #[derive(Default)]
 struct State {
-    agenda: VecDeque<FrameRef>,
+    queue: VecDeque<FrameRef>,
     reading: Option<Reading>,
     /// Where the reader stands, as far as is known.
     last_read: Option<FrameRef>,
@@ -46,15 +46,15 @@ struct Reading {
 }
 
 /// The owner's side.
-impl Desk {
-    /// Replaces the agenda. `choose` is given the reports that have arrived and returns the frames wanted and, of
+impl FrameMailbox {
+    /// Replaces the queue. `choose` is given the reports that have arrived and returns the frames wanted and, of
     /// these, the ones to be read; each is read once, the one being read is not read again.
-    pub(super) fn replace_agenda(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
+    pub(super) fn replace_queue(&self, choose: impl FnOnce(Vec<WorkReport>) -> Choice) {
         let mut state = self.lock();
         let Choice { wanted, missing } = choose(state.reports.drain(..).collect());
         let reading = state.reading.as_ref().map(|reading| reading.frame.clone());
         let mut chosen = BTreeSet::new();
-        state.agenda = missing
+        state.queue = missing
             .into_iter()
             .filter(|frame| reading.as_ref() != Some(frame) && chosen.insert(frame.clone()))
             .collect();
@@ -75,14 +75,14 @@ impl Desk {
     /// Whether a frame is being read or waits to be.
     pub(super) fn is_pending(&self, frame: &FrameRef) -> bool {
         let state = self.lock();
-        state.agenda.contains(frame) || state.reading.as_ref().is_some_and(|reading| reading.frame == *frame)
+        state.queue.contains(frame) || state.reading.as_ref().is_some_and(|reading| reading.frame == *frame)
     }
 
     /// Tells the worker to end after the frame being read.
     pub(super) fn stop(&self) {
         let mut state = self.lock();
         state.stop = true;
-        state.agenda.clear();
+        state.queue.clear();
         drop(state);
         self.changed.notify_all();
     }
@@ -104,11 +104,11 @@ pub(super) struct Choice {
 }
 
 /// The worker's side.
-impl Desk {
+impl FrameMailbox {
     /// The next frame to read, waiting for one, and for the worker that goes first; none when it is time to stop.
     pub(super) fn take(&self, yields_to: Option<&Self>) -> Option<FrameRef> {
         loop {
-            drop(self.wait_while(|state| state.agenda.is_empty() && !state.stop));
+            drop(self.wait_while(|state| state.queue.is_empty() && !state.stop));
             if let Some(first) = yields_to {
                 drop(first.wait_while(|state| state.is_busy() && !self.lock().stop));
             }
@@ -116,9 +116,9 @@ impl Desk {
             if state.stop {
                 return None;
             }
-            // The agenda may have been emptied in the meantime.
-            let place = next_place(&state.agenda, state.last_read.as_ref());
-            if let Some(frame) = place.and_then(|place| state.agenda.remove(place)) {
+            // The queue may have been emptied in the meantime.
+            let place = next_place(&state.queue, state.last_read.as_ref());
+            if let Some(frame) = place.and_then(|place| state.queue.remove(place)) {
                 state.last_read = Some(frame.clone());
                 state.reading = Some(Reading { frame: frame.clone(), is_wanted: true });
                 return Some(frame);
@@ -139,7 +139,7 @@ impl Desk {
     pub(super) fn give_up(&self) {
         let mut state = self.lock();
         if let Some(reading) = state.reading.take().filter(|reading| reading.is_wanted) {
-            state.agenda.push_front(reading.frame);
+            state.queue.push_front(reading.frame);
         }
         drop(state);
         self.changed.notify_all();
@@ -175,7 +175,7 @@ impl Desk {
 
 impl State {
     fn is_busy(&self) -> bool {
-        let has_work = self.reading.is_some() || !self.agenda.is_empty();
+        let has_work = self.reading.is_some() || !self.queue.is_empty();
         has_work && !self.stop
     }
 }

@@ -1,8 +1,8 @@
-//! What the trainer can do: the real workshop; tests bring another.
+//! The backend of the trainer: the operations on forests and frames; tests use another one.
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
-use super::desk::Desk;
 use super::kept_forest::{keep_forest, kept_forest};
+use super::mailbox::TrainerMailbox;
 use super::watch::Watch;
 use crate::app::{Doing, Share};
 use crate::document::Document;
@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What the trainer can do. Everything long asks its watch whether to go on.
-pub(super) trait Craft {
-    /// The forest that an earlier session left, if it was taught exactly this.
+/// The operations of the trainer. Long ones ask their watch whether to go on.
+pub(super) trait Backend {
+    /// The forest that an earlier session stored, if it was trained with exactly this training set.
     ///
     /// # Errors
     /// One line: there is one, but it cannot be used.
@@ -38,7 +38,7 @@ pub(super) trait Craft {
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, String>;
 
-    /// What the forest proposes for some frames; fewer where the watch, which is told how many are done, ended it.
+    /// What the forest proposes for some frames; fewer where the watch, which receives the number done, ended it.
     fn propose(
         &mut self,
         document: &Document,
@@ -47,10 +47,10 @@ pub(super) trait Craft {
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
 
-    /// What a forest of these training frames is worth, and which of them contradict others; none where the watch ended it.
+    /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
     fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
 
-    /// What a forest makes of a frame's features; none where the frame cannot be read.
+    /// How a forest uses a frame's features; none where the frame cannot be read.
     fn features(&mut self, document: &Document, frame: usize, model: &ForestModel) -> Option<UsedFeatures>;
 
     /// Why nothing is kept on disk, if so.
@@ -63,13 +63,13 @@ pub(super) trait Craft {
 /// A forest that has just been trained.
 pub(super) struct Learnt {
     pub(super) model: ForestModel,
-    /// Features that it was taught.
+    /// The number of features it was trained with.
     pub(super) features: usize,
-    /// Training frames that teach nothing, and why.
+    /// Training frames that cannot be used, and why.
     pub(super) failed: Vec<(usize, String)>,
 }
 
-/// What references and their forest are worth.
+/// The accuracy of the forest, and suspicious references.
 pub(super) struct Measured {
     /// What the forest finds; none where there is nothing to leave out.
     pub(super) quality: Option<Quality>,
@@ -77,8 +77,8 @@ pub(super) struct Measured {
     pub(super) suspects: Vec<Suspect>,
 }
 
-/// The real workshop.
-pub(super) struct Workshop {
+/// The backend that trains and asks forests, with features stored beside the document.
+pub(super) struct ForestBackend {
     folder: PathBuf,
     place: WorkFolder,
     store: FeatureStore,
@@ -89,12 +89,12 @@ pub(super) struct Workshop {
     forest_refused: Option<String>,
 }
 
-impl Workshop {
-    /// The workshop of a document that lies at `file`; frames among `pictures` are not decoded again.
-    pub(super) fn new(file: &Path, desk: Arc<Desk>, pictures: SharedPictures) -> Self {
+impl ForestBackend {
+    /// The backend of a document at `file`; frames among `pictures` are not decoded again.
+    pub(super) fn new(file: &Path, mailbox: Arc<TrainerMailbox>, pictures: SharedPictures) -> Self {
         let place = WorkFolder::beside(file);
         // Counting the frames of a long video is given up when the document is closed.
-        let counting = move |_| desk.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
+        let counting = move |_| mailbox.peek(|_| ()).map_or(ControlFlow::Break(()), ControlFlow::Continue);
         Self {
             folder: file.parent().map(Path::to_path_buf).unwrap_or_default(),
             store: FeatureStore::on_disk(&place),
@@ -117,7 +117,7 @@ impl Workshop {
     }
 }
 
-impl Craft for Workshop {
+impl Backend for ForestBackend {
     fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String> {
         kept_forest(&self.place, training_set, &self.options.features).map_err(|error| error.to_string())
     }
@@ -140,7 +140,10 @@ impl Craft for Workshop {
             Err(LearnError::Stopped(Stopped::Asked)) => return Ok(None),
             Err(LearnError::Stopped(Stopped::NoSamples { .. })) if !failed.is_empty() => {
                 let (index, reason) = &failed[0];
-                return Err(format!("No reference teaches anything. {}: {reason}", document.frames[*index].name()));
+                return Err(format!(
+                    "No reference can be used for training. {}: {reason}",
+                    document.frames[*index].name()
+                ));
             }
             Err(error) => return Err(error.to_string()),
         };

@@ -1,4 +1,4 @@
-//! Which frame of an agenda to read next.
+//! Which frame of an queue to read next.
 
 use crate::media::FrameRef;
 use std::collections::VecDeque;
@@ -9,17 +9,17 @@ use std::collections::VecDeque;
 /// before it cost three milliseconds each if they are taken along. Without this, stepping back would jump for each frame.
 const ON_THE_WAY_FRAMES: usize = 16;
 
-/// The place in an agenda, the most urgent frame first, of the one to read next after `last`: the most urgent, or a frame
-/// of the same video shortly before it that the decoder passes on its way there. None when the agenda is empty.
-pub(super) fn next_place(agenda: &VecDeque<FrameRef>, last: Option<&FrameRef>) -> Option<usize> {
-    let FrameRef::Video { path, index: urgent } = agenda.front()? else { return Some(0) };
+/// The place in an queue, the most urgent frame first, of the one to read next after `last`: the most urgent, or a frame
+/// of the same video shortly before it that the decoder passes on its way there. None when the queue is empty.
+pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) -> Option<usize> {
+    let FrameRef::Video { path, index: urgent } = queue.front()? else { return Some(0) };
     let index_in_video = |frame: &FrameRef| match frame {
         FrameRef::Video { path: other, index } if other == path => Some(*index),
         FrameRef::Video { .. } | FrameRef::Image(_) => None,
     };
     let stands_at = last.and_then(index_in_video).filter(|at| at < urgent);
     let from = urgent.saturating_sub(ON_THE_WAY_FRAMES).max(stands_at.map_or(0, |at| at + 1));
-    let on_the_way = agenda.iter().enumerate().filter_map(|(place, frame)| Some((index_in_video(frame)?, place)));
+    let on_the_way = queue.iter().enumerate().filter_map(|(place, frame)| Some((index_in_video(frame)?, place)));
     on_the_way.filter(|(index, _)| (from..=*urgent).contains(index)).min().map(|(_, place)| place)
 }
 
@@ -29,12 +29,12 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// The order in which an agenda is read when the decoder stands at a frame.
-    fn order(agenda: &[usize], stands_at: Option<usize>) -> Vec<usize> {
-        let mut agenda: VecDeque<_> = agenda.iter().map(|&index| frame(index)).collect();
+    /// The order in which an queue is read when the decoder stands at a frame.
+    fn order(queue: &[usize], stands_at: Option<usize>) -> Vec<usize> {
+        let mut queue: VecDeque<_> = queue.iter().map(|&index| frame(index)).collect();
         let mut last = stands_at.map(frame);
         let mut order = Vec::new();
-        while let Some(next) = next_place(&agenda, last.as_ref()).and_then(|place| agenda.remove(place)) {
+        while let Some(next) = next_place(&queue, last.as_ref()).and_then(|place| queue.remove(place)) {
             let FrameRef::Video { index, .. } = next else { panic!() };
             order.push(index);
             last = Some(next);
@@ -43,7 +43,7 @@ mod tests {
     }
 
     #[test]
-    fn forward_the_agenda_is_kept() {
+    fn forward_the_order_of_the_queue_is_kept() {
         assert_eq!(order(&[5, 6, 7, 8], Some(4)), [5, 6, 7, 8]);
         assert_eq!(order(&[5, 6, 7, 4, 3], Some(4)), [5, 6, 7, 3, 4], "those behind come last, in one pass");
         assert_eq!(order(&[100, 101, 5], Some(4)), [100, 101, 5], "too far to be on the way");
@@ -61,8 +61,8 @@ mod tests {
     fn other_files_are_not_on_the_way() {
         let image = FrameRef::image(Path::new("a.png"));
         let other = FrameRef::video(Path::new("other.mp4"), 4);
-        let agenda: VecDeque<_> = [frame(5), other.clone(), image.clone()].into();
-        assert_eq!(next_place(&agenda, Some(&other)), Some(0));
+        let queue: VecDeque<_> = [frame(5), other.clone(), image.clone()].into();
+        assert_eq!(next_place(&queue, Some(&other)), Some(0));
         assert_eq!(next_place(&[image, frame(5)].into(), None), Some(0));
         assert_eq!(next_place(&VecDeque::new(), None), None);
     }

@@ -1,4 +1,4 @@
-//! What the trainer and its owner share: the newest orders, the reports that wait.
+//! The mailbox between the trainer and its owner: the newest orders and the waiting reports.
 
 use super::super::Wake;
 use super::TrainerReport;
@@ -11,11 +11,11 @@ use std::time::{Duration, Instant};
 /// Proposals that may wait to be fetched; the trainer pauses then.
 const MOST_PROPOSALS: usize = 1024;
 
-/// Progress is told this often at most: each time a window is drawn.
+/// The shortest time between two progress reports.
 const TELL_EVERY: Duration = Duration::from_millis(200);
 
 /// One lock guards all of it.
-pub(super) struct Desk {
+pub(super) struct TrainerMailbox {
     state: Mutex<State>,
     changed: Condvar,
     wake: Wake,
@@ -33,7 +33,7 @@ struct State {
     features: Option<UsedFeatures>,
 }
 
-/// What the trainer is to go by.
+/// The current orders of the trainer.
 #[derive(Clone, Default)]
 pub(super) struct Orders {
     /// The newest document.
@@ -51,7 +51,7 @@ pub(super) struct Orders {
 }
 
 /// The owner's side.
-impl Desk {
+impl TrainerMailbox {
     pub(super) fn new(wake: Wake) -> Self {
         Self { state: Mutex::default(), changed: Condvar::new(), wake }
     }
@@ -104,7 +104,7 @@ impl Desk {
 }
 
 /// The trainer's side.
-impl Desk {
+impl TrainerMailbox {
     /// The newest orders; none when it is time to end.
     pub(super) fn orders(&self) -> Option<Orders> {
         let state = self.lock();
