@@ -5,6 +5,7 @@
 //! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
 //! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
+//! | [`standing_graphics`] | the same by edges, for what has few features: watermarks, black boxes |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
 //! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
@@ -29,6 +30,7 @@ mod sift;
 #[cfg(feature = "opencv")]
 mod spread;
 mod standing;
+mod standing_edges;
 
 pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use burnt_in::{BurntIn, BurntInGraphic, burnt_in};
@@ -40,3 +42,4 @@ pub use extract::extract;
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
+pub use standing_edges::{ReducedPicture, standing_graphics};

@@ -21,7 +21,7 @@ pub struct FoundMask {
     pub mask: RangedMask,
     /// The frames in which it was found first and last, by their places in the document.
     pub frames: [usize; 2],
-    /// How many features of all pictures together stand still there.
+    /// How many features of all pictures together, or edges, stand still there.
     pub features: usize,
 }
 

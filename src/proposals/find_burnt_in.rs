@@ -1,10 +1,11 @@
-//! Graphics burnt into the pictures of a document, labelled or not: found from a few pictures of each camera.
+//! Graphics burnt into the pictures of a document, labelled or not: found from a few pictures of each camera, by edges that
+//! stand throughout and by features that stand for a while.
 
 use super::burnt_in::{FoundMask, moved_by_labels};
-use super::{FrameFeatures, FramePictures};
+use super::{FrameFeatures, FramePictures, read_picture};
 use crate::camera::PtzCamera;
 use crate::document::{Camera, Extra, MaskSource, RangedMask};
-use crate::features::{BurntInGraphic, Features, burnt_in};
+use crate::features::{BurntInGraphic, Features, ReducedPicture, burnt_in, standing_graphics};
 use crate::media::ReadFrames;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -25,14 +26,53 @@ pub fn find_burnt_in(
     for camera in &pictures.document.cameras {
         let frames = &pictures.document.frames;
         let of_camera: Vec<usize> = (0..frames.len()).filter(|&index| frames[index].camera == camera.id).collect();
-        let looked_at = pictures.each(reader, &spread(&of_camera, LOOKED_AT), |index, _, found| {
+        let frames = spread(&of_camera, LOOKED_AT);
+        let by_edges = by_edges(pictures, camera, reader, &frames, progress)?;
+        let looked_at = pictures.each(reader, &frames, |index, _, found| {
             progress()?;
             ControlFlow::Continue(found.ok().map(|FrameFeatures { features, .. }| (index, features)))
         })?;
         let looked_at: Vec<(usize, Arc<Features>)> = looked_at.into_iter().flatten().collect();
-        found.extend(of_pictures(pictures, camera, &looked_at));
+        let by_features = of_pictures(pictures, camera, &looked_at);
+        let is_new = |graphic: &FoundMask| {
+            let centre = graphic.mask.pixel_box.centre();
+            !by_edges.iter().any(|known| known.mask.pixel_box.contains(centre))
+        };
+        let by_features: Vec<FoundMask> = by_features.into_iter().filter(is_new).collect();
+        found.extend(by_edges.into_iter().chain(by_features));
     }
     Some(found)
+}
+
+/// The graphics that stand throughout, by their edges; none where `progress` ended it.
+fn by_edges(
+    pictures: &FramePictures<'_>,
+    camera: &Camera,
+    reader: &mut dyn ReadFrames,
+    frames: &[usize],
+    progress: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Option<Vec<FoundMask>> {
+    let document = pictures.document;
+    let mut reduced = Vec::with_capacity(frames.len());
+    for &index in frames {
+        if progress().is_break() {
+            return None;
+        }
+        let picture = read_picture(reader, &document.frames[index], pictures.folder);
+        reduced.extend(picture.ok().map(|picture| ReducedPicture::new(&picture)));
+    }
+    let (Some(&first), Some(&last)) = (frames.first(), frames.last()) else { return Some(Vec::new()) };
+    let masked = document.masks_of(&document.frames[first]);
+    let graphics = standing_graphics(&reduced);
+    let unknown =
+        graphics.into_iter().filter(|(graphic, _)| !masked.iter().any(|mask| mask.contains(graphic.centre())));
+    let found = unknown.map(|(pixel_box, edges)| FoundMask {
+        camera: camera.id.clone(),
+        mask: RangedMask { pixel_box, from: None, to: None, source: MaskSource::Found, extra: Extra::new() },
+        frames: [first, last],
+        features: edges,
+    });
+    Some(found.collect())
 }
 
 /// At most `most` of some places, evenly spread, the first and the last among them.
