@@ -31,7 +31,7 @@
 //! | 8 | `ui` (egui only here), `cli` (one file per command) |
 //! | 7 | `jobs` (the only detached threads), `render` (wgpu, no egui) |
 //! | 6 | `app` (the whole application without a window), `experiments` (tables and figures of what was measured) |
-//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
+//! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
 //! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |

@@ -26,9 +26,11 @@ enum State {
     Clicked,
     /// Every 200th frame is clicked, and none is solved.
     Begun,
+    /// Every 200th frame is clicked, and a camera is suggested for every other.
+    Suggested,
 }
 
-const STATES: [State; 3] = [State::Solved, State::Clicked, State::Begun];
+const STATES: [State; 4] = [State::Solved, State::Clicked, State::Begun, State::Suggested];
 
 fn main() {
     divan::main();
@@ -51,7 +53,7 @@ fn document(state: State) -> Document {
         let pointed = PtzCamera::new(base, ptz(index));
         let video = VideoFrame::new("match.mp4", index as u64, Some(0.04 * index as f64));
         let mut frame = Frame::from_video(video, "main".into(), SIZE);
-        if state != State::Begun || index.is_multiple_of(200) {
+        if !matches!(state, State::Begun | State::Suggested) || index.is_multiple_of(200) {
             let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
             let shown = field.landmarks.iter().filter_map(|landmark| Some((landmark, image(landmark)?)));
             let shown = shown.filter(|(_, image)| SIZE.contains(*image)).take(4);
@@ -62,6 +64,12 @@ fn document(state: State) -> Document {
             frame.status = FrameStatus::Reference;
             frame.ptz = Some(FramePtz::new(pointed.ptz(), None));
             frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+        }
+        if state == State::Suggested && frame.clicks.is_empty() {
+            let (source, confidence) = (Some(SolutionSource::Forest), Some(0.9));
+            frame.status = FrameStatus::Suggested;
+            frame.ptz = Some(FramePtz::new(pointed.ptz(), None));
+            frame.solution = Some(Solution { source, confidence, ..Solution::default() });
         }
         frame.into()
     };
