@@ -51,17 +51,8 @@ pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ptz;
-    use crate::document::{Click, FieldSpec, FramePtz, FrameStatus};
-    use crate::geometry::{ImagePoint, ImageSize};
-
-    fn reference(pan_deg: f64, landmarks: &[&str]) -> Frame {
-        let mut frame = Frame::from_image("a.jpg", "main".into(), ImageSize::new(1920, 1080));
-        frame.status = FrameStatus::Reference;
-        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -10.0, 2000.0), None));
-        frame.clicks = landmarks.iter().map(|id| Click::landmark((*id).into(), ImagePoint::new(9.0, 9.0))).collect();
-        frame
-    }
+    use crate::document::fixtures::reference;
+    use crate::document::{FieldSpec, FrameStatus};
 
     #[test]
     fn chosen_frames_spread_over_landmarks_and_pan() {

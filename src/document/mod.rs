@@ -88,6 +88,8 @@ mod document;
 mod edit;
 mod field_size;
 mod fields;
+#[cfg(test)]
+pub(crate) mod fixtures;
 mod frame;
 mod frame_changes;
 mod frame_id;

@@ -147,9 +147,10 @@ impl<'a> CurveProjection<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::camera::Ptz;
     use crate::field::FieldModel;
     use crate::geometry::Angle;
+    use crate::solve::fixtures::base;
 
     fn field(crown_m: f64) -> FieldModel {
         FieldModel {
@@ -161,17 +162,6 @@ mod tests {
             landmarks: Vec::new(),
             lines: Vec::new(),
             line_click_sigma_px: 2.0,
-        }
-    }
-
-    fn base() -> CameraBase {
-        CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.06, per_1000_px: 0.21 },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                BaseAngles { roll: Angle::from_degrees(0.7), ..BaseAngles::default() }.base_from_world(),
-                ImagePoint::new(955.0, 543.0),
-            )
         }
     }
 

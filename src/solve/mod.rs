@@ -10,6 +10,8 @@ pub mod base;
 mod checks;
 mod covariance;
 mod error;
+#[cfg(test)]
+mod fixtures;
 mod frame;
 mod identity;
 mod least_squares;

@@ -187,22 +187,12 @@ impl ObservedShape {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+    use crate::camera::{CameraBase, FocalCurve, Ptz};
     use crate::field::builtin;
     use crate::geometry::Angle;
     use crate::geometry::rotation::from_rotation_vector;
+    use crate::solve::fixtures::base;
     use std::collections::BTreeMap;
-
-    fn base() -> CameraBase {
-        CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.06, per_1000_px: 0.21 },
-            ..CameraBase::new(
-                Vec3::new(3.0, -62.0, 17.0),
-                BaseAngles { roll: Angle::from_degrees(0.7), ..BaseAngles::default() }.base_from_world(),
-                ImagePoint::new(955.0, 543.0),
-            )
-        }
-    }
 
     const PTZ: Ptz = Ptz::from_degrees(-4.0, -15.0, 1910.0);
 
