@@ -7,7 +7,7 @@
 //!
 //! # Schema
 //!
-//! Every key that this program knows is typed, checked when it is read, and stands here; the linked items say more. A key
+//! Every key that this program knows is typed, checked when it is read, and is listed here; the linked items give details. A key
 //! with `?` may be absent. Whatever else a file holds is kept as it is.
 //!
 //! The document ([`Document`]):
@@ -26,7 +26,7 @@
 //!
 //! | key | what it is |
 //! |---|---|
-//! | `id` | what frames call it |
+//! | `id` | the name that frames refer to |
 //! | `image_size_px`, `principal_point_px` | of its pictures, px |
 //! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
 //! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]) |
@@ -50,7 +50,7 @@
 //! | `clip?` | its shot, a number or a word ([`Clip`]) |
 //! | `comment?` | what somebody noted |
 //! | `use_for_base?` | `false` leaves it out when a base is estimated |
-//! | `use_for_training?` | whether the forest learns from it; read also as `teaches`; absent: accepted suggestions are not used |
+//! | `use_for_training?` | whether the forest is trained with it; read also as `teaches`; absent: accepted suggestions are not used |
 //! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round` ([`Repeat`]) |
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?` ([`Click`]) |
@@ -67,7 +67,7 @@
 //! | `source?` | [`SolutionSource`] |
 //! | `confidence?` | 0 to 1: that the overlay is right within 10 px at 1920 px width |
 //! | `samples?` | how many samples of painted lines took part |
-//! | `line_check?` | what the paint says of it: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
+//! | `line_check?` | the evidence of the paint: `score`, `predicted`, `found`, `bare`, … ([`PaintEvidence`]) |
 //! | `proposed?` | what the program proposed before a person corrected it ([`Proposed`]) |
 //! | `timings_ms?` | `features`, `predict`, `pose` ([`TimingsMs`]) |
 //! | `verdict?` | on the clicks when they were solved |

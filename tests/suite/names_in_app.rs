@@ -198,7 +198,7 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     app.update(Action::Command(Command::AcceptAnyway));
     let accepted = app.open().unwrap().frame(0).unwrap();
     assert_eq!((app.session.frame, accepted.status), (1, FrameStatus::Reference));
-    assert!(!accepted.is_used_for_training(), "a wrong frame does not teach by itself");
+    assert!(!accepted.is_used_for_training(), "a wrong frame is not used for training by default");
     assert!(!app.session.offers(Command::AcceptAnyway), "the question is answered");
 
     // Enter twice says the same; after a change it is asked again.

@@ -187,7 +187,7 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
         kind: SetKind::Own,
         title: format!("own frames, {documents}{asked} in {} clips", splits.len()),
         protocol:
-            "Each clip is asked of the other clips of its camera; the truth is the camera that the document holds for \
+            "Each clip is tested against the other clips of its camera; the truth is the camera that the document holds for \
                    the frame, with the errors of the clicks that it was fitted to."
                 .to_owned(),
         frames: gathered.frames,

@@ -74,10 +74,10 @@ pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Resu
     let source =
         if read.field_model.is_some() { "its own model" } else { "no model found, the size that the paper states" };
     let protocol = match (kind, whole) {
-        (PublishedKind::Highlights, true) => "A sequence is asked of the frames of all others.",
+        (PublishedKind::Highlights, true) => "Each sequence is tested against the frames of all others.",
         (PublishedKind::Highlights, false) => {
-            "A sequence is asked of the frames of all others from its camera; where there is none, every other frame teaches the \
-             rest."
+            "Each sequence is tested against the frames of all others from its camera; where there is none, every other frame is \
+             used for training, the rest for testing."
         }
         (PublishedKind::WorldCup, _) => "Every other frame of a game is used for training, the rest for testing.",
     };
