@@ -29,12 +29,14 @@ impl App {
     /// where they were.
     pub(super) fn follow_base(&mut self) {
         let Some(open) = &mut self.open else { return };
-        let Some(before) = open.history.before() else { return };
-        let moved = moved_frames(before, &open.document);
+        if !open.history.is_open() {
+            return;
+        }
+        let before = open.journalled.shown().clone();
+        let moved = moved_frames(&before, &open.document);
         if moved.is_empty() {
             return;
         }
-        let before = before.clone();
         let mut gone = 0;
         for index in moved {
             let Some(frame) = open.document.frames.get(index) else { continue };
