@@ -86,7 +86,7 @@ pub fn calibrate(
         ..SolveContext::new(frame.image_size)
     };
     if let Some(proposed) = frame.proposed() {
-        inform(&mut context, &proposed, &observations);
+        inform(&mut context, &base, &proposed, &observations);
     }
     let solution = solve_frame(&base, &observations, &context)?;
     if context.prior.is_some() {

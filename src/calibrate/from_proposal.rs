@@ -1,31 +1,76 @@
 //! What a solve knows from a camera that the program proposed.
+//!
+//! A proposal with its covariance is evidence as clicks are: a click that agrees with it makes the camera better known, never
+//! worse. A click that contradicts it says that the covariance is too small, and by how much.
 
+use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{ENOUGH_EQUATIONS, Proposed};
-use crate::geometry::Angle;
-use crate::solve::{Observation, PtzPrior, SolveContext};
+use crate::geometry::{Angle, ImageSize};
+use crate::solve::{Observation, PtzPrior, SolveContext, Uncertainty};
+use nalgebra::Matrix3x6;
 
-/// One click on a proposal moves it: pan and tilt follow the click, within this 1-σ.
+/// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this 1-σ.
 const FREE: Angle = Angle::from_degrees(3.0);
 /// And the focal length stays as it was proposed, within this share.
 const FOCAL_SHARE: f64 = 0.02;
 
 /// What a solve knows from a proposal: where to start, and with too few clicks to decide by themselves, what they move.
-pub(super) fn inform(context: &mut SolveContext, proposed: &Proposed, observations: &[Observation]) {
+pub(super) fn inform(context: &mut SolveContext, base: &CameraBase, proposed: &Proposed, observations: &[Observation]) {
     let ptz = proposed.ptz.ptz();
     context.start = Some(ptz);
-    let used = observations.iter().filter(|observation| !observation.check);
-    if used.map(Observation::equations).sum::<usize>() < ENOUGH_EQUATIONS {
-        context.prior = Some(PtzPrior { ptz, sigma_pan: FREE, sigma_tilt: FREE, sigma_focal_share: FOCAL_SHARE });
+    let used: Vec<&Observation> = observations.iter().filter(|observation| !observation.check).collect();
+    if used.iter().map(|observation| observation.equations()).sum::<usize>() < ENOUGH_EQUATIONS {
+        let camera = PtzCamera::new(*base, ptz);
+        let stated = stated_prior(&camera, proposed, &used, context.image_size);
+        context.prior = Some(stated.unwrap_or(PtzPrior {
+            ptz,
+            sigma_pan: FREE,
+            sigma_tilt: FREE,
+            sigma_focal_share: FOCAL_SHARE,
+            by_base: Matrix3x6::zeros(),
+        }));
     }
+}
+
+/// A proposal as its covariance states it, made wider where the clicks are farther off than it allows; none where it states
+/// nothing that can be used.
+fn stated_prior(
+    camera: &PtzCamera,
+    proposed: &Proposed,
+    used: &[&Observation],
+    image_size: ImageSize,
+) -> Option<PtzPrior> {
+    let stated = Uncertainty::of_stored(camera, &proposed.covariance?, image_size)?;
+    let (mut off, mut expected, mut noise) = (0.0, 0.0, 0.0);
+    for observation in used {
+        let here = observation.shape.jacobian(camera, observation.image)?;
+        let overlay = stated.overlay_at_world(camera, here.nearest_in_world)?;
+        off += here.value_px.norm_squared();
+        expected += (here.by_image * overlay * here.by_image.transpose()).trace();
+        noise += observation.sigma_px * observation.sigma_px * observation.equations() as f64;
+    }
+    let wider = ((off - noise) / expected).max(1.0).sqrt();
+    let sigma = stated.clicks.diagonal().map(f64::sqrt);
+    let angle = |own: f64| Angle::from_radians((own * wider).min(FREE.radians()).max(own));
+    let focal_share = sigma.z / camera.ptz().focal_px;
+    Some(PtzPrior {
+        ptz: camera.ptz(),
+        sigma_pan: angle(sigma.x),
+        sigma_tilt: angle(sigma.y),
+        // However wrong it is, what a click moves is where the camera looks.
+        sigma_focal_share: (focal_share * wider).min(FOCAL_SHARE).max(focal_share),
+        by_base: stated.by_base,
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use crate::calibrate::{FrameLookup, calibrate};
-    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz, PtzCamera};
     use crate::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource};
     use crate::field::builtin;
-    use crate::geometry::{ImageSize, Vec3};
+    use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+    use crate::solve::Uncertainty;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -72,6 +117,41 @@ mod tests {
         assert!(document.frames[0].restore_proposed());
         assert_eq!(document.frames[0].proposed(), Some(before));
         assert!(!document.frames[0].restore_proposed());
+    }
+
+    /// What is stated of the worst corner after one click on the centre mark that is off from where the proposal has it.
+    fn after_one_click(off_px: f64) -> (f64, f64, Ptz) {
+        let field = builtin("soccer").unwrap().default_model().unwrap();
+        let (mut document, _) = slightly_wrong();
+        let camera = document.cameras[0].id.clone();
+        let sigma = BaseSigma { position_m: Vec3::new(0.1, 0.2, 0.1), rotation: Vec3::new(5e-4, 5e-4, 0.0) };
+        let base = CameraBase { sigma, ..document.camera(&camera).unwrap().base().unwrap() };
+        document.camera_mut(&camera).unwrap().set_base(&base);
+        let proposed = document.pointed(&document.frames[0]).unwrap();
+        let known = Mat3::from_diagonal(&Vec3::new(4e-4_f64.powi(2), 4e-4_f64.powi(2), 4.0));
+        let stated = Uncertainty::of_known(&proposed, known, SIZE).unwrap();
+        let before_px = stated.worst_corner_sigma_px(&proposed, SIZE);
+        let solution = document.frames[0].solution.as_mut().unwrap();
+        solution.covariance = Some(stated.ptz_covariance_deg());
+        let at = proposed.image_from_world(field.landmark_in_world(field.landmark("centre_mark").unwrap())).unwrap();
+        document.frames[0].clicks.push(Click::landmark("centre_mark".into(), ImagePoint::new(at.x + off_px, at.y)));
+        let one = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();
+        (before_px, one.worst_corner_sigma_px, one.ptz)
+    }
+
+    #[test]
+    fn a_click_that_agrees_with_a_proposal_makes_it_no_less_certain() {
+        let (before_px, after_px, _) = after_one_click(1.0);
+        assert!(after_px < before_px && after_px > 0.5 * before_px, "{before_px} {after_px}");
+    }
+
+    #[test]
+    fn a_click_that_contradicts_a_proposal_moves_it_and_says_how_far_it_was_off() {
+        let (before_px, after_px, ptz) = after_one_click(40.0);
+        assert!(after_px > 2.0 * before_px && after_px < 40.0, "{before_px} {after_px}");
+        // 40 px at a focal length of 2310 px.
+        let turned = (ptz.pan.degrees() + 2.0) / 40f64.atan2(2310.0).to_degrees();
+        assert!((-1.1..-0.9).contains(&turned), "{turned}");
     }
 
     #[test]

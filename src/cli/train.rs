@@ -7,8 +7,8 @@ use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
 use crate::features::{Detector, FeatureOptions};
 use crate::media::FrameReader;
-use crate::proposals::{FramePictures, LearnOptions, TrainingFrames, learn, study};
-use crate::relocalize::{CameraForest, TrainOptions};
+use crate::proposals::{FramePictures, LearnOptions, TrainingFrames, WRONG_PX, learn, measure, study};
+use crate::relocalize::{CameraForest, RelocalizeOptions, TrainOptions};
 use anyhow::ensure;
 use clap::ValueEnum;
 use std::ops::ControlFlow;
@@ -114,7 +114,24 @@ pub fn train(args: &TrainArgs, messages: Messages) -> anyhow::Result<Outcome> {
         ControlFlow::Continue(())
     });
     bar.finish_and_clear();
-    let model = model?;
+    let mut model = model?;
+    let bar = messages.progress(0, "Asking for references left out");
+    let (training, relocalizing) = (&training_frames.frames, RelocalizeOptions::default());
+    let quality = measure(&pictures, &mut FrameReader::new(), training, &options, &relocalizing, &|done, of| {
+        bar.set_length(of as u64);
+        bar.set_position(done as u64);
+        ControlFlow::Continue(())
+    });
+    bar.finish_and_clear();
+    if let Some(quality) = &quality {
+        quality.bound(&document, &mut model);
+        messages.note(&format!(
+            "{} references left out and asked for: {} found, {} of them off by over {WRONG_PX} px",
+            quality.asked.len(),
+            quality.found(),
+            quality.wrong().count()
+        ));
+    }
     write_file(&args.output, &model.to_bytes(), args.force)?;
     let count = |of: fn(&CameraForest) -> usize| model.cameras.iter().map(of).sum::<usize>();
     messages.note(&format!(

@@ -121,8 +121,8 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
 fn weigh(answer: &mut Answer, min_confidence: f64) -> Option<NoProposal> {
     let check = answer.line_check.filter(can_say)?;
     let log_odds = |probability: f64| (probability / (1.0 - probability)).ln();
-    let both = log_odds(check.score) + log_odds(answer.confidence).min(FEATURES_AT_MOST);
-    answer.confidence = 1.0 / (1.0 + (-both).exp());
+    let both = log_odds(check.score) + log_odds(answer.evidence.agreement()).min(FEATURES_AT_MOST);
+    answer.confidence = answer.evidence.confidence_if(1.0 / (1.0 + (-both).exp()));
     let contradicted = NoProposal::Contradicted { found: check.found, open: check.found + check.bare };
     (!(answer.confidence >= min_confidence)).then_some(contradicted)
 }
@@ -133,8 +133,17 @@ mod tests {
     use crate::camera::Ptz;
     use crate::document::FramePtz;
     use crate::geometry::Mat3;
+    use crate::relocalize::{Evidence, FromReference};
 
-    fn answer(confidence: f64, score: f64, open: usize) -> Answer {
+    /// An answer of features that are good to so many px.
+    fn answer(features_sigma_px: f64, score: f64, open: usize) -> Answer {
+        let evidence = Evidence {
+            breadth_px: 100.0,
+            features_sigma_px,
+            labelled_sigma_px: 1.0,
+            from_reference: FromReference::default(),
+            at_most: 1.0,
+        };
         let line_check = Some(LineCheck {
             predicted: open,
             found: open / 2,
@@ -151,24 +160,26 @@ mod tests {
             covariance: Mat3::identity(),
             rms_px: 1.0,
             worst_corner_sigma_px: 1.0,
-            confidence,
+            confidence: evidence.confidence(),
             inliers: 100,
             places: 50,
+            evidence,
             line_check,
         }
     }
 
     #[test]
     fn however_certain_the_features_are_paint_that_is_elsewhere_ends_the_answer() {
-        let mut certain = answer(0.999, 0.02, 200);
+        let mut certain = answer(0.2, 0.02, 200);
+        assert!(certain.confidence > 0.998);
         assert_eq!(weigh(&mut certain, 0.5), Some(NoProposal::Contradicted { found: 100, open: 200 }));
         assert!(certain.confidence < 0.1, "{}", certain.confidence);
     }
 
     #[test]
     fn paint_that_supports_raises_a_doubtful_answer_and_keeps_a_certain_one() {
-        for (features, least) in [(0.6, 0.97), (0.999, 0.98)] {
-            let mut answer = answer(features, 0.97, 200);
+        for (features_sigma_px, least) in [(11.0, 0.97), (0.2, 0.98)] {
+            let mut answer = answer(features_sigma_px, 0.97, 200);
             assert_eq!(weigh(&mut answer, 0.5), None);
             assert!(answer.confidence > least && answer.confidence < 1.0, "{}", answer.confidence);
         }
@@ -176,8 +187,9 @@ mod tests {
 
     #[test]
     fn where_too_little_is_open_the_features_decide() {
-        let mut hidden = answer(0.9, 0.3, 8);
+        let mut hidden = answer(4.0, 0.3, 8);
+        let before = hidden.confidence;
         assert_eq!(weigh(&mut hidden, 0.5), None);
-        assert!(hidden.confidence == 0.9);
+        assert!(hidden.confidence == before && before > 0.5);
     }
 }

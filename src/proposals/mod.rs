@@ -11,6 +11,7 @@
 //! | `AskingOrder` | which frames the forest is asked for first |
 //! | `TrainingSet` | what a forest was trained on |
 //! | [`measure`], [`Quality`] | references left out and asked for |
+//! | [`ExpectedWrong`] | how many of some answers are wrong |
 //! | [`Coverage`], [`label_advice`] | where references look; which frame to label next |
 //! | `find_suspects` | references whose labels contradict others |
 //! | [`UsedFeatures`] | what the forest made of a picture's features |
@@ -22,6 +23,7 @@ mod advice;
 mod bases;
 mod burnt_in;
 mod coverage;
+mod expected_wrong;
 mod features;
 mod find_burnt_in;
 mod label;
@@ -46,6 +48,7 @@ pub use advice::{LabelNext, SURE, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
 pub use coverage::{Coverage, CoverageCell};
+pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
 pub(crate) use layer::Layered;

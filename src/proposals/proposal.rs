@@ -8,7 +8,7 @@ use crate::document::{
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
-use crate::relocalize::NotFound;
+use crate::relocalize::{Evidence, NotFound};
 use std::time::Duration;
 use thiserror::Error;
 
@@ -59,6 +59,8 @@ pub struct Answer {
     pub inliers: usize,
     /// In how many places of the picture.
     pub places: usize,
+    /// What speaks for it besides the painted lines.
+    pub evidence: Evidence,
     /// What the painted lines say about it, where they were asked.
     pub line_check: Option<LineCheck>,
 }

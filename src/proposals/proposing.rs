@@ -3,6 +3,7 @@
 use super::{Answer, Asked, FrameFeatures, NoProposal, PictureError, Proposal, Timings};
 use crate::camera::CameraBase;
 use crate::document::{Document, FramePtz};
+use crate::geometry::ImageSize;
 use crate::relocalize::{ForestModel, Pose, RelocalizeOptions, Relocalized, relocalize};
 
 /// What the forest says of a frame with these features, if they could be had.
@@ -26,12 +27,12 @@ pub fn propose(
         let Relocalized { pose, predict_time, pose_time } =
             relocalize(&found.features, &forest.forest, &forest.seen, &base, options);
         (timings.predict, timings.pose) = (predict_time, pose_time);
-        Ok(answer(&pose?, &base))
+        Ok(answer(&pose?, &base, frame.image_size))
     });
     Proposal { frame: frame.id.clone(), asked, generation, outcome, timings }
 }
 
-fn answer(pose: &Pose, base: &CameraBase) -> Answer {
+fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
     let k1 = Some(base.distortion.at(pose.ptz.focal_px)).filter(|k1| *k1 != 0.0);
     Answer {
         ptz: FramePtz::new(pose.ptz, k1),
@@ -41,6 +42,7 @@ fn answer(pose: &Pose, base: &CameraBase) -> Answer {
         confidence: pose.confidence,
         inliers: pose.inliers.len(),
         places: pose.places,
+        evidence: pose.evidence(image_size),
         line_check: None,
     }
 }

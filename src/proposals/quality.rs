@@ -10,7 +10,9 @@ use crate::document::{Camera, Clip, Document, Frame};
 use crate::geometry::median;
 use crate::geometry::{ImagePoint, ImageSize, Mat3};
 use crate::media::ReadFrames;
-use crate::relocalize::{RelocalizeOptions, Samples, SeenRange, Stopped, relocalize, train_without};
+use crate::relocalize::{
+    ForestModel, RelocalizeOptions, Samples, SeenRange, Shown, Stopped, relocalize, train_without,
+};
 use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
@@ -87,6 +89,25 @@ impl Quality {
     #[must_use]
     pub fn median_px(&self) -> Option<f64> {
         median(&mut self.asked.iter().filter_map(|asked| Some(asked.found?.error_px)).collect::<Vec<_>>())
+    }
+
+    /// What is to be stated of answers at most, by those that were found with certainty.
+    #[must_use]
+    pub fn shown(&self) -> Shown {
+        let certain =
+            self.asked.iter().filter_map(|asked| asked.found).filter(|found| found.confidence >= Shown::CERTAIN);
+        let right = certain.clone().filter(|found| found.error_px <= WRONG_PX);
+        Shown { certain: certain.count() as u32, right: right.count() as u32 }
+    }
+
+    /// Has a forest of the references state no more than they show when they are left out.
+    pub fn bound(&self, document: &Document, model: &mut ForestModel) {
+        let measured = self.asked.first().and_then(|asked| document.frames.get(asked.frame));
+        for camera in &mut model.cameras {
+            if measured.is_some_and(|frame| frame.camera.as_str() == camera.camera) {
+                camera.seen.shown = self.shown();
+            }
+        }
     }
 
     /// Those found wrong.

@@ -16,6 +16,7 @@ mod model;
 mod not_found;
 mod pose;
 mod pose_options;
+mod shown;
 mod standing;
 
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
@@ -31,4 +32,5 @@ pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;
 pub use pose::{Pose, pose_from_candidates};
 pub use pose_options::PoseOptions;
+pub use shown::Shown;
 pub(crate) use standing::pose_of_moving;

@@ -1,5 +1,6 @@
 //! A forest file: forests by camera, the document they belong to, and how features were found.
 
+use super::Shown;
 use super::forest::{Forest, ForestFileError, Reader, write_forest};
 use crate::camera::Ptz;
 use crate::features::{Detector, FeatureOptions};
@@ -64,6 +65,8 @@ pub struct SeenRange {
     /// How well each of these cameras is known if the base is exact: covariance of (pan rad, tilt rad, focal px). Empty in forests
     /// of earlier versions: then they are taken to be known as four clicks tell.
     pub labels: Vec<Mat3>,
+    /// What the references show that were left out and asked for; nothing where that was not measured.
+    pub shown: Shown,
 }
 
 impl SeenRange {
@@ -83,6 +86,7 @@ impl SeenRange {
             references: cameras.len() as u32,
             cameras: cameras.to_vec(),
             labels: Vec::new(),
+            shown: Shown::default(),
         })
     }
 
@@ -133,6 +137,8 @@ impl ForestModel {
             for number in camera.seen.labels.iter().flat_map(upper) {
                 body.extend(number.to_le_bytes());
             }
+            body.extend(camera.seen.shown.certain.to_le_bytes());
+            body.extend(camera.seen.shown.right.to_le_bytes());
             write_forest(&camera.forest, &mut body);
         }
         let mut file = Vec::with_capacity(body.len() + 24);
@@ -206,6 +212,7 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
         references: body.u32()?,
         cameras: Vec::new(),
         labels: Vec::new(),
+        shown: Shown::default(),
     };
     if version > OLDEST_VERSION {
         for _ in 0..body.count(CAMERA_BYTES)? {
@@ -218,6 +225,7 @@ fn camera(body: &mut Reader, version: u32) -> Result<CameraForest, ForestFileErr
             let [a, b, c, d, e, f] = [body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?, body.f64()?];
             seen.labels.push(Mat3::new(a, b, c, b, d, e, c, e, f));
         }
+        seen.shown = Shown { certain: body.u32()?, right: body.u32()? };
     }
     Ok(CameraForest { camera, seen, forest: body.forest()? })
 }

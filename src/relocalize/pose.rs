@@ -12,6 +12,7 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::score::median_rayleigh;
 use crate::solve::{Loss, Observation, Uncertainty, refine_until};
+use nalgebra::Vector6;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -28,8 +29,12 @@ pub struct Pose {
     pub worst_corner_sigma_px: f64,
     /// The same by the features alone.
     pub features_sigma_px: f64,
+    /// The same by features and labels, as if the base were exact.
+    pub labelled_sigma_px: f64,
     /// How far the camera turned and zoomed from the nearest reference, where references are known.
     pub from_reference: FromReference,
+    /// No greater probability is stated, by what references that were left out show.
+    pub at_most: f64,
     /// Root mean square of the agreeing features' distances, px.
     pub rms_px: f64,
     /// The features that agree, by their number in the matches.
@@ -54,8 +59,9 @@ impl Pose {
         Evidence {
             breadth_px: self.breadth_px,
             features_sigma_px: self.features_sigma_px / scale,
-            worst_corner_sigma_px: self.worst_corner_sigma_px / scale,
+            labelled_sigma_px: self.labelled_sigma_px / scale,
             from_reference: self.from_reference,
+            at_most: self.at_most,
         }
     }
 
@@ -74,8 +80,11 @@ impl Pose {
         if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size) {
             self.covariance = uncertainty.ptz_covariance_deg();
             self.worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
+            let exact_base = Uncertainty { base_sigma: Vector6::zeros(), ..uncertainty };
+            self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
         }
         self.from_reference = FromReference::of(&self.ptz, image_size, seen);
+        self.at_most = seen.shown.at_most();
         self.confidence = self.evidence(image_size).confidence();
         self
     }
@@ -150,7 +159,9 @@ pub fn pose_from_candidates(
         covariance: uncertainty.ptz_covariance_deg(),
         worst_corner_sigma_px,
         features_sigma_px: worst_corner_sigma_px,
+        labelled_sigma_px: worst_corner_sigma_px,
         from_reference: FromReference::default(),
+        at_most: 1.0,
         rms_px,
         inliers,
         places,

@@ -44,6 +44,7 @@ impl Uncertainty {
         let mut cross = Matrix3x6::zeros();
         if let Some(prior) = prior {
             information += prior.information(camera.ptz().focal_px);
+            cross += information * prior.by_base;
         }
         for observation in observations {
             if let Some(here) = observation.shape.jacobian(camera, observation.image) {

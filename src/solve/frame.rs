@@ -10,7 +10,7 @@ use super::{
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
-use nalgebra::Matrix2;
+use nalgebra::{Matrix2, Matrix3x6};
 
 /// Two candidates whose χ² differ by less than this (times its expectation) cannot be told apart by the clicks: five
 /// sigmas, since a base is never quite right.
@@ -168,7 +168,7 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
 /// A prior that holds the focal length and leaves pan and tilt free.
 fn focal_held(ptz: Ptz) -> PtzPrior {
     let free = Angle::from_degrees(1e6);
-    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9 }
+    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9, by_base: Matrix3x6::zeros() }
 }
 
 /// A camera with how well it fits; none if it is no camera that stands upright.

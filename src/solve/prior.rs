@@ -5,7 +5,7 @@ use super::residual::{Linearised, Residual};
 use crate::camera::{Ptz, PtzCamera};
 use crate::field::FieldElement;
 use crate::geometry::{Angle, Mat3, Vec3};
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3x6, SMatrix};
 
 /// Pan, tilt and focal length known beforehand, each with its 1-σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +18,11 @@ pub struct PtzPrior {
     pub sigma_tilt: Angle,
     /// 1-σ of the focal length as a share of it.
     pub sigma_focal_share: f64,
+    /// How what is expected follows an error of the base, as [`Uncertainty::by_base`] has it: not at all where it was not found
+    /// with that base.
+    ///
+    /// [`Uncertainty::by_base`]: super::Uncertainty::by_base
+    pub by_base: Matrix3x6<f64>,
 }
 
 impl PtzPrior {

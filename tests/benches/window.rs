@@ -106,6 +106,13 @@ impl Window {
                 confidence: 0.5 + 0.0005 * chance as f64,
                 inliers: 200,
                 places: 30,
+                evidence: touchline::relocalize::Evidence {
+                    breadth_px: 200.0,
+                    features_sigma_px: 0.5,
+                    labelled_sigma_px: 2.0,
+                    from_reference: touchline::relocalize::FromReference::default(),
+                    at_most: 1.0,
+                },
                 line_check: None,
             };
             let none = NotFound::FewMatches { matched: 3, needed: 12 };

@@ -58,7 +58,8 @@ fn model(forest: Forest) -> ForestModel {
         focal_px: 1500.0..=4000.0,
         references: 3,
         cameras: Vec::new(),
-        labels: Vec::new(),
+        labels: vec![touchline::geometry::Mat3::new(4.0, 1.0, 2.0, 1.0, 5.0, 3.0, 2.0, 3.0, 6.0); 3],
+        shown: touchline::relocalize::Shown { certain: 8, right: 7 },
     };
     let cameras = vec![CameraForest { camera: "main".to_owned(), seen, forest }];
     ForestModel { document: "{}".to_owned(), features: FeatureOptions::default(), cameras }

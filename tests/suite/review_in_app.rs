@@ -254,6 +254,13 @@ pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: 
             confidence: 0.9,
             inliers: 100,
             places: 20,
+            evidence: touchline::relocalize::Evidence {
+                breadth_px: 200.0,
+                features_sigma_px: 0.5,
+                labelled_sigma_px: 2.0,
+                from_reference: touchline::relocalize::FromReference::default(),
+                at_most: 1.0,
+            },
             line_check: None,
         }),
         None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),

@@ -182,6 +182,13 @@ impl Window {
             confidence,
             inliers: 100,
             places: 20,
+            evidence: touchline::relocalize::Evidence {
+                breadth_px: 200.0,
+                features_sigma_px: 0.5,
+                labelled_sigma_px: 2.0,
+                from_reference: touchline::relocalize::FromReference::default(),
+                at_most: 1.0,
+            },
             line_check: None,
         };
         let proposal = Proposal {

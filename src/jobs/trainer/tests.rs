@@ -12,7 +12,7 @@ use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::proposals::{
     Answer, Asked, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
 };
-use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
+use crate::relocalize::{CameraForest, Evidence, ForestModel, FromReference, Samples, SeenRange, TrainOptions, train};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -152,6 +152,13 @@ fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64)
         confidence,
         inliers: 50,
         places: 20,
+        evidence: Evidence {
+            breadth_px: 200.0,
+            features_sigma_px: 0.5,
+            labelled_sigma_px: 2.0,
+            from_reference: FromReference::default(),
+            at_most: 1.0,
+        },
         line_check: None,
     };
     let frame = &document.frames[frame];

@@ -7,7 +7,7 @@ use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
 use crate::document::{Document, FrameId};
-use crate::proposals::{AskingOrder, Coverage, NoProposal, Proposal, TrainingFrames, TrainingSet};
+use crate::proposals::{AskingOrder, Coverage, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet};
 use crate::relocalize::ForestModel;
 use std::any::Any;
 use std::collections::VecDeque;
@@ -345,12 +345,29 @@ impl<C: Backend> Work<C> {
         match measured {
             Ok(None) => return,
             Ok(Some(Measured { quality, suspects })) => {
+                if let Some(quality) = &quality {
+                    self.bound(quality);
+                }
                 self.status.quality = quality.map(Arc::new);
                 self.status.suspects = suspects.into();
             }
             Err(panic) => self.status.trouble = Some(broke_down("measuring quality", panic.as_ref())),
         }
         self.measured = self.generation;
+    }
+
+    /// Where references that were left out got wrong answers that were stated to be certain, the forest states less, and what
+    /// it has answered is asked again.
+    fn bound(&mut self, quality: &Quality) {
+        let shown = quality.shown();
+        let (Some(forest), Some(facts)) = (&self.forest, &self.status.forest) else { return };
+        if shown.right == shown.certain {
+            return;
+        }
+        let mut model = (*forest.model).clone();
+        quality.bound(&self.document, &mut model);
+        let (training_set, facts) = (forest.training_set.clone(), *facts);
+        self.take_forest(model, training_set, facts);
     }
 
     /// Draws the maps of what references see.

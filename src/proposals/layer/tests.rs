@@ -8,7 +8,7 @@ use crate::document::{
 };
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use crate::proposals::{Answer, Asked, Timings};
-use crate::relocalize::NotFound;
+use crate::relocalize::{Evidence, FromReference, NotFound};
 use proptest::prelude::*;
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
@@ -37,6 +37,13 @@ fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Propo
         confidence: 0.9,
         inliers: 50,
         places: 20,
+        evidence: Evidence {
+            breadth_px: 200.0,
+            features_sigma_px: 0.5,
+            labelled_sigma_px: 2.0,
+            from_reference: FromReference::default(),
+            at_most: 1.0,
+        },
         line_check: None,
     };
     let outcome = pan_deg.map(answer).ok_or(NotFound::FewMatches { matched: 3, needed: 12 }.into());

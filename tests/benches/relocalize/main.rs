@@ -2,7 +2,7 @@
 //!
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
 //! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [reliability] [growth]`.
+//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod growth;
@@ -13,6 +13,7 @@ mod scouting;
 mod set;
 mod time;
 mod trust;
+mod videos;
 
 use std::path::PathBuf;
 
@@ -47,6 +48,9 @@ fn main() {
     }
     if wants("trust") {
         trust::trust(&data);
+    }
+    if wants("videos") {
+        videos::videos(&data, if asked.iter().any(|argument| argument == "some") { 8 } else { 1 });
     }
     if wants("reliability") {
         reliability::reliability(&data);

@@ -210,6 +210,10 @@ fn row(label: &str, name: &str, asked: &[&Asked]) {
         quantile(&mut sigmas, 0.5)
     );
     for (answer, asked) in given.iter().filter(|(_, asked)| asked.error_px > 10.0) {
-        println!("<!-- {}: {:.1} px off, stated {:.3} -->", asked.name, asked.error_px, answer.confidence);
+        let sigma_px = answer.evidence.labelled_sigma_px;
+        println!(
+            "<!-- {}: {:.1} px off, stated {:.3}, ±{sigma_px:.1} px -->",
+            asked.name, asked.error_px, answer.confidence
+        );
     }
 }

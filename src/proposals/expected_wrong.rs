@@ -1,0 +1,70 @@
+//! How many of some answers are wrong, by their confidences.
+
+/// Each end of the interval leaves out this probability.
+const TAIL: f64 = 0.025;
+
+/// The number of wrong answers to be expected among some.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExpectedWrong {
+    /// Its mean.
+    pub mean: f64,
+    /// The least of its 95 % interval.
+    pub least: usize,
+    /// The greatest of its 95 % interval.
+    pub most: usize,
+}
+
+impl ExpectedWrong {
+    /// Among answers of these confidences, each right or wrong by itself: the Poisson binomial distribution, exactly.
+    #[must_use]
+    pub fn among(confidences: impl IntoIterator<Item = f64>) -> Self {
+        // How probable it is that so many of the answers so far are wrong.
+        let mut of_count = vec![1.0];
+        let mut mean = 0.0;
+        for confidence in confidences {
+            let wrong = 1.0 - confidence.clamp(0.0, 1.0);
+            mean += wrong;
+            of_count.push(0.0);
+            for count in (0..of_count.len()).rev() {
+                let one_less = if count > 0 { of_count[count - 1] } else { 0.0 };
+                of_count[count] = of_count[count] * (1.0 - wrong) + one_less * wrong;
+            }
+            // What is beyond all doubt too many is not carried on: else time would grow with the square.
+            while of_count.last().is_some_and(|probability| *probability < 1e-15) && of_count.len() > 1 {
+                of_count.pop();
+            }
+        }
+        let mut sum = 0.0;
+        let upto: Vec<f64> = of_count
+            .iter()
+            .map(|probability| {
+                sum += probability;
+                sum
+            })
+            .collect();
+        let first_above = |share: f64| upto.iter().position(|upto| *upto > share).unwrap_or(upto.len() - 1);
+        Self { mean, least: first_above(TAIL), most: first_above(1.0 - TAIL) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ExpectedWrong;
+
+    #[test]
+    fn few_doubtful_among_many_certain_are_counted_exactly() {
+        let none = ExpectedWrong::among([]);
+        assert_eq!((none.mean, none.least, none.most), (0.0, 0, 0));
+        // Ten coins: at most 8 and at least 2 with 97.9 % each.
+        let coins = ExpectedWrong::among([0.5; 10]);
+        assert_eq!((coins.mean, coins.least, coins.most), (5.0, 2, 8));
+        let certain = ExpectedWrong::among([1.0; 500].into_iter().chain([0.0; 3]));
+        assert_eq!((certain.mean, certain.least, certain.most), (3.0, 3, 3));
+    }
+
+    #[test]
+    fn of_many_it_is_about_a_poisson_distribution() {
+        let many = ExpectedWrong::among(std::iter::repeat_n(0.999, 10_000));
+        assert!((many.mean - 10.0).abs() < 1e-9 && (many.least, many.most) == (4, 17), "{many:?}");
+    }
+}
