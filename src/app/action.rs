@@ -1,12 +1,13 @@
 //! Actions, which change state, and effects, which the outside carries out.
 
 use super::base::EstimateFailure;
+use super::bulk::{BulkFailure, BulkOrder};
 use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
-use crate::calibrate::{CameraChange, EstimatedBase};
+use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
@@ -212,6 +213,20 @@ pub enum Action {
     BaseProgress(BaseProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
+    /// How many frames a change in the background has solved again.
+    BulkProgress {
+        /// Which change.
+        ticket: u64,
+        /// How far it has come.
+        progress: BulkProgress,
+    },
+    /// A change was worked out in the background.
+    BulkSolved {
+        /// Which change.
+        ticket: u64,
+        /// The change, or why there is none.
+        solved: Result<Box<BulkSolved>, BulkFailure>,
+    },
     /// A camera was looked at over time: where it stops fitting, or why that is not known.
     CameraWatched {
         /// Which look.
@@ -415,6 +430,8 @@ impl Action {
             | Self::Features(_)
             | Self::BaseProgress(_)
             | Self::BaseEstimated(_)
+            | Self::BulkProgress { .. }
+            | Self::BulkSolved { .. }
             | Self::CameraWatched { .. }
             | Self::Compare(_)
             | Self::Compared(_)
@@ -577,6 +594,10 @@ pub enum Effect {
     },
     /// Give up what is being estimated.
     CancelEstimate,
+    /// Work a change out, report [`Action::BulkProgress`] on the way and [`Action::BulkSolved`] in the end.
+    SolveBulk(Box<BulkOrder>),
+    /// Give up the change that is being worked out.
+    CancelBulk,
     /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
     WatchCamera(Box<CameraWatch>),
     /// Pull a frame's camera onto the painted lines and report [`Action::Snapped`].

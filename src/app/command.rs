@@ -72,6 +72,7 @@ pub enum Command {
     EstimateBase,
     UseEstimatedBase,
     DropEstimatedBase,
+    StopSolving,
     UseForBase,
     LoadCamera,
     AssignToCamera,
@@ -216,6 +217,7 @@ rows! {
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
+    StopSolving, "stop_solving", Camera, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
     UseForBase, "use_for_base", Camera, "Leave this frame out of the base", "Exclude this frame's points from the estimation of the base, or include them again.", [];
     LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
     AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
@@ -326,6 +328,7 @@ impl Command {
             | Self::EstimateBase
             | Self::UseEstimatedBase
             | Self::DropEstimatedBase
+            | Self::StopSolving
             | Self::UseForBase
             | Self::AssignToCamera
             | Self::SelectShot

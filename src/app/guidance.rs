@@ -2,7 +2,7 @@
 
 use super::base::BaseWork;
 use super::progress::nothing_needs_you;
-use super::session::{Mode, needs_me, reason_label};
+use super::session::{Mode, reason_label};
 use super::{App, Command};
 use crate::calibrate::{CalibrationError, LANDMARKS_ALONE, WIDE_FRAMES};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
@@ -40,6 +40,9 @@ pub fn next_step(app: &App) -> Guidance {
     let Some(frame) = app.frame() else {
         return Guidance::say("This document has no frames. Open a folder of frames or a video.");
     };
+    if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
+        return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
+    }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);
         return Guidance::say(format!("Click a point to look at its frame; {key} or Esc goes back to the picture."));
@@ -97,8 +100,7 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 /// The text for a frame that is a reference.
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
-    let left = open.document.frames.iter().filter(|frame| needs_me(frame)).count();
-    let references = open.document.frames.iter().filter(|frame| frame.is_used_for_training()).count();
+    let (left, references) = (open.counts().need_me, open.counts().used_for_training);
     let missing = WIDE_FRAMES.saturating_sub(references);
     let label =
         app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
@@ -113,7 +115,7 @@ fn of_reference(app: &App) -> String {
 }
 
 fn nobody_waits(app: &App) -> bool {
-    app.open().is_some_and(|open| !open.document.frames.iter().any(|frame| needs_me(frame)))
+    app.open().is_some_and(|open| open.counts().need_me == 0)
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {

@@ -6,6 +6,7 @@
 
 mod action;
 pub mod base;
+mod bulk;
 mod burnt_in;
 mod camera_watch;
 mod choices;
@@ -13,6 +14,7 @@ mod command;
 mod compared;
 mod current;
 mod derived;
+mod filter;
 pub mod guidance;
 mod keymap;
 mod line_checks;
@@ -34,13 +36,14 @@ mod versioned;
 pub mod where_to_label;
 
 pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, OutsideChoice};
+pub use bulk::{BulkFailure, BulkOrder, BulkWork};
 pub use burnt_in::BurntInSearch;
 pub use camera_watch::{CameraWatch, WatchPanicked};
 pub use choices::{MaskList, MaskScope};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;
-pub use derived::FrameCounts;
+pub use derived::{FrameCounts, GoldWork};
 pub use keymap::{Chord, ChordError, Keymap};
 pub use line_checks::PaintSays;
 pub use open_project::OpenProject;

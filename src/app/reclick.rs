@@ -1,8 +1,6 @@
 //! A blind round: the landmarks of the gold frames are clicked again, without a look at the label, its lines or a proposal.
 
-use super::derived::FrameCounts;
-use crate::calibrate::{OwnNoise, can_choose_gold};
-use crate::document::{Document, DocumentAt, FrameStatus};
+use crate::document::{Document, FrameStatus};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
 
@@ -91,30 +89,5 @@ impl Reclick {
     /// Goes back to the last one that was clicked.
     pub(super) fn go_back(&mut self) {
         self.at = self.clicked.pop().unwrap_or(self.at);
-    }
-}
-
-/// What gold frames and their repeats say: derived, never stored.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct GoldWork {
-    /// Gold references.
-    pub frames: usize,
-    /// The program could make more references gold.
-    pub can_choose: bool,
-    /// What the repeats say about the annotator's click noise.
-    pub own: OwnNoise,
-}
-
-impl GoldWork {
-    /// Takes the numbers of frames over.
-    pub(super) const fn count(&mut self, counts: &FrameCounts) {
-        self.frames = counts.gold_references;
-        self.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
-    }
-
-    /// Looks at the repeats.
-    pub(super) fn measure(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
-        // An invalid field is reported elsewhere.
-        self.own = OwnNoise::of_frames(document, counts.with_repeats()).unwrap_or_default();
     }
 }

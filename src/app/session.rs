@@ -1,13 +1,16 @@
 //! The state of the window: not saved, not undone.
 
+pub use super::filter::{Filter, needs_me, status_label};
+
 use super::base::BaseWork;
+use super::bulk::BulkWork;
 use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::{Command, Comparison, TrainerState};
 use crate::camera::PtzCamera;
-use crate::document::{CameraId, Frame, FrameId, FrameStatus, RejectReason, Shared, Target};
+use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
 use crate::geometry::ImagePoint;
 use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
@@ -59,6 +62,8 @@ pub struct Session {
     pub saving: Saving,
     /// What is being done about the camera's base.
     pub base: BaseWork,
+    /// A change after which many frames are solved again, while it is worked out.
+    pub bulk: Option<BulkWork>,
     /// The camera and frame of the last notice that a camera stops fitting.
     pub told_change: Option<(CameraId, usize)>,
     /// What the background trainer is doing.
@@ -175,78 +180,6 @@ impl Naming {
     #[must_use]
     pub fn chosen(&self) -> Option<&NameCandidate> {
         self.offered().get(self.highlighted).copied()
-    }
-}
-
-/// Which frames the filmstrip shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Filter {
-    /// All of them.
-    #[default]
-    All,
-    /// Somebody has to look at them.
-    NeedsMe,
-    /// The forest has no answer for them.
-    Unanswered,
-    /// One status.
-    Status(FrameStatus),
-}
-
-impl Filter {
-    /// Every filter, in the order of the list.
-    pub const ALL: [Self; 8] = [
-        Self::All,
-        Self::NeedsMe,
-        Self::Status(FrameStatus::New),
-        Self::Status(FrameStatus::Draft),
-        Self::Status(FrameStatus::Suggested),
-        Self::Unanswered,
-        Self::Status(FrameStatus::Reference),
-        Self::Status(FrameStatus::Rejected),
-    ];
-
-    /// Whether a frame is shown.
-    #[must_use]
-    pub fn shows(self, frame: &Frame) -> bool {
-        match self {
-            Self::All => true,
-            Self::NeedsMe => needs_me(frame),
-            Self::Unanswered => frame.is_unanswered(),
-            Self::Status(wanted) => frame.status == wanted,
-        }
-    }
-
-    /// What the list says.
-    #[must_use]
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::All => "All frames",
-            Self::NeedsMe => "To do",
-            Self::Unanswered => "No answer",
-            Self::Status(status) => status_label(status),
-        }
-    }
-}
-
-/// Whether somebody still has to look at a frame. One that the forest has no answer for waits for a label elsewhere.
-#[must_use]
-pub fn needs_me(frame: &Frame) -> bool {
-    match frame.status {
-        FrameStatus::New => !frame.is_unanswered(),
-        FrameStatus::Draft | FrameStatus::Suggested => true,
-        FrameStatus::Reference | FrameStatus::Rejected => false,
-    }
-}
-
-/// A status as a person reads it.
-#[must_use]
-pub const fn status_label(status: FrameStatus) -> &'static str {
-    match status {
-        FrameStatus::New => "New",
-        FrameStatus::Draft => "Draft",
-        FrameStatus::Suggested => "Suggested",
-        FrameStatus::Reference => "Reference",
-        FrameStatus::Rejected => "Rejected",
     }
 }
 

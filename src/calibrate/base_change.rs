@@ -1,8 +1,8 @@
 //! A camera whose base stops fitting from some frame on, and the way out: a new camera from there.
 
-use super::{AssignError, FrameLookup, calibrate, observations};
+use super::{AssignedFrames, FrameLookup, NewCamera, calibrate, observations};
 use crate::camera::{CameraBase, Ptz};
-use crate::document::{Camera, CameraId, Document, Fields};
+use crate::document::{Camera, CameraId, Document};
 use crate::field::FieldModel;
 use crate::geometry::thousands;
 use crate::solve::base::{FrameClicks, base_change};
@@ -44,20 +44,14 @@ impl CameraChange {
         (self.frame..document.frames.len()).filter(concerned).collect()
     }
 
-    /// Makes a new camera for the frames from there on, with the base that fits them, and gives them to it. Its name is
-    /// returned.
-    ///
-    /// # Errors
-    /// The document has changed since and lacks the camera, or its frames differ in size.
-    pub fn part(&self, document: &mut Document, fields: &Fields) -> Result<CameraId, AssignError> {
-        let name = document.free_camera_name(&self.camera);
-        document.add_camera_like(&name, &self.camera)?;
-        let frames = self.frames(document);
-        if let Some(camera) = document.camera_mut(&name) {
-            camera.set_base(&self.base);
+    /// The way out: the frames from there on for a new camera, with the base that fits them.
+    #[must_use]
+    pub fn assigned(&self, document: &Document) -> AssignedFrames {
+        AssignedFrames {
+            frames: self.frames(document).into_iter().map(|index| document.frames[index].id.clone()).collect(),
+            camera: document.free_camera_name(&self.camera),
+            new: Some(NewCamera { like: self.camera.clone(), base: Some(self.base) }),
         }
-        document.assign_to_camera(&frames, &name, fields)?;
-        Ok(name)
     }
 }
 

@@ -1,7 +1,7 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
 use super::base_readiness::LANDMARKS_ALONE;
-use super::solve_frames::{ShownFields, is_by_clicks, solve_frames};
+use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, solve_frames};
 use super::{CalibrationError, observations};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target};
@@ -209,7 +209,14 @@ impl EstimatedBase {
     /// Marks the clicks that disagree and the frames named from the wrong side in the frames' solutions; to be called after
     /// they have been solved with the new base.
     pub fn mark_disputes(&self, document: &mut Document) {
-        for disputed in &self.estimate.disputed {
+        let places: Vec<usize> = (0..document.frames.len()).collect();
+        self.mark_disputes_in(document, &places);
+    }
+
+    /// The same in some frames: by their places, ascending.
+    fn mark_disputes_in(&self, document: &mut Document, places: &[usize]) {
+        let is_concerned = |index: usize| places.binary_search(&index).is_ok();
+        for disputed in self.estimate.disputed.iter().filter(|disputed| is_concerned(disputed.frame)) {
             let Some(frame) = document.frames.get_mut(disputed.frame) else { continue };
             let named = frame.clicks.get(disputed.click).and_then(|click| click.target.as_ref());
             let named = named.map(|target| target.as_str().to_owned());
@@ -232,7 +239,7 @@ impl EstimatedBase {
                 solution.warnings.push(SolutionWarning { clicks: vec![disputed.click], ..warning });
             }
         }
-        for mirrored in &self.estimate.mirrored {
+        for mirrored in self.estimate.mirrored.iter().filter(|mirrored| is_concerned(mirrored.frame)) {
             let solution = document.frames.get_mut(mirrored.frame).and_then(|frame| frame.solution.as_mut());
             let told = |known: &SolutionWarning| known.code == WarningCode::Mirrored.as_str();
             if let Some(solution) = solution.filter(|solution| !solution.warnings.iter().any(told)) {
@@ -249,25 +256,44 @@ impl EstimatedBase {
     /// # Errors
     /// The camera's field is not valid with the crown.
     pub fn write_to(&self, document: &mut Document, folder: &Path) -> Result<(), BaseEstimationError> {
-        let before = document.camera(&self.camera).and_then(Camera::base);
+        let before = document.clone();
         self.write_camera(document);
+        let places: Vec<usize> = (0..document.frames.len()).collect();
+        self.write_frames(document, &before, folder, &places, &|| ControlFlow::Continue(()))
+    }
+
+    /// The part of [`Self::write_to`] that lies in frames, for some of them: the document has the base already, `before` is without
+    /// it. Where `watch` ends it, frames have changed: the document is to be dropped.
+    pub(super) fn write_frames<E: Send + From<FieldError>>(
+        &self,
+        document: &mut Document,
+        before: &Document,
+        folder: &Path,
+        places: &[usize],
+        watch: WatchFrames<'_, E>,
+    ) -> Result<(), E> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(()) };
         let field = document.at(folder).model_of(camera.field.as_ref().unwrap_or(&document.field))?;
+        let before = before.camera(&self.camera).and_then(Camera::base);
         let turned_deg = before
             .map_or(0.0, |before| before.angles().heading.turn_from(self.estimate.base.angles().heading).degrees());
         let of_camera = |frame: &Frame| frame.camera == self.camera && frame.status != FrameStatus::Rejected;
-        let places = (0..document.frames.len()).filter(|&index| of_camera(&document.frames[index]));
-        let places: Vec<usize> = places.collect();
-        if turned_deg != 0.0 {
-            for &index in &places {
-                if let Some(ptz) = &mut document.frames[index].ptz {
-                    ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
-                }
+        let mut clicked = Vec::new();
+        for &index in places {
+            if !of_camera(&document.frames[index]) {
+                continue;
+            }
+            if turned_deg != 0.0
+                && let Some(ptz) = &mut document.frames[index].ptz
+            {
+                ptz.pan_deg = Angle::from_degrees(ptz.pan_deg + turned_deg).wrapped().degrees();
+            }
+            if is_by_clicks(&document.frames[index]) {
+                clicked.push(index);
             }
         }
-        let places: Vec<usize> = places.into_iter().filter(|&index| is_by_clicks(&document.frames[index])).collect();
-        solve_frames(document, &places, ShownFields::Camera(&field), record_or_drop, &|| ());
-        self.mark_disputes(document);
+        solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, watch)?;
+        self.mark_disputes_in(document, places);
         Ok(())
     }
 }

@@ -5,6 +5,7 @@ use super::solve_frames::{ShownFields, record_if_solved, solve_frames};
 use crate::document::{Document, Fields, Frame, Target};
 use crate::field::FieldError;
 use crate::solve::SolveError;
+use std::ops::ControlFlow;
 use std::path::Path;
 
 /// Pan, tilt and focal length: as many equations are needed.
@@ -41,7 +42,11 @@ pub fn solve_document(
     for _ in &too_few {
         progress();
     }
-    let solved = solve_frames(document, &enough, ShownFields::Document(&fields), record_if_solved, progress);
+    let counting = || {
+        progress();
+        ControlFlow::<FieldError>::Continue(())
+    };
+    let solved = solve_frames(document, &enough, ShownFields::Document(&fields), record_if_solved, &counting)?;
     let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
     for (index, solved) in enough.into_iter().zip(solved) {
         outcomes[index] = match solved {

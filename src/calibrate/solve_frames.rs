@@ -6,6 +6,7 @@ use crate::document::{Document, Fields, Frame};
 use crate::field::{FieldError, FieldModel};
 use crate::solve::{FrameSolution, SolveError};
 use rayon::prelude::*;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,18 +22,21 @@ pub(super) enum ShownFields<'a> {
     Camera(&'a FieldModel),
 }
 
-/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave, and `progress` is
-/// called once for each, from any thread. The result does not depend on the number of threads.
+/// Called once for each frame that is solved, from any thread; a break ends it with that error.
+pub(super) type WatchFrames<'a, E> = &'a (dyn Fn() -> ControlFlow<E> + Sync);
+
+/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. The result does not
+/// depend on the number of threads. Where `watch` ends it no frame has changed.
 ///
 /// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
 /// more beside the others as they are then.
-pub(super) fn solve_frames(
+pub(super) fn solve_frames<E: Send>(
     document: &mut Document,
     places: &[usize],
     fields: ShownFields<'_>,
     settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
-    progress: &(dyn Fn() + Sync),
-) -> Vec<Solved> {
+    watch: WatchFrames<'_, E>,
+) -> Result<Vec<Solved>, E> {
     let mut lookup = FrameLookup::of(document);
     let of_cameras = match fields {
         ShownFields::Document(fields) => fields.of_cameras(document),
@@ -43,10 +47,12 @@ pub(super) fn solve_frames(
     };
     let solve_first = |&index: &usize| {
         let solved = solve(document, &lookup, index);
-        progress();
-        solved
+        match watch() {
+            ControlFlow::Continue(()) => Ok(solved),
+            ControlFlow::Break(error) => Err(error),
+        }
     };
-    let first: Vec<Solved> = places.par_iter().map(solve_first).collect();
+    let first = places.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>()?;
     for (&index, solved) in places.iter().zip(&first) {
         settle(&mut document.frames[index], solved.as_deref());
     }
@@ -62,7 +68,7 @@ pub(super) fn solve_frames(
             settle(&mut document.frames[index], Ok(&solved));
         }
     }
-    first
+    Ok(first)
 }
 
 fn solve_one(
@@ -82,16 +88,21 @@ fn solve_one(
     Ok(solved)
 }
 
-/// Solves every frame again whose camera comes from its clicks, or would have if there had been a base: a camera or a field
-/// has changed. `folder` is the document's.
+/// Solves those of some frames again whose camera comes from their clicks, or would have if there had been a base: a camera or a
+/// field has changed. `folder` is the document's.
 ///
 /// # Errors
-/// A field of the document is not valid; nothing is solved then.
-pub fn solve_by_clicks(document: &mut Document, folder: &Path) -> Result<(), FieldError> {
+/// A field of the document is not valid, or `watch` ended it; nothing is solved then.
+pub(super) fn solve_by_clicks<E: Send + From<FieldError>>(
+    document: &mut Document,
+    folder: &Path,
+    places: &[usize],
+    watch: WatchFrames<'_, E>,
+) -> Result<(), E> {
     let fields = Fields::of(document.at(folder))?;
-    let places = (0..document.frames.len()).filter(|&index| is_by_clicks(&document.frames[index]));
+    let places = places.iter().copied().filter(|&index| is_by_clicks(&document.frames[index]));
     let places: Vec<usize> = places.collect();
-    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, &|| ());
+    solve_frames(document, &places, ShownFields::Document(&fields), record_outcome, watch)?;
     Ok(())
 }
 

@@ -1,8 +1,9 @@
 //! Which camera took a frame: giving frames to a camera.
 
-use super::solve_frames::{ShownFields, is_by_clicks, record_if_solved, solve_frames};
+use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, record_if_solved, solve_frames};
 use crate::document::{Camera, CameraId, Document, Fields, FrameStatus};
 use crate::geometry::ImageSize;
+use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// Why frames cannot be given to a camera.
@@ -91,19 +92,36 @@ impl Document {
         camera: &CameraId,
         fields: &Fields,
     ) -> Result<(), AssignError> {
+        self.check_assigned(frames, camera)?;
+        self.assign_frames(frames, camera, fields, &|| ControlFlow::Continue(()))
+    }
+
+    /// Whether frames can be assigned to a camera.
+    pub(super) fn check_assigned(&self, frames: &[usize], camera: &CameraId) -> Result<(), AssignError> {
         let known =
             self.camera(camera).ok_or_else(|| AssignError::UnknownCamera { camera: camera.as_str().to_owned() })?;
-        let (of_camera, base) = (known.image_size, known.base());
         for frame in frames.iter().filter_map(|index| self.frames.get(*index)) {
-            if frame.image_size != of_camera {
+            if frame.image_size != known.image_size {
                 return Err(AssignError::OtherSize {
                     frame: frame.name(),
                     size: frame.image_size,
                     camera: camera.as_str().to_owned(),
-                    of_camera,
+                    of_camera: known.image_size,
                 });
             }
         }
+        Ok(())
+    }
+
+    /// Assigns frames to a camera that can have them. Where `watch` ends it, frames have changed: the document is to be dropped.
+    pub(super) fn assign_frames<E: Send>(
+        &mut self,
+        frames: &[usize],
+        camera: &CameraId,
+        fields: &Fields,
+        watch: WatchFrames<'_, E>,
+    ) -> Result<(), E> {
+        let base = self.camera(camera).and_then(Camera::base);
         let changes = |index: &usize| self.frames.get(*index).is_some_and(|frame| frame.camera != *camera);
         let given: Vec<usize> = frames.iter().copied().filter(changes).collect();
         for &index in &given {
@@ -118,7 +136,7 @@ impl Document {
         if base.is_some() {
             let clicked: Vec<usize> =
                 given.iter().copied().filter(|&index| is_by_clicks(&self.frames[index])).collect();
-            solve_frames(self, &clicked, ShownFields::Document(fields), record_if_solved, &|| ());
+            solve_frames(self, &clicked, ShownFields::Document(fields), record_if_solved, watch)?;
         }
         for index in given {
             let frame = &self.frames[index];

@@ -123,7 +123,7 @@ impl Document {
     }
 
     /// Whether two differ in their frames at most.
-    pub(super) fn same_beside_frames(&self, other: &Self) -> bool {
+    pub(crate) fn same_beside_frames(&self, other: &Self) -> bool {
         *self == Self { generator: self.generator.clone(), frames: self.frames.clone(), ..other.clone() }
     }
 

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
-use crate::app::{Action, Effect, Question, SnapFailure, WatchPanicked};
+use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, SnapFailure, WatchPanicked};
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -38,6 +38,8 @@ enum Kind {
     Opening,
     /// It estimates a base.
     Estimate,
+    /// It works a change out; the change's ticket.
+    Bulk(u64),
     /// It looks at a camera over time; the look's ticket.
     Watch(u64),
     /// It looks for burned-in graphics.
@@ -107,7 +109,7 @@ impl Runner {
                 self.reports.extend(last);
                 self.open("open again", move || Ok(path));
             }
-            Effect::CancelOpening => self.give_up(Kind::Opening),
+            Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
             Effect::EstimateBase { with_size, document, folder, camera } => {
                 self.begin("base", Kind::Estimate, move |watch| {
                     let found = estimate(document.at(&folder), &camera, with_size, &|progress| {
@@ -116,13 +118,22 @@ impl Runner {
                     Ok(Outcome::Action(Action::BaseEstimated(found.map_err(EstimateFailure::Impossible))))
                 });
             }
-            Effect::CancelEstimate => self.give_up(Kind::Estimate),
+            Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),
+            Effect::SolveBulk(order) => {
+                let BulkOrder { ticket, work } = *order;
+                self.begin("solving", Kind::Bulk(ticket), move |watch| {
+                    let solved = work.run(&|progress| watch.tell(Action::BulkProgress { ticket, progress }));
+                    let solved = solved.map(Box::new).map_err(BulkFailure::Impossible);
+                    Ok(Outcome::Action(Action::BulkSolved { ticket, solved }))
+                });
+            }
+            Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
             Effect::WatchCamera(watch) => self.begin("camera watch", Kind::Watch(watch.ticket), move |_| {
                 let (ticket, change) = (watch.ticket, watch.look().map(Box::new));
                 Ok(Outcome::Action(Action::CameraWatched { ticket, change: Ok(change) }))
             }),
             Effect::FindBurntIn(search) => {
-                self.give_up(Kind::BurntIn);
+                self.give_up(|kind| kind == Kind::BurntIn);
                 let pictures = self.pictures.clone();
                 self.begin("burned-in graphics", Kind::BurntIn, move |watch| {
                     Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
@@ -204,6 +215,9 @@ impl Runner {
                     BackgroundReport::Done(Err(error)) => actions.push(Action::Failed(error.to_string())),
                     BackgroundReport::Panicked(message) => actions.push(match task.kind {
                         Kind::Estimate => Action::BaseEstimated(Err(EstimateFailure::Panicked { message })),
+                        Kind::Bulk(ticket) => {
+                            Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
+                        }
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
@@ -260,9 +274,9 @@ impl Runner {
         !self.tasks.is_empty()
     }
 
-    /// Nobody waits any more for what tasks of a kind are at.
-    fn give_up(&mut self, kind: Kind) {
-        for task in self.tasks.iter_mut().filter(|task| task.kind == kind) {
+    /// Nobody waits any more for what tasks of some kinds are at.
+    fn give_up(&mut self, concerned: impl Fn(Kind) -> bool) {
+        for task in self.tasks.iter_mut().filter(|task| concerned(task.kind)) {
             task.given_up = true;
             task.background.stop();
         }

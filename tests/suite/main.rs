@@ -17,6 +17,7 @@ mod bad_images;
 mod base_in_app;
 mod base_truth;
 mod bench;
+mod bulk_in_app;
 mod burnt_in;
 mod cli_documents;
 mod contradictions;

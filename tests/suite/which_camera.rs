@@ -4,10 +4,13 @@ use crate::bench::uncounted;
 use crate::seeded::{self, normal};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
+use std::ops::ControlFlow;
 use std::path::Path;
 use touchline::app::selection::{Scope, Selecting};
 use touchline::app::{Action, App, CameraChoice, CameraWatch, Command, Effect, Opened, Settings, WatchPanicked};
-use touchline::calibrate::{AssignError, BaseProblem, FrameLookup, camera_change, check_cameras, solve_document};
+use touchline::calibrate::{
+    AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, camera_change, check_cameras, solve_document,
+};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
@@ -100,8 +103,12 @@ fn a_bump_is_found_where_it_was_and_the_frames_after_it_get_their_own_camera() {
         assert!((change.base.position_m - bumped().position_m).norm() < 1.0, "{:?}", change.base.position_m);
         found += 1;
 
-        let fields = Fields::of(document.at(Path::new("."))).unwrap();
-        let name = change.part(&mut document, &fields).unwrap();
+        let given = change.assigned(&document);
+        let name = given.camera.clone();
+        let work =
+            BulkSolve { document: document.clone(), folder: ".".into(), change: BulkChange::Assign(Box::new(given)) };
+        let solved = work.run(&|_| ControlFlow::Continue(())).unwrap();
+        document = solved.join(&document).unwrap().unwrap().document;
         assert_eq!(name.as_str(), "main 2");
         assert!(document.frames.range(..change.frame).all(|frame| frame.camera.as_str() == "main"));
         assert!(document.frames.range(change.frame..).all(|frame| frame.camera == name && frame.ptz.is_some()));

@@ -1,7 +1,7 @@
 //! How many frames there are of each kind.
 
 use super::memo::Follows;
-use crate::app::session::{Filter, needs_me};
+use crate::app::filter::{Filter, needs_me};
 use crate::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
 use crate::proposals::is_uncertain;
 use std::collections::{BTreeMap, BTreeSet};

@@ -6,16 +6,18 @@
 
 mod field_models;
 mod frame_counts;
+mod gold;
 mod memo;
 
 pub use frame_counts::FrameCounts;
+pub use gold::GoldWork;
 
 use self::field_models::FieldModels;
+use self::gold::Gold;
 use self::memo::{Follows, Memo};
 use super::Versioned;
-use super::reclick::GoldWork;
 use crate::calibrate::{Disagreements, FrameLookup};
-use crate::document::{Document, DocumentAt, FieldSpec, Fields};
+use crate::document::{Document, FieldSpec, Fields};
 use crate::field::{FieldError, FieldModel};
 use std::path::Path;
 use std::sync::Arc;
@@ -28,14 +30,6 @@ pub(super) struct Derived {
     disagreements: Memo<Disagreements>,
     fields: Memo<FieldModels>,
     gold: Gold,
-}
-
-/// What gold frames say, and what it was derived from.
-#[derive(Debug, Default)]
-struct Gold {
-    work: GoldWork,
-    /// The edition of the repeats, and the fields that they were clicked on.
-    own_noise_of: Option<(u64, Vec<FieldSpec>)>,
 }
 
 impl Follows for FrameLookup {
@@ -96,17 +90,6 @@ impl Derived {
     /// What gold frames said when it was asked for last.
     pub(super) const fn last_gold(&self) -> &GoldWork {
         &self.gold.work
-    }
-}
-
-impl Gold {
-    fn update(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
-        self.work.count(counts);
-        let of = (counts.repeats_edition(), field_specs(&document));
-        if self.own_noise_of.as_ref() != Some(&of) {
-            self.work.measure(document, counts);
-            self.own_noise_of = Some(of);
-        }
     }
 }
 

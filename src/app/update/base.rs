@@ -6,7 +6,7 @@ use crate::app::Command;
 use crate::app::action::Effect;
 use crate::app::base::{BaseWork, EstimateFailure, Estimating};
 use crate::app::session::{Level, SidePanel};
-use crate::calibrate::{BaseReadiness, EstimatedBase, describe_size};
+use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, describe_size};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
 use crate::solve::base::BaseProgress;
@@ -75,25 +75,9 @@ impl App {
 
     /// Takes over what was found: one step of undo.
     pub(super) fn use_base(&mut self) {
-        let BaseWork::Proposed(found) = std::mem::take(&mut self.session.base) else { return };
-        if !self.begin_step(Step::on_document("Estimate base")) {
-            self.session.base = BaseWork::Proposed(found);
-            return;
-        }
-        let Some(open) = &mut self.open else { return };
-        let folder = open.folder.clone();
-        match found.write_to(&mut open.document, &folder) {
-            Ok(()) => {
-                self.commit();
-                self.session.retract(Command::UseEstimatedBase);
-                self.session.retract(Command::EstimateBase);
-                self.session.base = BaseWork::Applied(found);
-                self.tell_assumed_size();
-            }
-            Err(error) => {
-                self.abort();
-                self.session.notify(Level::Warning, format!("The base was not applied: {error}."));
-            }
+        if let BaseWork::Proposed(found) = &self.session.base {
+            let change = BulkChange::Base(Arc::clone(found));
+            self.change_in_bulk(Step::on_document("Estimate base"), change);
         }
     }
 

@@ -6,7 +6,7 @@ use crate::app::action::{CameraChoice, Effect};
 use crate::app::camera_watch::{AT_ONCE, CameraWatch, WatchPanicked};
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
-use crate::calibrate::{CameraChange, camera_change};
+use crate::calibrate::{AssignedFrames, BulkChange, CameraChange, NewCamera, camera_change};
 use crate::document::{CameraId, Step};
 use std::sync::Arc;
 
@@ -44,68 +44,37 @@ impl App {
         let Some(open) = &self.open else { return };
         let frames = scope.frames(open, &self.session);
         let Some(like) = self.camera_id().cloned().filter(|_| !frames.is_empty()) else { return };
+        let Some(open) = &self.open else { return };
         let (CameraChoice::Known(name) | CameraChoice::New(name)) = choice;
         let step = Step::on_document(format!("Assign {} to {name}", counted(frames.len())));
         let is_new = matches!(choice, CameraChoice::New(_));
-        let given = self.change_cameras(step, |document, fields| {
-            if is_new {
-                document.add_camera_like(name, &like)?;
-            }
-            document.assign_to_camera(&frames, name, fields)
-        });
-        if given.is_some() {
+        let frames = frames.into_iter().filter_map(|index| Some(open.frame(index)?.id.clone())).collect();
+        let new = is_new.then_some(NewCamera { like, base: None });
+        if self.change_in_bulk(step, BulkChange::Assign(Box::new(AssignedFrames { frames, camera: name.clone(), new })))
+        {
             self.session.dialog = None;
             self.session.frames_selected.clear();
-            let text = format!("{} assigned to camera “{name}”.", counted(frames.len()));
-            self.session.notify(Level::Info, text);
         }
+    }
+
+    /// Tells of frames that were assigned to a camera.
+    pub(super) fn frames_assigned(&mut self, given: &AssignedFrames) {
+        let (count, name) = (counted(given.frames.len()), &given.camera);
+        let has_base = given.new.as_ref().is_some_and(|new| new.base.is_some());
+        let mut text = format!("{count} assigned to camera “{name}”.");
+        if has_base {
+            self.session.retract(Command::NewCameraFromChange);
+            text.push_str(" Add points there, then estimate its base.");
+        }
+        self.session.notify(Level::Info, text);
     }
 
     /// Makes a new camera for the frames that the shown one's camera no longer fits: one step of undo.
     pub(super) fn new_camera_from_change(&mut self) {
-        let Some(change) = self.camera_change().cloned() else { return };
+        let (Some(change), Some(open)) = (self.camera_change(), &self.open) else { return };
         let step = Step::on_document(format!("New camera from frame {}", change.frame + 1));
-        if let Some(name) = self.change_cameras(step, |document, fields| change.part(document, fields)) {
-            self.session.retract(Command::NewCameraFromChange);
-            let text = format!(
-                "Camera “{name}” has the frames from {} on: points fit to {:.1} px. Add points there, then estimate its base.",
-                change.frame + 1,
-                change.own_px
-            );
-            self.session.notify(Level::Info, text);
-        }
-    }
-
-    /// Changes the document's cameras within a step of undo; what cannot be done is said, and nothing is changed.
-    fn change_cameras<T>(
-        &mut self,
-        step: Step,
-        change: impl FnOnce(
-            &mut crate::document::Document,
-            &crate::document::Fields,
-        ) -> Result<T, crate::calibrate::AssignError>,
-    ) -> Option<T> {
-        let fields = match self.open.as_mut()?.fields() {
-            Ok(fields) => fields,
-            Err(error) => {
-                self.session.notify(Level::Warning, format!("The frames keep their camera: {error}."));
-                return None;
-            }
-        };
-        if !self.begin_step(step) {
-            return None;
-        }
-        match change(&mut self.open.as_mut()?.document, &fields) {
-            Ok(done) => {
-                self.commit();
-                Some(done)
-            }
-            Err(error) => {
-                self.abort();
-                self.session.notify(Level::Warning, format!("The frames keep their camera: {error}."));
-                None
-            }
-        }
+        let given = change.assigned(&open.document);
+        self.change_in_bulk(step, BulkChange::Assign(Box::new(given)));
     }
 
     /// Looks whether the shown frame's camera still fits, after every edit; what is found is reported once. Many frames are looked

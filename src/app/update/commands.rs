@@ -89,6 +89,7 @@ impl App {
                 Some("The document is read-only.")
             }
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
+            C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
             C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
             C::Compare if self.current.proposal.is_some() => None,
@@ -224,6 +225,7 @@ impl App {
             C::FitFieldSize => self.estimate_base(true),
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),
+            C::StopSolving => self.stop_bulk(),
             C::UseForBase => {
                 let used = self.frame().is_some_and(|frame| !frame.use_for_base);
                 self.use_for_base(self.session.frame, used);

@@ -33,6 +33,7 @@ impl App {
 
     pub(super) fn opened(&mut self, opened: Opened) {
         self.effects.push(Effect::CancelEstimate);
+        self.effects.push(Effect::CancelBulk);
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;

@@ -1,10 +1,11 @@
 //! Gold frames: marked, chosen, clicked again blind, and the click noise that follows.
 
 use super::App;
-use crate::app::reclick::{Asked, GoldWork, Reclick};
+use crate::app::GoldWork;
+use crate::app::reclick::{Asked, Reclick};
 use crate::app::session::{Level, Mode, PictureView};
 use crate::app::{Action, Command};
-use crate::calibrate::{ENOUGH_REPEATS, choose_gold};
+use crate::calibrate::{BulkChange, ENOUGH_REPEATS, choose_gold};
 use crate::document::{ClickNoise, EditKind, Repeat, Step};
 use crate::geometry::ImagePoint;
 use std::sync::LazyLock;
@@ -262,17 +263,14 @@ impl App {
 
     /// One step of undo: every frame that clicks solved is solved again.
     fn weight_clicks(&mut self, step: &'static str, noise: &ClickNoise) {
-        if !self.begin_step(Step::on_document(step)) {
-            return;
-        }
-        let Some(open) = &mut self.open else { return };
-        if let Err(error) = open.document.set_click_noise(noise) {
-            self.abort();
+        let Some(open) = &self.open else { return };
+        let mut numbers = open.document.clone();
+        if let Err(error) = numbers.set_click_noise(noise) {
             self.session.notify(Level::Warning, format!("The click noise cannot be stored: {error}."));
             return;
         }
-        self.solve_by_clicks();
-        self.commit();
-        self.session.retract(Command::UseOwnNoise);
+        if self.change_in_bulk(Step::on_document(step), BulkChange::Numbers(Box::new(numbers))) {
+            self.session.retract(Command::UseOwnNoise);
+        }
     }
 }

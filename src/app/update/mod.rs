@@ -1,6 +1,7 @@
 //! The only place that changes state: an action in, effects out.
 
 mod base;
+mod bulk;
 mod cameras;
 mod clicks;
 mod commands;
@@ -48,6 +49,8 @@ pub struct App {
     quality: Quality,
     watched: Watched,
     line_checks: LineChecks,
+    /// How many changes have been worked out in the background.
+    bulk_tickets: u64,
     effects: Vec<Effect>,
 }
 
@@ -93,6 +96,7 @@ impl App {
         let before = self.current.readiness;
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
+        self.finish_bulk();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
         self.quality.refresh(self.open.as_mut(), &self.session);
@@ -166,6 +170,8 @@ impl App {
             Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
+            Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
+            Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
             Action::CameraWatched { ticket, change } => self.camera_watched(ticket, change),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
@@ -256,13 +262,10 @@ impl App {
     }
 
     fn begin_step(&mut self, step: Step) -> bool {
-        let Some(open) = &mut self.open else { return false };
-        if let Some(reason) = &open.read_only {
-            let text = format!("Nothing can be changed here: {reason}");
-            self.session.notify(Level::Warning, text);
+        if self.refuses_changes() {
             return false;
         }
-        if open.history.is_open() {
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
             self.commit();
         }
         let Some(open) = &mut self.open else { return false };
@@ -270,9 +273,22 @@ impl App {
         true
     }
 
+    /// Whether nothing can be changed; says so.
+    fn refuses_changes(&mut self) -> bool {
+        let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
+        let text = format!("Nothing can be changed here: {reason}");
+        self.session.notify(Level::Warning, text);
+        true
+    }
+
     /// Closes the step of undo; what changed goes into the journal.
     fn commit(&mut self) {
         self.follow_base();
+        self.close_step();
+    }
+
+    /// The same for a step in which the frames follow their cameras already.
+    fn close_step(&mut self) {
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
         let kind = open.history.open_kind();

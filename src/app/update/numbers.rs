@@ -3,7 +3,7 @@
 use super::{App, solve_in_place};
 use crate::app::session::{Level, Mode};
 use crate::app::{Command, OpenProject};
-use crate::calibrate::{is_by_clicks, solve_by_clicks};
+use crate::calibrate::{BulkChange, is_by_clicks};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, CameraId, FieldSize, FieldSpec, FramePtz, FrameStatus, Solution, SolutionSource, Step};
 
@@ -83,22 +83,19 @@ impl App {
             return;
         }
         self.session.mode = Mode::Idle;
-        if let Some(open) = &mut self.open {
-            let changed = open.history.before().is_some_and(|before| {
-                before.cameras != open.document.cameras || !before.field.is_same_field(&open.document.field)
-            });
-            if changed {
-                self.solve_by_clicks();
+        let changed = self.open.as_ref().and_then(|open| {
+            let before = open.history.before()?;
+            let same_field = before.field.is_same_field(&open.document.field);
+            (before.cameras != open.document.cameras || !same_field).then(|| open.document.clone())
+        });
+        let step = self.open.as_ref().and_then(|open| open.history.open_step().cloned());
+        match (changed, step) {
+            (Some(numbers), Some(step)) => {
+                // Begun anew from the document before: what the shown frame followed is part of the whole change.
+                self.abort();
+                self.change_in_bulk(step, BulkChange::Numbers(Box::new(numbers)));
             }
-        }
-        self.commit();
-    }
-
-    /// Every frame that clicks solved is solved again, within a step.
-    pub(super) fn solve_by_clicks(&mut self) {
-        let Some(open) = &mut self.open else { return };
-        if let Err(error) = solve_by_clicks(&mut open.document, &open.folder) {
-            self.session.notify(Level::Warning, format!("The other frames were not solved again: {error}."));
+            _ => self.commit(),
         }
     }
 

@@ -1,0 +1,38 @@
+//! What gold frames and their repeats say.
+
+use super::{FrameCounts, field_specs};
+use crate::calibrate::{OwnNoise, can_choose_gold};
+use crate::document::{DocumentAt, FieldSpec};
+
+/// What gold frames and their repeats say: derived, never stored.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GoldWork {
+    /// Gold references.
+    pub frames: usize,
+    /// The program could make more references gold.
+    pub can_choose: bool,
+    /// What the repeats say of the annotator's click noise.
+    pub own: OwnNoise,
+}
+
+/// The same, and what the click noise was derived from.
+#[derive(Debug, Default)]
+pub(super) struct Gold {
+    pub(super) work: GoldWork,
+    /// The edition of the repeats, and the fields that they were clicked on.
+    measured: Option<(u64, Vec<FieldSpec>)>,
+}
+
+impl Gold {
+    /// Brings it up to date with a document, whose counts these are. The repeats are looked at only where they have changed.
+    pub(super) fn update(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
+        self.work.frames = counts.gold_references;
+        self.work.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
+        let of = (counts.repeats_edition(), field_specs(&document));
+        if self.measured.as_ref() != Some(&of) {
+            // A field that is not valid is told of elsewhere.
+            self.work.own = OwnNoise::of_frames(document, counts.with_repeats()).unwrap_or_default();
+            self.measured = Some(of);
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! Which frames the filmstrip shows, and which of them wait for a person.
+
+use crate::document::{Frame, FrameStatus};
+
+/// Which frames the filmstrip shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// All of them.
+    #[default]
+    All,
+    /// Somebody has to look at them.
+    NeedsMe,
+    /// The forest has no answer for them.
+    Unanswered,
+    /// One status.
+    Status(FrameStatus),
+}
+
+impl Filter {
+    /// Every filter, in the order of the list.
+    pub const ALL: [Self; 8] = [
+        Self::All,
+        Self::NeedsMe,
+        Self::Status(FrameStatus::New),
+        Self::Status(FrameStatus::Draft),
+        Self::Status(FrameStatus::Suggested),
+        Self::Unanswered,
+        Self::Status(FrameStatus::Reference),
+        Self::Status(FrameStatus::Rejected),
+    ];
+
+    /// Whether a frame is shown.
+    #[must_use]
+    pub fn shows(self, frame: &Frame) -> bool {
+        match self {
+            Self::All => true,
+            Self::NeedsMe => needs_me(frame),
+            Self::Unanswered => frame.is_unanswered(),
+            Self::Status(wanted) => frame.status == wanted,
+        }
+    }
+
+    /// What the list says.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::All => "All frames",
+            Self::NeedsMe => "To do",
+            Self::Unanswered => "No answer",
+            Self::Status(status) => status_label(status),
+        }
+    }
+}
+
+/// Whether somebody still has to look at a frame. One that the forest has no answer for waits for a label elsewhere.
+#[must_use]
+pub fn needs_me(frame: &Frame) -> bool {
+    match frame.status {
+        FrameStatus::New => !frame.is_unanswered(),
+        FrameStatus::Draft | FrameStatus::Suggested => true,
+        FrameStatus::Reference | FrameStatus::Rejected => false,
+    }
+}
+
+/// A status as a person reads it.
+#[must_use]
+pub const fn status_label(status: FrameStatus) -> &'static str {
+    match status {
+        FrameStatus::New => "New",
+        FrameStatus::Draft => "Draft",
+        FrameStatus::Suggested => "Suggested",
+        FrameStatus::Reference => "Reference",
+        FrameStatus::Rejected => "Rejected",
+    }
+}

@@ -1,0 +1,241 @@
+//! A change after which many frames are solved again: worked out beside the document, then joined with what it has become.
+//!
+//! Solving 100,000 frames takes seconds, and a person goes on labelling meanwhile. The change and the solved frames are therefore
+//! made in a copy of the document; nothing has changed before it is done. Frames that were edited since the copy was taken stay as
+//! they are then, but for what the change means for each of them.
+
+use super::follow_base::moved_frames;
+use super::solve_frames::{WatchFrames, is_by_clicks, solve_by_clicks};
+use super::{AssignError, EstimatedBase};
+use crate::camera::CameraBase;
+use crate::document::{CameraId, Document, Fields, Frame, FrameId};
+use crate::field::FieldError;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use thiserror::Error;
+
+/// A change after which many frames are solved again.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BulkChange {
+    /// Cameras, field and click noise become those of this document; its frames do not matter.
+    Numbers(Box<Document>),
+    /// A camera gets the base that was estimated.
+    Base(Arc<EstimatedBase>),
+    /// Frames are assigned to a camera.
+    Assign(Box<AssignedFrames>),
+}
+
+/// Frames that are assigned to a camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AssignedFrames {
+    /// Which.
+    pub frames: Vec<FrameId>,
+    /// The camera.
+    pub camera: CameraId,
+    /// What the camera is made from; none where the document has it.
+    pub new: Option<NewCamera>,
+}
+
+/// What a new camera is made from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewCamera {
+    /// It takes pictures like those of this camera.
+    pub like: CameraId,
+    /// Its base, if known.
+    pub base: Option<CameraBase>,
+}
+
+/// Why a change was not made; the document is as it was.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum BulkError {
+    /// Somebody stopped it.
+    #[error("it was stopped")]
+    Stopped,
+    /// A field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Frames cannot be assigned to the camera.
+    #[error(transparent)]
+    Assign(#[from] AssignError),
+}
+
+/// How many frames have been solved.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BulkProgress {
+    /// So many are.
+    pub done: usize,
+    /// So many will be.
+    pub of: usize,
+}
+
+/// Told how far it has come, from any thread; a break stops it.
+pub type WatchBulk<'a> = &'a (dyn Fn(BulkProgress) -> ControlFlow<()> + Sync);
+
+/// A change that is to be worked out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BulkSolve {
+    /// The document.
+    pub document: Document,
+    /// Its folder.
+    pub folder: PathBuf,
+    /// What changes.
+    pub change: BulkChange,
+}
+
+/// A change that was worked out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BulkSolved {
+    work: BulkSolve,
+    after: Document,
+    withdrawn: usize,
+}
+
+/// A change that was joined with the document as it is now.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Joined {
+    /// The document with the change.
+    pub document: Document,
+    /// Proposals that were made for an old base and are withdrawn.
+    pub withdrawn: usize,
+}
+
+impl BulkSolve {
+    /// How many frames are solved again.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.solved_again(&self.change.places(&self.document))
+    }
+
+    /// How many of some frames are solved again: those that have clicks, and accepted proposals, whose lines are held.
+    fn solved_again(&self, places: &[usize]) -> usize {
+        let is_one = |frame: &Frame| is_by_clicks(frame) || frame.is_suggestion();
+        places.iter().filter(|index| is_one(&self.document.frames[**index])).count()
+    }
+
+    /// Works the change out.
+    ///
+    /// # Errors
+    /// The change cannot be made, or `watch` stopped it.
+    pub fn run(self, watch: WatchBulk<'_>) -> Result<BulkSolved, BulkError> {
+        let mut after = self.document.clone();
+        self.change.make_beside_frames(&mut after)?;
+        let places = self.change.places(&self.document);
+        let (of, done) = (self.solved_again(&places), AtomicUsize::new(0));
+        let counting = || match watch(BulkProgress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of }) {
+            ControlFlow::Continue(()) => ControlFlow::Continue(()),
+            ControlFlow::Break(()) => ControlFlow::Break(BulkError::Stopped),
+        };
+        let withdrawn = self.change.make_in_frames(&mut after, &self.document, &self.folder, &places, &counting)?;
+        // Counted here, so that joining need not touch every frame.
+        after.count_edits_since(&self.document);
+        Ok(BulkSolved { work: self, after, withdrawn })
+    }
+}
+
+impl BulkSolved {
+    /// What was changed.
+    #[must_use]
+    pub const fn change(&self) -> &BulkChange {
+        &self.work.change
+    }
+
+    /// The change in the document as it is now: frames that were edited meanwhile keep their edits, and are solved again if
+    /// the change means it. None where cameras, field or the order of the frames have changed meanwhile: it has to be worked out
+    /// again then.
+    ///
+    /// # Errors
+    /// The change cannot be made in the frames that were edited.
+    pub fn join(&self, now: &Document) -> Result<Option<Joined>, BulkError> {
+        let before = &self.work.document;
+        let same_frames = now.frames.len() == before.frames.len();
+        if !same_frames || !now.same_beside_frames(before) {
+            return Ok(None);
+        }
+        let edited = now.frames.differences(&before.frames);
+        if edited.iter().any(|&index| now.frames[index].id != before.frames[index].id) {
+            return Ok(None);
+        }
+        let mut document = self.after.clone();
+        for &index in &edited {
+            document.frames[index] = now.frames[index].clone();
+        }
+        let concerned = self.work.change.places(now);
+        let again: Vec<usize> = edited.into_iter().filter(|index| concerned.binary_search(index).is_ok()).collect();
+        let go_on = || ControlFlow::Continue(());
+        let withdrawn = self.work.change.make_in_frames(&mut document, now, &self.work.folder, &again, &go_on)?;
+        Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))
+    }
+}
+
+impl BulkChange {
+    /// Makes the part of the change that lies beside the frames.
+    fn make_beside_frames(&self, document: &mut Document) -> Result<(), BulkError> {
+        match self {
+            Self::Numbers(numbers) => {
+                document.cameras.clone_from(&numbers.cameras);
+                document.field.clone_from(&numbers.field);
+                document.click_noise.clone_from(&numbers.click_noise);
+            }
+            Self::Base(found) => found.write_camera(document),
+            Self::Assign(given) => {
+                let Some(new) = &given.new else { return Ok(()) };
+                document.add_camera_like(&given.camera, &new.like)?;
+                if let (Some(camera), Some(base)) = (document.camera_mut(&given.camera), &new.base) {
+                    camera.set_base(base);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The places of the frames that it may change, ascending.
+    fn places(&self, document: &Document) -> Vec<usize> {
+        match self {
+            Self::Numbers(_) | Self::Base(_) => (0..document.frames.len()).collect(),
+            Self::Assign(given) => {
+                let mut places: Vec<usize> =
+                    given.frames.iter().filter_map(|id| document.frames.position_of(id)).collect();
+                places.sort_unstable();
+                places.dedup();
+                places
+            }
+        }
+    }
+
+    /// Makes the part of the change that lies in these frames, and says how many proposals it withdrew. `before` is the document
+    /// without the change.
+    fn make_in_frames(
+        &self,
+        document: &mut Document,
+        before: &Document,
+        folder: &Path,
+        places: &[usize],
+        watch: WatchFrames<'_, BulkError>,
+    ) -> Result<usize, BulkError> {
+        if places.is_empty() {
+            return Ok(0);
+        }
+        match self {
+            Self::Numbers(_) => solve_by_clicks(document, folder, places, watch)?,
+            Self::Base(found) => found.write_frames(document, before, folder, places, watch)?,
+            Self::Assign(given) => {
+                let fields = Fields::of(document.at(folder))?;
+                document.check_assigned(places, &given.camera)?;
+                document.assign_frames(places, &given.camera, &fields, watch)?;
+            }
+        }
+        let moved = moved_frames(before, document);
+        let mut withdrawn = 0;
+        for index in moved.into_iter().filter(|index| places.binary_search(index).is_ok()) {
+            if document.frames[index].is_suggestion()
+                && let ControlFlow::Break(stopped) = watch()
+            {
+                return Err(stopped);
+            }
+            withdrawn += usize::from(document.follow_base(index, before));
+        }
+        Ok(withdrawn)
+    }
+}
