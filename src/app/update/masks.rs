@@ -118,8 +118,8 @@ impl App {
         if found.is_empty() {
             return;
         }
-        let what = if found.len() == 1 { "This looks" } else { "These look" };
-        let text = format!("{what} burned in ({}). Masks keep it out of training and proposals.", sizes(&found));
+        let (what, it) = if found.len() == 1 { ("This looks", "it") } else { ("These look", "them") };
+        let text = format!("{what} burned in ({}). Masks keep {it} out of training and proposals.", sizes(&found));
         let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
         self.session.notify_with(Level::Question, text, offers);
         self.session.burnt_in = found;
