@@ -83,7 +83,9 @@ fn the_panel_and_the_filmstrip_look_like_this() {
     window.key(Key::F4);
     window.harness.get_by_label("5 frames without an answer, 4 to 8");
     let panel = egui::Rect::from_min_max(egui::pos2(980.0, 24.0), egui::pos2(1280.0, 700.0));
-    window.wait_for(Shell::has_thumbnails);
+    // The suggestions are checked against the painted lines in the background, which marks the thumbnails.
+    let is_checked = |shell: &Shell| (0..3).all(|frame| shell.app().paint_says(frame).is_some());
+    window.wait_for(|shell| shell.has_thumbnails() && is_checked(shell));
     window.snapshot_of("review_panel", panel);
 }
 
