@@ -12,7 +12,10 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// Rooms of one floor of which one uses the other.
-const PAIRS: &[Pair] = &[("evaluate", "calibrate", "an estimate's clicks are scored as observations")];
+const PAIRS: &[Pair] = &[
+    ("evaluate", "calibrate", "an estimate's clicks are scored as observations"),
+    ("proposals", "calibrate", "a reference's clicks are its observations"),
+];
 
 /// What may be named only in some rooms. Modules for tests may name anything.
 const FENCES: &[Fence] = &[
