@@ -1,7 +1,7 @@
 //! How probable it is that an answer is right.
 
 use super::SeenRange;
-use super::labels::{apart, nearest};
+use super::nearest_references::{apart, nearest};
 use crate::camera::Ptz;
 use crate::geometry::ImageSize;
 use serde::Serialize;

@@ -7,7 +7,8 @@
 //! B = (Σ Jᵀ J)⁻¹ Σ Jᵀ J over its features. The references' errors are independent of each other; what they share, an error of the
 //! base, is told by [`Uncertainty::of_known`].
 
-use super::{Pose, RayMatches, SeenRange};
+use super::nearest_references::nearest;
+use super::{RayMatches, SeenRange};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use crate::solve::{Observation, Uncertainty};
@@ -21,40 +22,22 @@ const FEATURES: usize = 64;
 /// 1-σ of a person's click, px at 1920 px width, where nothing is known of a label.
 const CLICK_PX: f64 = 2.0;
 
-/// How far two cameras are apart: the turn of the axis in rad, and the logarithm of the ratio of their focal lengths.
-pub(super) fn apart(one: &Ptz, other: &Ptz) -> (f64, f64) {
-    let pan = one.pan.turn_from(other.pan).radians() * one.tilt.radians().cos();
-    let tilt = (one.tilt - other.tilt).radians();
-    (pan.hypot(tilt), (one.focal_px / other.focal_px).ln())
-}
-
-/// The references nearest to a camera, at most so many: how far apart they are, and their places. A turn and a zoom count alike.
-pub(super) fn nearest(ptz: &Ptz, references: &[Ptz], most: usize) -> Vec<usize> {
-    let distance = |reference: &Ptz| {
-        let (turn, zoom) = apart(ptz, reference);
-        turn.hypot(zoom)
-    };
-    let mut order: Vec<(f64, usize)> =
-        references.iter().enumerate().map(|(number, reference)| (distance(reference), number)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    order.into_iter().take(most).map(|(_, number)| number).collect()
-}
-
-/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in a pose; zero without references.
+/// Covariance of (pan rad, tilt rad, focal px) that the labels of the references leave in an answer on which these features
+/// agree; zero without references.
 pub(super) fn label_covariance(
-    pose: &Pose,
+    (ptz, inliers): (&Ptz, &[usize]),
     matches: &RayMatches,
     base: &CameraBase,
     image_size: ImageSize,
     seen: &SeenRange,
 ) -> Mat3 {
     let at_base = base.at_origin();
-    let camera = PtzCamera::new(at_base, pose.ptz);
-    let near = nearest(&pose.ptz, &seen.cameras, NEAREST);
+    let camera = PtzCamera::new(at_base, *ptz);
+    let near = nearest(ptz, &seen.cameras, NEAREST);
     let references: Vec<PtzCamera> = near.iter().map(|&number| PtzCamera::new(at_base, seen.cameras[number])).collect();
     let mut shares = vec![Mat3::zeros(); references.len()];
-    let every = pose.inliers.len().div_ceil(FEATURES).max(1);
-    for &feature in pose.inliers.iter().step_by(every) {
+    let every = inliers.len().div_ceil(FEATURES).max(1);
+    for &feature in inliers.iter().step_by(every) {
         let Some((_, ray)) = matches.nearest(&camera, feature) else { continue };
         let Ok((_, by_ptz)) = camera.image_from_world_by_ptz(ray) else { continue };
         let shows = |reference: &PtzCamera| {
@@ -70,7 +53,7 @@ pub(super) fn label_covariance(
     let mut covariance = Mat3::zeros();
     for ((&number, reference), share) in near.iter().zip(&references).zip(&shares) {
         let label = seen.labels.get(number).copied().unwrap_or_else(|| usual_label(reference, image_size));
-        let moved = all * share * moved_by_label(&pose.ptz, &reference.ptz());
+        let moved = all * share * moved_by_label(ptz, &reference.ptz());
         covariance += moved * label * moved.transpose();
     }
     (covariance + covariance.transpose()) * 0.5
@@ -103,7 +86,7 @@ pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
 mod tests {
     use super::*;
     use crate::camera::PanTilt;
-    use crate::relocalize::{PoseOptions, RayCandidate, pose_from_candidates};
+    use crate::relocalize::{Pose, PoseOptions, RayCandidate, pose_from_candidates};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
@@ -128,7 +111,7 @@ mod tests {
         let cameras: Vec<Ptz> = references_deg.iter().map(|pan| Ptz::from_degrees(*pan, -12.0, 2200.0)).collect();
         let label = Mat3::from_diagonal(&Vec3::new(4e-7, 4e-7, 100.0));
         let seen = SeenRange::of(&cameras).unwrap().with_labels(vec![label; cameras.len()]);
-        (label_covariance(&pose, &matches, &base(), SIZE, &seen), label)
+        (label_covariance((&pose.ptz, &pose.inliers), &matches, &base(), SIZE, &seen), label)
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod forest;
 mod labels;
 mod matches;
 mod model;
+mod nearest_references;
 mod not_found;
 mod pose;
 mod pose_options;

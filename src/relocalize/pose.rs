@@ -75,7 +75,7 @@ impl Pose {
     ) -> Self {
         let radians = Mat3::from_diagonal(&Vec3::new(1f64.to_radians(), 1f64.to_radians(), 1.0));
         let by_features = radians * self.covariance * radians;
-        let by_labels = label_covariance(&self, matches, base, image_size, seen);
+        let by_labels = label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
         let camera = PtzCamera::new(*base, self.ptz);
         if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size) {
             self.covariance = uncertainty.ptz_covariance_deg();

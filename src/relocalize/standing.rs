@@ -5,7 +5,7 @@
 //! the picture as a whole repeats it, as when the camera did not move; else what stands still is left out, and the rest is
 //! asked.
 
-use super::labels::nearest;
+use super::nearest_references::nearest;
 use super::{NotFound, Pose, PoseOptions, RayMatches, pose_from_candidates};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
