@@ -74,7 +74,7 @@ fn five_hundred_suggestions_are_no_steps_and_in_none() {
     let mut bench = Bench::new(blank(501));
     bench.act(Action::SetComment("rain".into()));
     for batch in 0..10 {
-        let frames = (50 * batch + 1..50 * (batch + 1) + 1).map(|frame| proposal(&bench, frame, 1, Some(3.0)));
+        let frames = (50 * batch + 1..=50 * (batch + 1)).map(|frame| proposal(&bench, frame, 1, Some(3.0)));
         bench.act(Action::Proposals(frames.collect()));
         bench.act(Action::SetComment(format!("rain {batch}")));
     }
