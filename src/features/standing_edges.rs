@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 /// Pictures are reduced to about this width, px.
 const WIDTH: u32 = 480;
 
-/// With fewer pictures edges stand by chance.
-const LEAST_PICTURES: usize = 4;
+/// With fewer pictures the edges of a crowd stand by chance.
+const LEAST_PICTURES: usize = 6;
 
 /// Boxes reach beyond the edges, px of the reduced picture.
 const MARGIN: f64 = 1.5;
@@ -77,7 +77,7 @@ impl ReducedPicture {
 }
 
 /// Finds the graphics that stand in most of some pictures of one camera, as boxes with how many edges of the reduced pictures
-/// stand in each, from the top down. Nothing is found in fewer than four pictures, in pictures that differ in size, or where the
+/// stand in each, from the top down. Nothing is found in fewer than six pictures, in pictures that differ in size, or where the
 /// camera hardly moved between them.
 #[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<(PixelBox, usize)> {

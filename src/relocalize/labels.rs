@@ -66,8 +66,9 @@ fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
     Mat3::new(1.0, 0.0, -pan / focal_px, 0.0, 1.0, -tilt / focal_px, 0.0, 0.0, answer.focal_px / focal_px)
 }
 
-/// The covariance of a camera that four clicks tell, well apart.
+/// The covariance of (pan rad, tilt rad, focal px) of a camera that four clicks tell, well apart; wherever its base stands.
 pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
+    let reference = PtzCamera::new(reference.base().at_origin(), reference.ptz());
     let sigma_px = CLICK_PX * image_size.scale_from_1920();
     let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
     let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
@@ -79,7 +80,7 @@ pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
             Some(Observation::of_point(ray, at, sigma_px, click))
         })
         .collect();
-    Uncertainty::of(reference, &clicks, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+    Uncertainty::of(&reference, &clicks, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
 }
 
 #[cfg(test)]

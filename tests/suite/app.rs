@@ -188,7 +188,7 @@ fn accept_is_refused_while_a_point_has_no_name_or_nothing_is_solved() {
     bench.act(Action::Press { at: ImagePoint::new(900.0, 500.0), on: None });
     bench.command(Command::Accept);
     assert_eq!(bench.app.session.frame, 0);
-    assert!(bench.last_notice().starts_with("Point 3 has no name yet"), "{}", bench.last_notice());
+    assert!(bench.last_notice().starts_with("Point 3 has no name. "), "{}", bench.last_notice());
 }
 
 #[test]

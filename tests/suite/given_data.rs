@@ -79,7 +79,7 @@ fn what_is_missing_is_named_in_one_line() {
     fs::write(folder.path().join("bad/train_val.json"), "{}").unwrap();
     fs::write(folder.path().join("bad/soccer_ground_truth.json"), "[1, 2]").unwrap();
     for (arguments, named) in [
-        ("homographies", "homographies is about given data: --data DIR"),
+        ("homographies", "homographies needs data: give --data DIR"),
         ("homographies --data match", "homographies wants train_val.json"),
         ("homographies --data bad", "train_val.json: missing field `frames`"),
         ("motion --data match", "motion wants soccer_ground_truth.json"),

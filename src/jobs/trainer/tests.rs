@@ -434,7 +434,7 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.expect(&Begun::Learn(vec![0]), Let::Panic);
     controller.until(|status| status.trouble.is_some());
     assert!(
-        controller.status.trouble.as_ref().unwrap().contains("while learning: the saw broke"),
+        controller.status.trouble.as_ref().unwrap().contains("while learning (please report it): the saw broke"),
         "{:?}",
         controller.status
     );
