@@ -48,7 +48,7 @@ impl UsedFeatures {
         let ranges = options.pose.ranges.clone().unwrap_or_else(|| forest.seen.plausible());
         let pose = PoseOptions { ranges: Some(ranges), ..options.pose.clone() };
         let seen = &forest.seen.cameras;
-        let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose).map(|pose| pose.inliers);
+        let agreeing = pose_of_moving(&matches, &found.features, &base, seen, &pose).map(|(pose, _)| pose.inliers);
         let agreeing: BTreeSet<usize> = agreeing.unwrap_or_default().into_iter().collect();
         // Matches are features in their order, without those that match nothing.
         let mut at = 0;

@@ -72,7 +72,9 @@ pub fn relocalize(
     let start = Instant::now();
     let ranges = options.pose.ranges.clone().unwrap_or_else(|| seen.plausible());
     let unsure = PoseOptions { ranges: Some(ranges), min_confidence: 0.0, ..options.pose.clone() };
-    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure)
-        .and_then(|pose| pose.stated(&matches, base, features.image_size, seen).if_sure(options.pose.min_confidence));
+    let pose = pose_of_moving(&matches, features, base, &seen.cameras, &unsure).and_then(|(pose, stands_still)| {
+        let stated = pose.stated(&matches, base, features.image_size, seen);
+        stated.if_sure(options.pose.min_confidence).map_err(|unsure| stands_still.unwrap_or(unsure))
+    });
     Relocalized { pose, predict_time, pose_time: start.elapsed() }
 }

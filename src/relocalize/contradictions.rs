@@ -155,7 +155,7 @@ fn disagreement(references: &[Reference], pair: [usize; 2], options: &Contradict
     }
     let (base, size) = (second.camera.base(), second.features.image_size);
     let pose = PoseOptions { min_confidence: MIN_CONFIDENCE, ..PoseOptions::default() };
-    let pose = pose_of_moving(&matches, second.features, base, &[first.camera.ptz()], &pose).ok()?;
+    let (pose, _) = pose_of_moving(&matches, second.features, base, &[first.camera.ptz()], &pose).ok()?;
     let said = PtzCamera::new(*base, pose.ptz);
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let corners = [(0.0, 0.0), (width, 0.0), (0.0, height), (width, height)].map(|(x, y)| ImagePoint::new(x, y));

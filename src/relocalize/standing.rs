@@ -20,7 +20,7 @@ const NEAREST: usize = 12;
 const REPEATED_SHARE: f64 = 0.6;
 
 /// The camera that most features agree on, leaving out those that stand still on the screen while the rest of the picture
-/// moves. `features` are those of the picture, all that were asked for; `references` the cameras of the training frames.
+/// moves; with it what is to be said if the features that are left are not sure of it, where some were left out. `features` are those of the picture, all that were asked for; `references` the cameras of the training frames.
 ///
 /// # Errors
 /// By name, why there is none: see [`NotFound`].
@@ -30,7 +30,7 @@ pub fn pose_of_moving(
     base: &CameraBase,
     references: &[Ptz],
     options: &PoseOptions,
-) -> Result<Pose, NotFound> {
+) -> Result<(Pose, Option<NotFound>), NotFound> {
     let size = features.image_size;
     let standing_px = STANDING_PX * size.scale_from_1920();
     let mut left_out = vec![false; matches.len()];
@@ -47,9 +47,11 @@ pub fn pose_of_moving(
         let points = pose.inliers.iter().map(|&inlier| matches.point(inlier));
         let all = features.keypoints.iter().map(|keypoint| keypoint.point);
         if place_share(points, all, size) >= WHOLE_PICTURE {
-            return Ok(pose);
+            return Ok((pose, stands_still));
         }
-        let Some(reference) = repeated(&pose, matches, base, references, standing_px) else { return Ok(pose) };
+        let Some(reference) = repeated(&pose, matches, base, references, standing_px) else {
+            return Ok((pose, stands_still));
+        };
         stands_still = Some(NotFound::StandsStill { inliers: pose.inliers.len() });
         for (feature, left_out) in left_out.iter_mut().enumerate() {
             *left_out |= stands(matches, feature, &reference, standing_px);
