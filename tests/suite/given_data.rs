@@ -80,11 +80,11 @@ fn what_is_missing_is_named_in_one_line() {
     fs::write(folder.path().join("bad/soccer_ground_truth.json"), "[1, 2]").unwrap();
     for (arguments, named) in [
         ("homographies", "homographies needs data: give --data DIR"),
-        ("homographies --data match", "homographies wants train_val.json"),
+        ("homographies --data match", "homographies needs train_val.json"),
         ("homographies --data bad", "train_val.json: missing field `frames`"),
-        ("motion --data match", "motion wants soccer_ground_truth.json"),
+        ("motion --data match", "motion needs soccer_ground_truth.json"),
         ("motion --data bad", "soccer_ground_truth.json: "),
-        ("highlights --data match", "highlights wants MATLAB files such as seq1_anno.mat"),
+        ("highlights --data match", "highlights needs MATLAB files such as seq1_anno.mat"),
         ("highlights --data bad", "seq1_anno.mat: it is not a MATLAB file of level 5"),
         ("synthetic --data bad", "synthetic needs no data; omit --data"),
         ("motion --data nowhere", "nowhere is no folder"),

@@ -130,7 +130,7 @@ fn what_does_not_fit_is_one_line_and_exit_two() {
     write(&folder.join("suggestions.json"), &suggestions);
     let refused = touchline(&folder, "train suggestions.json -o none.tlf");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("no references to learn from"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("no references to train with"), "{}", refused.stderr);
     assert!(!folder.join("none.tlf").exists());
     assert_eq!(touchline(&folder, "train suggestions.json -o forest.tlf --all-references").code, 0);
 
