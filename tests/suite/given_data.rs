@@ -88,11 +88,11 @@ fn what_is_missing_is_named_in_one_line() {
         ("highlights --data bad", "seq1_anno.mat: it is not a MATLAB file of level 5"),
         ("synthetic --data bad", "synthetic needs no data; omit --data"),
         ("motion --data nowhere", "nowhere is no folder"),
-        ("motion --train match/truth.json", "does not look at frames of your own"),
+        ("motion --train match/truth.json", "does not use frames of your own"),
         ("highlights --train match/one.json", "no camera has solved frames in two clips"),
         (
             "highlights --train match/truth.json --train match/truth.json --test match/truth.json",
-            "--test goes with one --train",
+            "--test needs exactly one --train",
         ),
     ] {
         let ran = touchline(folder.path(), &format!("experiment {arguments} --quick -o out"));

@@ -104,7 +104,10 @@ fn a_dragged_number_is_one_step_and_the_camera_follows() {
 fn points_are_selected_held_out_and_deleted_in_their_list() {
     let mut window = solved();
     // The camera is checked against the painted lines in the background, which adds a line to the verdict.
+    window.harness.hover_at(pos2(600.0, 400.0));
     window.wait_for(|shell| shell.app().paint_says(0).is_some());
+    window.harness.hover_at(pos2(1100.0, 640.0));
+    window.harness.run_steps(2);
     window.snapshot_of("inspector", egui::Rect::from_min_max(pos2(980.0, 220.0), pos2(1280.0, 696.0)));
     window.harness.get_by_label("Point 1: Penalty area, far left, front corner, no evidence").click();
     window.harness.run_steps(2);
