@@ -22,7 +22,7 @@ pub struct Pose {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
     /// Covariance of (pan deg, tilt deg, focal px): by the features alone, close ones counted as one, and once it is
-    /// [stated](Self::stated) by labels and base as well.
+    /// stated by labels and base as well.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
     /// 1-σ of the overlay at the worst corner of the picture, px, by the same.
