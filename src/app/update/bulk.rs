@@ -23,9 +23,7 @@ impl App {
         if self.refuses_changes() {
             return false;
         }
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         let Some(open) = &self.open else { return false };
         let work = BulkSolve { document: open.document.clone(), folder: open.folder.clone(), change };
         if work.frames() >= IN_BACKGROUND {

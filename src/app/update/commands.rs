@@ -286,9 +286,7 @@ impl App {
     /// changes it.
     fn undo(&mut self, back: bool) {
         self.session.mode = Mode::Idle;
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         let Some(open) = &mut self.open else { return };
         let next = if back { open.history.next_undo() } else { open.history.next_redo() };
         let Some(step) = next.cloned() else { return };

@@ -69,9 +69,7 @@ impl App {
     }
 
     pub(super) fn save(&mut self) {
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         let Some(open) = &self.open else { return };
         if open.read_only.is_none() {
             self.effects.push(Effect::Save);

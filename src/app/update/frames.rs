@@ -13,9 +13,7 @@ impl App {
         if frame == self.session.frame {
             return;
         }
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         self.session.frame = frame;
         self.session.selected = None;
         self.session.hover = None;

@@ -265,9 +265,7 @@ impl App {
         if self.refuses_changes() {
             return false;
         }
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         let Some(open) = &mut self.open else { return false };
         open.begin(step);
         true
@@ -287,7 +285,14 @@ impl App {
         self.close_step();
     }
 
-    /// The same for a step in which the frames follow their cameras already.
+    /// Commits the step that is open, if one is: what was begun does not go on across what comes next.
+    fn commit_open_step(&mut self) {
+        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
+            self.commit();
+        }
+    }
+
+    /// [`Self::commit`] for a step in which the frames follow their cameras already.
     fn close_step(&mut self) {
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();

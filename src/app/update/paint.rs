@@ -31,9 +31,7 @@ impl App {
     /// Has the shown frame's camera pulled onto the painted lines.
     pub(super) fn snap(&mut self) {
         let Some(field) = self.current.field().cloned() else { return };
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         let Some(open) = &self.open else { return };
         let Some(frame) = open.document.frames.get(self.session.frame) else { return };
         self.session.snap_tickets += 1;

@@ -16,9 +16,7 @@ impl App {
             return;
         }
         // What was begun in the picture does not go on behind the page.
-        if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
-            self.commit();
-        }
+        self.commit_open_step();
         self.session.mode = Mode::Idle;
         self.session.hover = None;
         self.session.next_on_line = false;
