@@ -149,14 +149,10 @@ impl BulkSolved {
     /// The change cannot be made in the frames that were edited.
     pub fn join(&self, now: &Document) -> Result<Option<Joined>, BulkError> {
         let before = &self.work.document;
-        let same_frames = now.frames.len() == before.frames.len();
-        if !same_frames || !now.same_beside_frames(before) {
+        if !now.same_beside_frames(before) {
             return Ok(None);
         }
-        let edited = now.frames.differences(&before.frames);
-        if edited.iter().any(|&index| now.frames[index].id != before.frames[index].id) {
-            return Ok(None);
-        }
+        let Some(edited) = now.frames.changed_in_place(&before.frames) else { return Ok(None) };
         let mut document = self.after.clone();
         for &index in &edited {
             document.frames[index] = now.frames[index].clone();

@@ -24,6 +24,12 @@ impl Frames {
         let changed = self.differences(before);
         if changed.len() > MANY { FrameChanges::Anew } else { FrameChanges::At(changed) }
     }
+
+    /// The positions at which frames changed since an earlier state; none where frames came, went or moved.
+    pub(crate) fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
+        let changed = (self.len() == before.len()).then(|| self.differences(before))?;
+        changed.iter().all(|&position| self[position].id == before[position].id).then_some(changed)
+    }
 }
 
 #[cfg(test)]

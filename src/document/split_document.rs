@@ -1,6 +1,6 @@
 //! A document split into what people did and what the program suggests.
 
-use super::{Document, Frame, Frames, Shared};
+use super::{Document, Frame, Shared};
 
 /// A document as a file has it and as readers see it, together with what people did: the same without suggestions, which is
 /// what undo goes back and forth in.
@@ -59,14 +59,6 @@ fn without_suggestion(frame: &Shared<Frame>, known: Option<&Shared<Frame>>) -> S
     }
     let without = frame.without_suggestion();
     known.filter(|known| ***known == without).cloned().unwrap_or_else(|| without.into())
-}
-
-impl Frames {
-    /// The positions at which frames changed since an earlier state; none where frames came, went or moved.
-    pub(crate) fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
-        let changed = (self.len() == before.len()).then(|| self.differences(before))?;
-        changed.iter().all(|&position| self[position].id == before[position].id).then_some(changed)
-    }
 }
 
 #[cfg(test)]
