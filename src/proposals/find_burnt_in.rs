@@ -2,6 +2,7 @@
 //! stand throughout and by features that stand for a while.
 
 use super::burnt_in::{FoundMask, moved_by_labels};
+use super::spread::spread;
 use super::{FrameFeatures, FramePictures, read_picture};
 use crate::camera::PtzCamera;
 use crate::document::{Camera, Extra, MaskSource, RangedMask};
@@ -26,7 +27,7 @@ pub fn find_burnt_in(
     for camera in &pictures.document.cameras {
         let frames = &pictures.document.frames;
         let of_camera: Vec<usize> = (0..frames.len()).filter(|&index| frames[index].camera == camera.id).collect();
-        let frames = spread(&of_camera, LOOKED_AT);
+        let frames = spread(of_camera, LOOKED_AT);
         let by_edges = by_edges(pictures, camera, reader, &frames, progress)?;
         let looked_at = pictures.each(reader, &frames, |index, _, found| {
             progress()?;
@@ -75,14 +76,6 @@ fn by_edges(
     Some(found.collect())
 }
 
-/// At most `most` of some places, evenly spread, the first and the last among them.
-fn spread(places: &[usize], most: usize) -> Vec<usize> {
-    if places.len() <= most {
-        return places.to_vec();
-    }
-    (0..most).map(|at| places[at * (places.len() - 1) / (most - 1)]).collect()
-}
-
 fn of_pictures(pictures: &FramePictures<'_>, camera: &Camera, looked_at: &[(usize, Arc<Features>)]) -> Vec<FoundMask> {
     let frames = &pictures.document.frames;
     let cameras: Vec<Option<PtzCamera>> = looked_at.iter().map(|(index, _)| camera.pointed(&frames[*index])).collect();
@@ -113,17 +106,4 @@ fn of_pictures(pictures: &FramePictures<'_>, camera: &Camera, looked_at: &[(usiz
         }
     };
     found.graphics.iter().map(mask).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::spread;
-
-    #[test]
-    fn pictures_are_spread_from_the_first_to_the_last() {
-        let places: Vec<usize> = (100..140).collect();
-        assert_eq!(spread(&places[..5], 16), [100, 101, 102, 103, 104]);
-        let spread = spread(&places, 4);
-        assert_eq!(spread, [100, 113, 126, 139]);
-    }
 }

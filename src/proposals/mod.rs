@@ -35,6 +35,7 @@ mod picture;
 mod proposal;
 mod proposing;
 mod quality;
+mod spread;
 mod store;
 mod suggestions;
 mod suspects;

@@ -4,6 +4,7 @@
 //! the forest learns from is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one
 //! forest at a time and the few pictures' features that are being looked at.
 
+use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
 use crate::document::{Camera, Clip, Document, Frame};
@@ -237,16 +238,6 @@ fn groups(document: &Document, collected: &[usize]) -> (LeftOutBy, Vec<Group>) {
     let of_one =
         |asked| Group { asked: vec![asked], left_out: all.clone().filter(|&other| near(asked, other)).collect() };
     (by, all.clone().map(of_one).collect())
-}
-
-/// At most so many, from the first to the last.
-fn spread<T>(all: Vec<T>, most: usize) -> Vec<T> {
-    let count = all.len();
-    if count <= most {
-        return all;
-    }
-    let chosen: BTreeSet<usize> = (0..most).map(|i| i * (count - 1) / (most - 1)).collect();
-    all.into_iter().enumerate().filter(|(index, _)| chosen.contains(index)).map(|(_, one)| one).collect()
 }
 
 /// How far two cameras of a picture differ where they differ most, over a grid of 5 × 3 of its points, px at 1920 px width;
