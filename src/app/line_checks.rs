@@ -74,6 +74,9 @@ impl PaintSays {
 #[derive(Debug, Default)]
 pub(super) struct LineChecks {
     known: BTreeMap<FrameId, CheckedLines>,
+    /// How many of the known cameras are contradicted, and how many supported: asked for each thumbnail that is drawn.
+    contradicted: usize,
+    supported: usize,
     /// The order under way, and what it is about.
     under_way: Option<(u64, Vec<(FrameId, PtzCamera)>)>,
     tickets: u64,
@@ -104,10 +107,21 @@ impl LineChecks {
         (Some(known.camera) == open.document.pointed(frame)).then_some(known.check).flatten()
     }
 
-    fn is_witness(&self) -> bool {
-        let verdicts = || self.known.values().filter_map(|known| Some(known.check?.verdict()));
-        let contradicted = verdicts().filter(|verdict| *verdict == LineVerdict::Contradicts).count();
-        contradicted < NO_WITNESS || verdicts().any(|verdict| verdict == LineVerdict::Supports)
+    const fn is_witness(&self) -> bool {
+        self.contradicted < NO_WITNESS || self.supported > 0
+    }
+
+    /// Keeps what was found about a camera, in place of what was known of its frame.
+    fn keep(&mut self, checked: CheckedLines) {
+        let verdict = |checked: &CheckedLines| checked.check.map(|check| check.verdict());
+        let now = verdict(&checked);
+        let before = self.known.insert(checked.frame.clone(), checked).as_ref().and_then(verdict);
+        for (of, count) in
+            [(LineVerdict::Contradicts, &mut self.contradicted), (LineVerdict::Supports, &mut self.supported)]
+        {
+            *count += usize::from(now == Some(of));
+            *count -= usize::from(before == Some(of));
+        }
     }
 
     /// The frames to be judged next, the shown one alone and first; none while an order is under way.
@@ -151,10 +165,54 @@ impl LineChecks {
     pub(super) fn take(&mut self, ticket: u64, found: Vec<CheckedLines>) {
         let Some((_, asked)) = self.under_way.take_if(|(known, _)| *known == ticket) else { return };
         for (frame, camera) in asked {
-            self.known.insert(frame.clone(), CheckedLines { frame, camera, check: None });
+            self.keep(CheckedLines { frame, camera, check: None });
         }
         for checked in found {
-            self.known.insert(checked.frame.clone(), checked);
+            self.keep(checked);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::geometry::{ImagePoint, Vec3};
+
+    fn checked(frame: usize, score: f64) -> CheckedLines {
+        let base = CameraBase::new(
+            Vec3::new(0.0, -60.0, 18.0),
+            BaseAngles::default().base_from_world(),
+            ImagePoint::new(960.0, 540.0),
+        );
+        let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -12.0, 2000.0));
+        let check = LineCheck {
+            score,
+            predicted: 200,
+            found: 100,
+            bare: 100,
+            offset_px: 1.0,
+            bias_px: 0.0,
+            halves_px: 0.5,
+            unexplained: None,
+            agreement: score,
+        };
+        CheckedLines { frame: FrameId::from(frame.to_string().as_str()), camera, check: Some(check) }
+    }
+
+    #[test]
+    fn lines_that_contradict_every_camera_are_no_witness_until_one_is_supported() {
+        let mut checks = LineChecks::default();
+        for frame in 0..NO_WITNESS {
+            assert!(checks.is_witness(), "{frame}");
+            checks.keep(checked(frame, 0.0));
+        }
+        assert!(!checks.is_witness());
+        checks.keep(checked(0, 0.0));
+        assert!(!checks.is_witness(), "the same frame again");
+        checks.keep(checked(1, 1.0));
+        assert!(checks.is_witness() && (checks.contradicted, checks.supported) == (NO_WITNESS - 1, 1));
+        checks.keep(CheckedLines { check: None, ..checked(1, 1.0) });
+        assert_eq!((checks.contradicted, checks.supported), (NO_WITNESS - 1, 0));
     }
 }
