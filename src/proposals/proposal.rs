@@ -122,6 +122,30 @@ pub fn is_open(frame: &Frame) -> bool {
     frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
 }
 
+#[cfg(test)]
+impl Answer {
+    /// A good answer for a test: a camera at this pan.
+    pub(crate) fn at_pan(pan_deg: f64, confidence: f64) -> Self {
+        Self {
+            ptz: FramePtz::new(crate::camera::Ptz::from_degrees(pan_deg, -9.0, 900.0), None),
+            covariance: Mat3::identity(),
+            rms_px: 1.0,
+            worst_corner_sigma_px: 2.0,
+            confidence,
+            inliers: 50,
+            places: 20,
+            evidence: Evidence {
+                breadth_px: 200.0,
+                features_sigma_px: 0.5,
+                labelled_sigma_px: 2.0,
+                from_reference: crate::relocalize::FromReference::default(),
+                at_most: 1.0,
+            },
+            line_check: None,
+        }
+    }
+}
+
 impl NoProposal {
     /// The code of the warning in documents.
     #[must_use]

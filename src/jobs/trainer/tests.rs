@@ -8,11 +8,11 @@ use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
 use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
 use crate::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
-use crate::geometry::{ImageSize, Mat3, Vec3};
+use crate::geometry::{ImageSize, Vec3};
 use crate::proposals::{
     Answer, Asked, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
 };
-use crate::relocalize::{CameraForest, Evidence, ForestModel, FromReference, Samples, SeenRange, TrainOptions, train};
+use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -144,23 +144,7 @@ impl Backend for StandIn {
 }
 
 fn proposal(document: &Document, frame: usize, generation: u64, confidence: f64) -> Proposal {
-    let answer = Answer {
-        ptz: FramePtz::new(Ptz::from_degrees(frame as f64, -9.0, 900.0), None),
-        covariance: Mat3::identity(),
-        rms_px: 1.0,
-        worst_corner_sigma_px: 2.0,
-        confidence,
-        inliers: 50,
-        places: 20,
-        evidence: Evidence {
-            breadth_px: 200.0,
-            features_sigma_px: 0.5,
-            labelled_sigma_px: 2.0,
-            from_reference: FromReference::default(),
-            at_most: 1.0,
-        },
-        line_check: None,
-    };
+    let answer = Answer::at_pan(frame as f64, confidence);
     let frame = &document.frames[frame];
     let asked = Asked::of(document, frame);
     Proposal { frame: frame.id.clone(), asked, generation, outcome: Ok(answer), timings: Timings::default() }

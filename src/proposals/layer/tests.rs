@@ -6,9 +6,9 @@ use crate::camera::{BaseAngles, Ptz};
 use crate::document::{
     Click, FieldSpec, FramePtz, FrameStatus, History, SolutionSource, Step, document_from_bytes, document_to_string,
 };
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use crate::proposals::{Answer, Asked, Timings};
-use crate::relocalize::{Evidence, FromReference, NotFound};
+use crate::relocalize::NotFound;
 use proptest::prelude::*;
 
 const SIZE: ImageSize = ImageSize::new(64, 36);
@@ -29,23 +29,7 @@ fn document(frames: usize) -> Document {
 
 /// What the forest says of a frame as it is now: a camera, or none.
 fn proposal(document: &Document, position: usize, pan_deg: Option<f64>) -> Proposal {
-    let answer = |pan_deg| Answer {
-        ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -9.0, 900.0), None),
-        covariance: Mat3::identity(),
-        rms_px: 1.0,
-        worst_corner_sigma_px: 2.0,
-        confidence: 0.9,
-        inliers: 50,
-        places: 20,
-        evidence: Evidence {
-            breadth_px: 200.0,
-            features_sigma_px: 0.5,
-            labelled_sigma_px: 2.0,
-            from_reference: FromReference::default(),
-            at_most: 1.0,
-        },
-        line_check: None,
-    };
+    let answer = |pan_deg| Answer::at_pan(pan_deg, 0.9);
     let outcome = pan_deg.map(answer).ok_or(NotFound::FewMatches { matched: 3, needed: 12 }.into());
     let frame = &document.frames[position];
     let asked = Asked::of(document, frame);
