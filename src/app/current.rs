@@ -13,7 +13,9 @@ use crate::document::{Click, Frame, FramePtz, Solution, SolutionSource, Target};
 use crate::field::{FieldError, FieldModel};
 use crate::geometry::{ImagePoint, ImageSize};
 use crate::scene::next_click::{NextClick, next_clicks};
-use crate::solve::{FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict, WarningCode, judge};
+use crate::solve::{
+    ClickResidual, FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict, WarningCode, judge,
+};
 use std::sync::Arc;
 
 /// How many solved frames of other shots, on either side, tell where a camera usually looks.
@@ -30,6 +32,8 @@ pub struct Current {
     pub base: Option<CameraBase>,
     /// What the clicks say; none if there is nothing to solve yet.
     pub solution: Option<Result<FrameSolution, CalibrationError>>,
+    /// Where the clicks lie as seen from a camera that does not come from them: snapped, proposed, set manually.
+    pub residuals: Vec<ClickResidual>,
     /// One word and its reason; none without a solution.
     pub judgement: Option<Judgement>,
     /// The camera as the frame has it pointed: what the overlay draws.
@@ -121,7 +125,7 @@ impl Current {
         };
         let base = open.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
         let by_hand = frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Manual));
-        let snapped = frame.solution.as_ref().filter(|solution| solution.source == Some(SolutionSource::Markings));
+        let snapped = frame.solution.as_ref().filter(|_| frame.is_snapped());
         let snapped = snapped.map(|solution| judge_snapped(solution, frame.image_size));
         let asked = !by_hand && snapped.is_none() && frame.clicks.iter().any(|click| click.target.is_some());
         let solution = if asked { fresh.or_else(|| open.solve(index)) } else { None };
@@ -147,6 +151,10 @@ impl Current {
             }
             _ => Vec::new(),
         };
+        let residuals = match (&field, &camera, &solution) {
+            (Ok(field), Some(camera), None) => off_camera(frame, field, camera),
+            _ => Vec::new(),
+        };
         let readiness = open.derived.lookup(&open.document).readiness(&frame.camera);
         let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
         if let Some(Ok(solved)) = &solution {
@@ -159,6 +167,7 @@ impl Current {
             field,
             base,
             solution,
+            residuals,
             judgement,
             camera,
             next_clicks,
@@ -196,6 +205,14 @@ impl Current {
         self.solution.as_ref()?.as_ref().ok()
     }
 
+    /// Where a click lies as seen from the frame's camera; none for check clicks of a solution from clicks, which
+    /// [`FrameSolution::checks`] has.
+    #[must_use]
+    pub fn residual(&self, click: usize) -> Option<&ClickResidual> {
+        let residuals = self.solved().map_or(&self.residuals, |solved| &solved.residuals);
+        residuals.iter().find(|residual| residual.click == click)
+    }
+
     /// Names that fit the clicks better, or as well.
     #[must_use]
     pub fn other_names(&self) -> Option<&IdentityFinding> {
@@ -224,6 +241,12 @@ fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
     let rms = solution.rms_px.map(|px| format!(" to {px:.1} px")).unwrap_or_default();
     let reason = format!("worst corner ±{corner_px:.1} px; {samples} places of the painted lines fit{rms}");
     Judgement { verdict: if is_good { Verdict::Good } else { Verdict::Check }, reason }
+}
+
+/// Where the clicks of a frame lie as seen from its camera; nothing where one names what the field lacks.
+fn off_camera(frame: &Frame, field: &FieldModel, camera: &PtzCamera) -> Vec<ClickResidual> {
+    let clicks = observations(frame, field).unwrap_or_default();
+    clicks.iter().map(|click| ClickResidual::of(camera, click)).collect()
 }
 
 /// What is being placed or named, if it is on the picture and has a name to try.

@@ -6,7 +6,7 @@ use super::session::{Mode, reason_label};
 use super::{App, Command};
 use crate::calibrate::{CalibrationError, LANDMARKS_ALONE, WIDE_FRAMES};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
-use crate::solve::{SolveError, Verdict};
+use crate::solve::{ClickResidual, SolveError, Verdict};
 
 /// The next step, and what brings one there.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -181,6 +181,9 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
             "Numbers set manually. Enter accepts them; placing a point solves from the points again.",
         );
     }
+    if frame.is_snapped() {
+        return Guidance::say(of_snapped(app, frame));
+    }
     match &current.solution {
         Some(Ok(_)) => Guidance::say(match current.judgement.as_ref().map(|judgement| judgement.verdict) {
             Some(Verdict::Wrong) => "There is a contradiction: read the verdict before you accept.",
@@ -205,6 +208,24 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
     }
 }
 
+/// The text for a frame whose camera lies on the painted lines.
+fn of_snapped(app: &App, frame: &Frame) -> String {
+    let residuals = app.current().residuals.iter().filter_map(ClickResidual::distance_px);
+    let points = match residuals.max_by(f64::total_cmp) {
+        Some(farthest_px) => format!("; points within {farthest_px:.1} px"),
+        None => String::new(),
+    };
+    let (means, then) = match frame.status {
+        FrameStatus::Suggested => {
+            ("Dashed = proposed and snapped", "Enter takes it, a click corrects it, X rejects it.")
+        }
+        _ => ("Snapped", "Enter accepts it, a click solves from the points."),
+    };
+    let key = app.settings.keys.shown(Command::Snap);
+    let before = app.before_snap().map(|_| format!(" Hold {key}: before.")).unwrap_or_default();
+    format!("{means} to the painted lines{points}. {then}{before}")
+}
+
 const fn first_point() -> &'static str {
     "Click a spot you see exactly. Best: where circle and halfway line meet."
 }
@@ -217,11 +238,7 @@ fn far_px(frame: &Frame) -> u32 {
 /// Where the frame's camera came from, if nobody clicked or typed it.
 fn proposed(frame: &Frame) -> Option<SolutionSource> {
     frame.ptz.as_ref()?;
-    frame
-        .solution
-        .as_ref()?
-        .source
-        .filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking | SolutionSource::Markings))
+    frame.solution.as_ref()?.source.filter(|source| matches!(source, SolutionSource::Forest | SolutionSource::Tracking))
 }
 
 #[cfg(test)]
@@ -322,5 +339,29 @@ mod tests {
         document.frames[0].solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
         assert!(said(&app).starts_with("Dashed = proposed."));
+    }
+
+    #[test]
+    fn a_snapped_frame_says_what_its_lines_are_and_how_far_the_points_lie_from_them() {
+        let pointed = camera(Ptz::from_degrees(0.0, -10.0, 1000.0));
+        let mut app = opened(true, 1);
+        click(&mut app, "centre_circle_halfway_near", &pointed);
+        click(&mut app, "penalty_area_far_left_front", &pointed);
+        let mut document = app.open().unwrap().document.clone();
+        let frame = &mut document.frames[0];
+        // 0.3° to the right of where the points have it: 5 px in the middle, more towards the borders.
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(0.3, -10.0, 1000.0), None));
+        frame.solution = Some(Solution { source: Some(SolutionSource::Markings), ..Solution::default() });
+        app.update(Action::Opened(Box::new(Opened::new(document.clone(), "/match/project.json"))));
+        let residuals = [0, 1].map(|click| app.current().residual(click).and_then(ClickResidual::distance_px).unwrap());
+        assert!(residuals.iter().all(|px| (5.0..7.0).contains(px)), "{residuals:?}");
+        let farthest_px = residuals[0].max(residuals[1]);
+        let text = format!("Snapped to the painted lines; points within {farthest_px:.1} px. Enter accepts it");
+        assert!(said(&app).starts_with(&text), "{}", said(&app));
+        document.frames[0].clicks.clear();
+        document.frames[0].status = FrameStatus::Suggested;
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let text = said(&app);
+        assert!(text.starts_with("Dashed = proposed and snapped to the painted lines. Enter takes it"), "{text}");
     }
 }

@@ -11,6 +11,12 @@ impl Frame {
         self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
+    /// Whether its camera was pulled onto the painted lines.
+    #[must_use]
+    pub fn is_snapped(&self) -> bool {
+        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Markings))
+    }
+
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided(&self) -> FrameStatus {

@@ -40,7 +40,8 @@ pub fn solve_frame(
     let candidates = candidates(base, &used, context)?;
     let (chosen, others) = choose(candidates, context).ok_or(SolveError::NoFit { observations: used.len() })?;
     let camera = PtzCamera::new(*base, chosen.ptz);
-    let residuals: Vec<ClickResidual> = used.iter().map(|observation| residual(&camera, observation)).collect();
+    let residuals: Vec<ClickResidual> =
+        used.iter().map(|observation| ClickResidual::of(&camera, observation)).collect();
     let seen: Vec<Observation> = used
         .iter()
         .zip(&residuals)
@@ -212,12 +213,6 @@ fn choose(mut fits: Vec<Fit>, context: &SolveContext) -> Option<(Candidate, Vec<
     let chosen = (0..as_good).min_by(|&a, &b| by_what_is_known(&fits[a], &fits[b])).unwrap_or(0);
     let chosen = fits.remove(chosen).candidate;
     Some((chosen, fits.into_iter().map(|fit| fit.candidate).collect()))
-}
-
-/// Where a click lies as seen from what it shows.
-fn residual(camera: &PtzCamera, observation: &Observation) -> ClickResidual {
-    let offset_px = observation.shape.offset_px(camera, observation.image);
-    ClickResidual { click: observation.click, offset_px, sigma_px: observation.sigma_px }
 }
 
 /// A held-out click against what the solution predicts for it.

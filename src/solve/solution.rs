@@ -1,7 +1,7 @@
 //! What a solve is given beside the clicks, and what it gives back.
 
-use super::{IdentityFinding, Loss, MotionPrior, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
-use crate::camera::Ptz;
+use super::{IdentityFinding, Loss, MotionPrior, Observation, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
+use crate::camera::{Ptz, PtzCamera};
 use crate::geometry::{Angle, AngleRange, ImageSize, Mat3, Vec2};
 use serde::Serialize;
 use std::ops::RangeInclusive;
@@ -107,6 +107,13 @@ pub struct ClickResidual {
 }
 
 impl ClickResidual {
+    /// Where a click lies as seen from where a camera puts what it shows.
+    #[must_use]
+    pub fn of(camera: &PtzCamera, observation: &Observation) -> Self {
+        let offset_px = observation.shape.offset_px(camera, observation.image);
+        Self { click: observation.click, offset_px, sigma_px: observation.sigma_px }
+    }
+
     /// The distance, px.
     #[must_use]
     pub fn distance_px(&self) -> Option<f64> {

@@ -2,6 +2,7 @@
 
 use crate::headless::Headless;
 use crate::program::touchline;
+use touchline::app::guidance::next_step;
 use touchline::app::session::Level;
 use touchline::app::{Action, App, Command};
 use touchline::camera::{Ptz, PtzCamera};
@@ -87,7 +88,13 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     assert!(!headless.app.session.held.before_snap);
     headless.act(Action::Command(Command::Undo));
     assert_eq!(frame(&headless.app).ptz, before);
+    assert!(!next_step(&headless.app).text.contains("nap"), "{:?}", next_step(&headless.app));
     headless.act(Action::Command(Command::Redo));
+    let said = next_step(&headless.app).text;
+    assert!(
+        said.starts_with("Snapped to the painted lines. Enter accepts it") && said.ends_with("Hold S: before."),
+        "{said}"
+    );
     assert!(is_snapped(&headless.app));
 }
 

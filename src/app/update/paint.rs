@@ -8,7 +8,7 @@ use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOr
 use crate::app::session::{Level, Mode, Snapping};
 use crate::calibrate::{record_line_check, record_snapped};
 use crate::camera::PtzCamera;
-use crate::document::{Frame, FrameStatus, SolutionSource};
+use crate::document::{Frame, FrameStatus};
 use crate::paint::LineVerdict;
 use crate::solve::{Judgement, Verdict};
 
@@ -83,7 +83,7 @@ impl App {
     /// The shown frame's camera before it was snapped, where the frame is snapped and that is known.
     #[must_use]
     pub fn before_snap(&self) -> Option<&PtzCamera> {
-        let frame = self.frame().filter(|frame| is_snapped(frame))?;
+        let frame = self.frame().filter(|frame| frame.is_snapped())?;
         self.session.before_snap.get(&frame.id)
     }
 
@@ -144,11 +144,6 @@ impl App {
             record_line_check(frame, &check);
         }
     }
-}
-
-/// Whether a frame's camera lies on the painted lines.
-fn is_snapped(frame: &Frame) -> bool {
-    frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Markings))
 }
 
 /// How far the picture's middle moved, and what it rests on.

@@ -151,12 +151,12 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
     if click.target.is_none() {
         return quiet("");
     }
-    let Some(solved) = app.current().solved() else { return quiet("–") };
     let loud = |px: f64, limit_px: f64| Residual {
         text: format!("{px:.1} px"),
         colour: if px > limit_px { theme::CAUTION } else { theme::TEXT },
     };
-    if click.check {
+    let solved = app.current().solved();
+    if let Some(solved) = solved.filter(|_| click.check) {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else { return quiet("–") };
         return match (check.error_px, check.z_score) {
             (Some(px), Some(z)) => {
@@ -166,10 +166,10 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
             (None, _) => quiet("out of sight"),
         };
     }
-    let Some(residual) = solved.residuals.iter().find(|residual| residual.click == index) else { return quiet("–") };
+    let Some(residual) = app.current().residual(index) else { return quiet("–") };
     match residual.distance_px() {
         None => quiet("out of sight"),
-        Some(_) if !solved.residuals_are_evidence() => quiet("no evidence"),
+        Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => quiet("no evidence"),
         Some(px) => loud(px, 3.0 * residual.sigma_px),
     }
 }

@@ -52,6 +52,9 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         let shown = if has_proposal(panel) { "The current base" } else { "The other solution" };
         return Some(shown.to_owned());
     }
+    if session.held.before_snap && panel.app.before_snap().is_some() {
+        return Some("Before it was snapped".to_owned());
+    }
     if has_proposal(panel) {
         return Some("The estimated base, not applied yet".to_owned());
     }
