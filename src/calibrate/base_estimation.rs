@@ -8,8 +8,8 @@ use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
 use crate::geometry::{Angle, ImagePoint, ImageSize};
 use crate::solve::base::{
-    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CrownModel, FittedSize, FrameClicks, LensModel,
-    MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
+    AdjustOptions, BaseError, BaseEstimate, BaseModel, BaseOptions, CameraClicks, CrownModel, FittedSize, FrameClicks,
+    LensModel, MirroredFrame, WatchBase, adjust_base, estimate_base_watched, start_base,
 };
 use crate::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use std::collections::BTreeMap;
@@ -145,9 +145,13 @@ impl BaseProblem {
         options: &BaseOptions,
         watch: WatchBase<'_>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let (field, clicks, previous) = (&self.field, &self.clicks, self.previous.as_ref());
-        let mut estimate =
-            estimate_base_watched(field, clicks, self.image_size, self.principal_point, previous, options, watch)?;
+        let clicks = CameraClicks {
+            field: &self.field,
+            frames: &self.clicks,
+            image_size: self.image_size,
+            principal_point: self.principal_point,
+        };
+        let mut estimate = estimate_base_watched(&clicks, self.previous.as_ref(), options, watch)?;
         for disputed in &mut estimate.disputed {
             disputed.frame = self.frames[disputed.frame];
         }
@@ -318,12 +322,14 @@ pub fn camera_alone(document: &Document, frame: &Frame, field: &FieldModel) -> O
     if frame.landmark_clicks() < LANDMARKS_ALONE {
         return None;
     }
-    let clicks = [FrameClicks { observations: observations(frame, field).ok()?, start: None }];
-    let start = start_base(&clicks, frame.image_size, camera.principal_point).ok()?;
+    let frames = [FrameClicks { observations: observations(frame, field).ok()?, start: None }];
+    let (image_size, principal_point) = (frame.image_size, camera.principal_point);
+    let clicks = CameraClicks { field, frames: &frames, image_size, principal_point };
+    let start = start_base(&clicks).ok()?;
     let crown = CrownModel::Fixed(field.crown_m);
     let model = BaseModel { lens: LensModel::Pinhole, crown, principal_point: None };
     let options = AdjustOptions::default();
-    let adjusted = adjust_base(field, &clicks, &start.base, &start.ptz, frame.image_size.width, &model, &options);
+    let adjusted = adjust_base(&clicks, &start.base, &start.ptz, &model, &options);
     Some(PtzCamera::new(adjusted.base, (*adjusted.ptz.first()?)?))
 }
 /// What a frame named from the wrong side looks like, in numbers.

@@ -226,11 +226,7 @@ impl Frame {
 
     /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
     fn clicks_decide(&self) -> bool {
-        let equations = |click: &Click| match click.target {
-            Some(Target::Landmark(_)) => 2,
-            Some(Target::Line(_)) => 1,
-            None => 0,
-        };
+        let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
         let used = self.clicks.iter().filter(|click| !click.check);
         used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
     }

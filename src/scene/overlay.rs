@@ -190,10 +190,10 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
         }
         let marker = Marker {
             at: drawn(click.image),
-            shape: match &click.target {
+            shape: match click.target.as_ref().and_then(Target::line) {
                 _ if click.check => MarkerShape::Diamond,
-                Some(Target::Line(_)) => MarkerShape::Ring,
-                _ => MarkerShape::Cross,
+                Some(_) => MarkerShape::Ring,
+                None => MarkerShape::Cross,
             },
             colour,
             radius_pt: if selected { 11.0 } else { 9.0 },

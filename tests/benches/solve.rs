@@ -7,7 +7,7 @@ use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzC
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::solve::base::{
-    AdjustOptions, BaseModel, BaseOptions, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
+    AdjustOptions, BaseModel, BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base, estimate_base,
 };
 use touchline::solve::{Observation, SolveContext, Uncertainty, check_identity, solve_frame, solve_two_points};
 
@@ -114,7 +114,9 @@ fn adjust_frames_of_ten_clicks(bencher: Bencher, count: usize) {
     let start = CameraBase { position_m: base.position_m + Vec3::new(0.3, -0.5, 0.2), ..base };
     let model = BaseModel { lens: LensModel::K1Focal, crown: CrownModel::Free, principal_point: None };
     let options = AdjustOptions::default();
-    bencher.bench_local(|| adjust_base(&field, black_box(&frames), &start, &ptz, SIZE.width, &model, &options));
+    bencher.bench_local(|| {
+        adjust_base(&CameraClicks::centred(&field, black_box(&frames), SIZE), &start, &ptz, &model, &options)
+    });
 }
 
 /// From clicks alone, six models compared: 77 frames of up to 16 clicks.
@@ -130,7 +132,9 @@ fn estimate_a_base_from_77_frames(bencher: Bencher) {
         })
         .collect();
     let options = BaseOptions::default();
-    bencher.bench_local(|| estimate_base(&field, black_box(&frames), SIZE, SIZE.centre(), None, &options).unwrap());
+    bencher.bench_local(|| {
+        estimate_base(&CameraClicks::centred(&field, black_box(&frames), SIZE), None, &options).unwrap()
+    });
 }
 
 /// 1-σ of the overlay on a grid of 60 × 40 pixels.

@@ -10,7 +10,7 @@ use touchline::document::Document;
 use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
-use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
+use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
 use touchline::solve::{ClickResidual, Observation, SolveContext, solve_frame};
 
 pub const TESTS: &[Test] = tests![
@@ -58,7 +58,7 @@ fn the_base_comes_from_clicks_alone() {
         let seen = read(&data.join(format!("scouting-{set}/clicks.json")));
         let yardstick = read(&data.join(format!("scouting-{set}/fit-k1.json")));
         let options = BaseOptions::default();
-        let estimate = estimate_base(&seen.field, &seen.frames, SIZE, SIZE.centre(), None, &options).unwrap();
+        let estimate = estimate_base(&CameraClicks::centred(&seen.field, &seen.frames, SIZE), None, &options).unwrap();
         let base = &estimate.base;
         println!("{set}: {}, crown {:.3} m, {:?}", estimate.model, estimate.crown_m, base.distortion);
         println!("  position {:.2?} ± {:.2?} m", base.position_m.as_slice(), base.sigma.position_m.as_slice());
@@ -109,7 +109,8 @@ fn errors_at_held_out_clicks(seen: &Match) -> Vec<f64> {
             start: None,
         };
         let frames: Vec<FrameClicks> = seen.frames.iter().enumerate().map(part).collect();
-        let found = estimate_base(&seen.field, &frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap();
+        let found =
+            estimate_base(&CameraClicks::centred(&seen.field, &frames, SIZE), None, &BaseOptions::default()).unwrap();
         let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
         for (index, (frame, fit)) in seen.document.frames.iter().zip(&found.frames).enumerate() {
             let Some(fit) = fit else { continue };
@@ -194,7 +195,7 @@ fn few_frames_give_a_usable_base() {
                 };
                 let few: Vec<FrameClicks> = chosen.iter().map(of).collect();
                 let options = BaseOptions::default();
-                let found = estimate_base(&seen.field, &few, SIZE, SIZE.centre(), None, &options)
+                let found = estimate_base(&CameraClicks::centred(&seen.field, &few, SIZE), None, &options)
                     .unwrap_or_else(|error| panic!("{count} frames {chosen:?}, four clicks {four_only}: {error}"));
                 let field = FieldModel { crown_m: found.crown_m, ..seen.field.clone() };
                 let context = SolveContext::new(SIZE);

@@ -5,7 +5,7 @@ use std::path::Path;
 use touchline::field::FieldElement;
 use touchline::geometry::ImageSize;
 use touchline::solve::Observation;
-use touchline::solve::base::{BaseOptions, FrameClicks, estimate_base};
+use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
 
 pub const TESTS: &[Test] = tests![
     [Frames] real_bases_from_halves_agree_within_what_they_state;
@@ -29,7 +29,7 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             })
             .collect();
         let estimate = |frames: &[FrameClicks]| {
-            estimate_base(&field, frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap()
+            estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default()).unwrap()
         };
         let whole = estimate(&all);
         let fitted = read("fit-k1").cameras[0].base().unwrap().position_m;

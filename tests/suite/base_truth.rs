@@ -12,7 +12,8 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::solve::Observation;
 use touchline::solve::base::{
-    BaseError, BaseOptions, BaseProgress, CrownModel, FrameClicks, LensModel, estimate_base, estimate_base_watched,
+    BaseError, BaseOptions, BaseProgress, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
+    estimate_base_watched,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -79,7 +80,7 @@ fn exact_clicks_give_the_exact_base() {
     let base = true_base(FocalCurve::NONE);
     let (frames, truth) = frames(base, &field, 8, 12, 0.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &options).unwrap();
+    let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
     assert!((found.base.position_m - base.position_m).norm() < 1e-4, "{:?}", found.base.position_m);
     let turned = found.base.rotation_from(&base);
     assert!(turned.norm() < 1e-5, "{turned:?} {:?}", found.base);
@@ -105,7 +106,7 @@ fn the_position_is_as_good_as_its_sigma_says() {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
             let (frames, _) = frames(base, &field, count, 10, 2.0, &mut rng);
-            let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &options).unwrap();
+            let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
             let z = z_scores(&found.base, &base);
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
@@ -148,7 +149,7 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
         for _ in 0..trials {
             let (mut clicked, truth) = frames(base, &field, count, 12, 2.0, &mut rng);
             let good = if spoiled { spoil(&mut clicked, &mut rng).1 } else { clicked.clone() };
-            let found = estimate_base(&field, &clicked, SIZE, SIZE.centre(), None, &options).unwrap();
+            let found = estimate_base(&CameraClicks::centred(&field, &clicked, SIZE), None, &options).unwrap();
             let z = (found.base.position_m - base.position_m).component_div(&bound_m(base, &field, &good, &truth));
             assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
@@ -181,7 +182,7 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 });
     let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
-    let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap();
+    let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &BaseOptions::default()).unwrap();
     assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
     let named: Vec<(usize, usize)> = found.disputed.iter().map(|click| (click.frame, click.click)).collect();
     let missed = wrong.iter().filter(|click| !named.contains(click)).count();
@@ -195,7 +196,7 @@ fn what_cannot_be_estimated_says_why() {
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
     let estimate = |frames: &[FrameClicks]| {
-        estimate_base(&field, frames, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap_err()
+        estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default()).unwrap_err()
     };
     assert!(matches!(estimate(&[]), BaseError::NoStart { frames: 0, most_landmarks: 0 }));
     let (three, _) = frames(base, &field, 4, 3, 1.0, &mut rng);
@@ -228,12 +229,14 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
         frame.observations.retain(on_halfway_line);
     }
     assert!(one_line.iter().any(|frame| frame.observations.len() > 3), "four of them are on it");
-    let error = estimate_base(&field, &one_line, SIZE, SIZE.centre(), None, &BaseOptions::default()).unwrap_err();
+    let error =
+        estimate_base(&CameraClicks::centred(&field, &one_line, SIZE), None, &BaseOptions::default()).unwrap_err();
     assert!(matches!(error, BaseError::NoStart { .. }), "{error}");
     assert!(error.to_string().contains("that are not on one line"), "{error}");
 
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
-    let estimate = |frames: &[FrameClicks]| estimate_base(&field, frames, SIZE, SIZE.centre(), None, &options).unwrap();
+    let estimate =
+        |frames: &[FrameClicks]| estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options).unwrap();
     assert_eq!(estimate(&many).one_view(), None);
     let same = vec![many[3].clone(); 5];
     let told = estimate(&same).one_view().unwrap();
@@ -251,7 +254,7 @@ fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
             if progress.done < patience { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
         };
         let options = BaseOptions::default();
-        let found = estimate_base_watched(&field(0.0), &frames, SIZE, SIZE.centre(), None, &options, &watch);
+        let found = estimate_base_watched(&CameraClicks::centred(&field(0.0), &frames, SIZE), None, &options, &watch);
         (found, told.into_inner().unwrap())
     };
     let (found, told) = estimate(usize::MAX);

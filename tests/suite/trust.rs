@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use touchline::camera::{BaseAngles, BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec2, Vec3};
-use touchline::solve::base::{BaseOptions, CrownModel, FrameClicks, LensModel, estimate_base};
+use touchline::solve::base::{BaseOptions, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base};
 use touchline::solve::{Observation, ObservedShape, SolveContext, solve_frame};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -168,7 +168,7 @@ fn an_estimated_base_says_how_far_it_is_to_be_trusted() {
                     FrameClicks { observations, start: None }
                 })
                 .collect();
-            let found = estimate_base(&field, &frames, SIZE, SIZE.centre(), None, &options).unwrap();
+            let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
             let off = found.base.position_m - nominal_base().position_m;
             stated.push(found.base.sigma.position_m);
             for axis in 0..3 {

@@ -142,17 +142,8 @@ fn describe(found: &EstimatedBase) -> String {
 
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {
     for Click { target, .. } in &mut frame.clicks {
-        let twin = match target {
-            Some(Target::Landmark(id)) => field
-                .landmark(id.as_str())
-                .and_then(|known| symmetry.landmark_twin(field, known))
-                .map(|twin| Target::Landmark(twin.id.clone())),
-            Some(Target::Line(id)) => field
-                .line(id.as_str())
-                .and_then(|known| symmetry.line_twin(field, known))
-                .map(|twin| Target::Line(twin.id.clone())),
-            None => None,
-        };
+        let element = target.as_ref().and_then(|target| target.element(field));
+        let twin = element.and_then(|element| Target::of_element(element.twin(symmetry, field)?, field));
         if twin.is_some() {
             *target = twin;
         }

@@ -20,7 +20,8 @@ impl App {
             || self
                 .frame()
                 .and_then(|frame| frame.clicks.get(click))
-                .is_some_and(|click| matches!(click.target, Some(Target::Line(_))));
+                .and_then(|click| click.target.as_ref()?.line())
+                .is_some();
         let frame = self.session.frame;
         let Some(open) = &mut self.open else { return };
         if let Some(naming) = rank_names(open, frame, click, lines) {

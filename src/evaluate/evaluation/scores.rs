@@ -4,7 +4,7 @@ use super::Measure;
 use crate::calibrate::observations;
 use crate::camera::PtzCamera;
 use crate::document::{Frame, Target};
-use crate::field::FieldModel;
+use crate::field::{FieldElement, FieldModel};
 use crate::geometry::{ImageSize, Vec3, median};
 use crate::score::{
     AnnotatedLine, FieldView, MarkingMatch, annotated_lines, camera_error, ground_error_m, iou_part, iou_whole,
@@ -150,8 +150,8 @@ fn on_ground_m(shown: FieldView, target: Option<&Target>, observation: &Observat
 fn clicked_lines(truth: &TrueFrame) -> Vec<AnnotatedLine> {
     let mut annotated: Vec<AnnotatedLine> = Vec::new();
     for click in &truth.frame.clicks {
-        let Some(Target::Line(id)) = &click.target else { continue };
-        let Some(line) = truth.field.lines.iter().position(|line| line.id == *id) else { continue };
+        let element = click.target.as_ref().and_then(|target| target.element(truth.field));
+        let Some(FieldElement::Line(line)) = element else { continue };
         match annotated.iter_mut().find(|marking| marking.line == line) {
             Some(marking) => marking.points.push(click.image),
             None => annotated.push(AnnotatedLine { line, points: vec![click.image] }),

@@ -5,7 +5,9 @@ use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3, median};
 use crate::score::PlaneView;
-use crate::solve::base::{AdjustOptions, BaseModel, BasePriors, CrownModel, FrameClicks, LensModel, adjust_base};
+use crate::solve::base::{
+    AdjustOptions, BaseModel, BasePriors, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
+};
 use crate::solve::{Loss, Observation, pose_from_plane, refine};
 use rayon::prelude::*;
 
@@ -91,7 +93,8 @@ impl Sampled {
         };
         let options = AdjustOptions { loss: Loss::Squared, priors: loose, ..AdjustOptions::default() };
         let frames = [FrameClicks { observations: self.observations(), start: None }];
-        let adjusted = adjust_base(field, &frames, &base, &[Some(ptz)], SIZE.width, &PINHOLE, &options);
+        let adjusted =
+            adjust_base(&CameraClicks::centred(field, &frames, SIZE), &base, &[Some(ptz)], &PINHOLE, &options);
         let camera = PtzCamera::new(adjusted.base, adjusted.ptz.first().copied().flatten()?);
         Some(Fitted { camera, rms_px: self.rms_px(&camera) })
     }
@@ -186,7 +189,7 @@ fn together(field: &FieldModel, sampled: &[Sampled], fitted: &[Fitted], group: &
     let frames: Vec<FrameClicks> = group.frames.iter().map(clicks).collect();
     let start: Vec<Option<Ptz>> = group.frames.iter().map(|&frame| Some(level_ptz(&fitted[frame].camera))).collect();
     let options = AdjustOptions { loss: Loss::Squared, ..AdjustOptions::default() };
-    adjust_base(field, &frames, &group.base, &start, SIZE.width, &PINHOLE, &options).base
+    adjust_base(&CameraClicks::centred(field, &frames, SIZE), &group.base, &start, &PINHOLE, &options).base
 }
 
 /// How far each frame is from one base for all: the positions' median, a level head, pan, tilt and focal length its own.

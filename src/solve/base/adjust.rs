@@ -4,7 +4,7 @@ use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE, ROTATION, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
-use super::{BaseModel, CrownModel, FrameClicks, LensModel};
+use super::{BaseModel, CameraClicks, CrownModel, LensModel};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec3};
@@ -79,17 +79,17 @@ pub struct AdjustedBase {
 
 /// Adjusts a base and its frames from a start. Frames without `ptz` take no part.
 ///
-/// The clicks are those of `field`; its crown is the start's. `image_width_px` scales the priors.
+/// The principal point is the start's.
 #[must_use]
 pub fn adjust_base(
-    field: &FieldModel,
-    frames: &[FrameClicks],
+    clicks: &CameraClicks<'_>,
     start: &CameraBase,
     start_ptz: &[Option<Ptz>],
-    image_width_px: u32,
     model: &BaseModel,
     options: &AdjustOptions,
 ) -> AdjustedBase {
+    let CameraClicks { field, frames, .. } = *clicks;
+    let image_width_px = clicks.image_size.width;
     let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
     let clicks = frames.iter().map(|frame| frame.used().map(on_ground).collect());
     let (clicks, ptz) = clicks.zip(start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();

@@ -6,12 +6,12 @@ use super::model_choice::{CrossValidation, FOLDS, choose};
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
-    AdjustOptions, BaseError, BaseModel, CrownModel, DisputedClick, FrameClicks, LensModel, MirroredFrame, ModelScore,
-    WatchBase,
+    AdjustOptions, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks, LensModel,
+    MirroredFrame, ModelScore, WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median_high};
+use crate::geometry::{AngleRange, ImagePoint, Mat3, median_high};
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -103,21 +103,16 @@ pub struct BaseEstimate {
 
 /// Estimates the base from the clicks of many frames (one is enough where it has four landmarks).
 ///
-/// The observations are those of `field`; its crown is a start, and holds where [`CrownModel::Fixed`] says so.
-/// `previous` is a base to start from as well and to compare with.
+/// The field's crown is a start, and holds where [`CrownModel::Fixed`] says so. `previous` is a base to start from as well and to compare with.
 ///
 /// # Errors
 /// No frame to start from, no camera that explains half of the clicks, or frames that leave the position open.
 pub fn estimate_base(
-    field: &FieldModel,
-    frames: &[FrameClicks],
-    image_size: ImageSize,
-    principal_point: ImagePoint,
+    clicks: &CameraClicks<'_>,
     previous: Option<&CameraBase>,
     options: &BaseOptions,
 ) -> Result<BaseEstimate, BaseError> {
-    let unwatched = |_| ControlFlow::Continue(());
-    estimate_base_watched(field, frames, image_size, principal_point, previous, options, &unwatched)
+    estimate_base_watched(clicks, previous, options, &|_| ControlFlow::Continue(()))
 }
 
 /// [`estimate_base`], told after each adjustment of the base; a break ends it.
@@ -125,21 +120,19 @@ pub fn estimate_base(
 /// # Errors
 /// Those of [`estimate_base`], and [`BaseError::Stopped`].
 pub fn estimate_base_watched(
-    field: &FieldModel,
-    frames: &[FrameClicks],
-    image_size: ImageSize,
-    principal_point: ImagePoint,
+    clicks: &CameraClicks<'_>,
     previous: Option<&CameraBase>,
     options: &BaseOptions,
     watch: WatchBase<'_>,
 ) -> Result<BaseEstimate, BaseError> {
+    let CameraClicks { field, frames, image_size, principal_point } = *clicks;
     let models = models(field, principal_point, options);
     let adjustments = Adjustments::new(watch, STARTING_ROUNDS + models.len() * FOLDS);
     let previous_fit = previous.map(|base| {
         let ptz = solve_all(base, frames, image_size);
         (*base, median_high(&mut distances(base, frames, &ptz)).unwrap_or(f64::INFINITY), ptz)
     });
-    let (mut base, mut ptz) = match start_base(frames, image_size, principal_point) {
+    let (mut base, mut ptz) = match start_base(clicks) {
         Ok(start) => (start.base, start.ptz),
         Err(error) => previous_fit.as_ref().map(|(base, _, ptz)| (*base, ptz.clone())).ok_or(error)?,
     };
@@ -147,21 +140,14 @@ pub fn estimate_base_watched(
     let pinhole =
         BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None };
     for _ in 0..STARTING_ROUNDS {
-        let adjusted = adjust_base(field, frames, &base, &ptz, image_size.width, &pinhole, &options.adjust);
+        let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &options.adjust);
         base = adjusted.base;
         ptz = solve_all(&base, frames, image_size);
         adjustments.made();
     }
 
-    let validation = CrossValidation {
-        field,
-        frames,
-        start: &base,
-        start_ptz: &ptz,
-        image_size,
-        options: &options.adjust,
-        adjustments: &adjustments,
-    };
+    let validation =
+        CrossValidation { clicks, start: &base, start_ptz: &ptz, options: &options.adjust, adjustments: &adjustments };
     let scores = validation.scores(&models);
     if adjustments.are_stopped() {
         return Err(BaseError::Stopped);
@@ -169,7 +155,7 @@ pub fn estimate_base_watched(
     let solved_frames = ptz.iter().flatten().count();
     let model = choose(&scores, solved_frames).unwrap_or(pinhole);
 
-    let adjusted = adjust_base(field, frames, &base, &ptz, image_size.width, &model, &options.adjust);
+    let adjusted = adjust_base(clicks, &base, &ptz, &model, &options.adjust);
     let mut base = adjusted.base;
     if let Some(score) = scores.iter().find(|score| score.model == model) {
         base.sigma.position_m = base.sigma.position_m.sup(&score.position_spread_m);

@@ -29,6 +29,8 @@ pub use start::{BaseStart, start_base};
 
 use super::Observation;
 use crate::camera::Ptz;
+use crate::field::FieldModel;
+use crate::geometry::{ImagePoint, ImageSize};
 use thiserror::Error;
 
 /// The clicks of one frame of the camera whose base is sought.
@@ -50,6 +52,27 @@ impl FrameClicks {
     #[must_use]
     pub fn equations(&self) -> usize {
         self.used().map(Observation::equations).sum()
+    }
+}
+
+/// The clicks of all frames of one camera: what its base is estimated from.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraClicks<'a> {
+    /// The field that the clicks are of. Its crown is a start, unless the model says otherwise.
+    pub field: &'a FieldModel,
+    /// The frames.
+    pub frames: &'a [FrameClicks],
+    /// The size of every frame; its width scales the priors.
+    pub image_size: ImageSize,
+    /// Where the optical axis meets the picture, px.
+    pub principal_point: ImagePoint,
+}
+
+impl<'a> CameraClicks<'a> {
+    /// Those of a camera whose principal point is the middle of the picture.
+    #[must_use]
+    pub fn centred(field: &'a FieldModel, frames: &'a [FrameClicks], image_size: ImageSize) -> Self {
+        Self { field, frames, image_size, principal_point: image_size.centre() }
     }
 }
 

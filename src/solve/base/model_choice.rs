@@ -2,10 +2,10 @@
 
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
-use super::{AdjustOptions, AdjustedBase, FrameClicks};
+use super::{AdjustOptions, AdjustedBase, CameraClicks, FrameClicks};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::geometry::{ImagePoint, Vec3};
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -102,11 +102,9 @@ const MIN_FRAMES: usize = 6;
 
 /// What cross-validation needs beside the model.
 pub(super) struct CrossValidation<'a> {
-    pub field: &'a FieldModel,
-    pub frames: &'a [FrameClicks],
+    pub clicks: &'a CameraClicks<'a>,
     pub start: &'a CameraBase,
     pub start_ptz: &'a [Option<Ptz>],
-    pub image_size: ImageSize,
     pub options: &'a AdjustOptions,
     pub adjustments: &'a Adjustments<'a>,
 }
@@ -135,7 +133,7 @@ impl CrossValidation<'_> {
             let index = (share * (errors.len().saturating_sub(1)) as f64).round() as usize;
             errors.get(index).copied().unwrap_or(f64::INFINITY)
         };
-        let clip_px = CLIP_PX * self.image_size.scale_from_1920();
+        let clip_px = CLIP_PX * self.clicks.image_size.scale_from_1920();
         let squares: f64 = errors.iter().map(|error| error.min(clip_px).powi(2)).sum();
         ModelScore {
             model: *model,
@@ -153,12 +151,12 @@ impl CrossValidation<'_> {
         let held_out = |index: usize| index % FOLDS == fold;
         let ptz: Vec<Option<Ptz>> =
             self.start_ptz.iter().enumerate().map(|(index, ptz)| ptz.filter(|_| !held_out(index))).collect();
-        let (adjusted, field) = self.adjusted(self.frames, &ptz, model);
+        let (adjusted, field) = self.adjusted(self.clicks.frames, &ptz, model);
         let mut errors = Vec::new();
-        for (index, frame) in self.frames.iter().enumerate().filter(|(index, _)| held_out(*index)) {
+        for (index, frame) in self.clicks.frames.iter().enumerate().filter(|(index, _)| held_out(*index)) {
             let Some(start) = self.start_ptz[index] else { continue };
             let half = |half: usize| -> Vec<Observation> {
-                frame.used().skip(half).step_by(2).map(|click| click.recrowned(self.field, &field)).collect()
+                frame.used().skip(half).step_by(2).map(|click| click.recrowned(self.clicks.field, &field)).collect()
             };
             let (even, odd) = (half(0), half(1));
             for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
@@ -181,7 +179,7 @@ impl CrossValidation<'_> {
                 .collect();
             FrameClicks { observations, start: frame.start }
         };
-        let frames: Vec<FrameClicks> = self.frames.iter().enumerate().map(part).collect();
+        let frames: Vec<FrameClicks> = self.clicks.frames.iter().enumerate().map(part).collect();
         let ptz: Vec<Option<Ptz>> =
             frames.iter().zip(self.start_ptz).map(|(frame, ptz)| ptz.filter(|_| frame.equations() >= 3)).collect();
         let (adjusted, field) = self.adjusted(&frames, &ptz, model);
@@ -190,14 +188,15 @@ impl CrossValidation<'_> {
             let Some(ptz) = ptz else { continue };
             let camera = PtzCamera::new(adjusted.base, *ptz);
             let held_out = frame.observations.iter().filter(|click| click.check);
-            errors.extend(held_out.filter_map(|click| click.recrowned(self.field, &field).distance_px(&camera)));
+            errors.extend(held_out.filter_map(|click| click.recrowned(self.clicks.field, &field).distance_px(&camera)));
         }
         Fold { errors, position_m: adjusted.base.position_m }
     }
 
     fn adjusted(&self, frames: &[FrameClicks], ptz: &[Option<Ptz>], model: &BaseModel) -> (AdjustedBase, FieldModel) {
-        let adjusted = adjust_base(self.field, frames, self.start, ptz, self.image_size.width, model, self.options);
-        let field = FieldModel { crown_m: adjusted.crown_m, ..self.field.clone() };
+        let clicks = CameraClicks { frames, ..*self.clicks };
+        let adjusted = adjust_base(&clicks, self.start, ptz, model, self.options);
+        let field = FieldModel { crown_m: adjusted.crown_m, ..clicks.field.clone() };
         (adjusted, field)
     }
 }

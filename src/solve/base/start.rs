@@ -4,7 +4,7 @@
 //! position (and their median) is tried as the base, with a level head, on a sample of frames: the one whose frames fit best
 //! wins. Wrong names in some frames so cannot spoil the start.
 
-use super::{BaseError, FrameClicks};
+use super::{BaseError, CameraClicks, FrameClicks};
 use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
 use crate::solve::plane_pose::pose_from_plane;
@@ -33,11 +33,8 @@ pub struct BaseStart {
 ///
 /// # Errors
 /// No frame has four ground landmarks that determine a camera.
-pub fn start_base(
-    frames: &[FrameClicks],
-    image_size: ImageSize,
-    principal_point: ImagePoint,
-) -> Result<BaseStart, BaseError> {
+pub fn start_base(clicks: &CameraClicks<'_>) -> Result<BaseStart, BaseError> {
+    let CameraClicks { frames, image_size, principal_point, .. } = *clicks;
     let mut poses: Vec<(Vec3, Vec3)> = Vec::new();
     let mut most_landmarks = 0;
     for frame in frames {

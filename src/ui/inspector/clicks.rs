@@ -1,7 +1,7 @@
 //! The points of the frame, a row each.
 
 use crate::app::{Action, App, Command};
-use crate::document::{Click, Target};
+use crate::document::Click;
 use crate::scene::drawing;
 use crate::scene::overlay::{CHECK, click_colour};
 use crate::solve::FrameSolution;
@@ -74,7 +74,8 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let middle = rect.center().y;
     let small = FontId::proportional(12.0);
     painter.text(pos2(rect.left() + 14.0, middle), Align2::RIGHT_CENTER, index + 1, small.clone(), theme::WEAK);
-    let kind = if matches!(click.target, Some(Target::Line(_))) { Symbol::OnLine } else { Symbol::Landmark };
+    let on_line = click.target.as_ref().is_some_and(|target| target.line().is_some());
+    let kind = if on_line { Symbol::OnLine } else { Symbol::Landmark };
     symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
