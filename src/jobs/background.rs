@@ -1,12 +1,12 @@
 //! One slow task on a thread of its own, such as opening a video of uneven frame times.
 
-use super::{Wake, panic_message};
+use super::Wake;
+use super::worker::{Mailbox, Worker};
 use std::io;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
-use std::thread::JoinHandle;
+
+/// How many reports may wait to be polled.
+const MOST_REPORTS: usize = 4;
 
 /// What a task in the background has to say.
 #[derive(Debug, PartialEq)]
@@ -21,31 +21,26 @@ pub enum BackgroundReport<P, T> {
 
 /// What a task uses to say how far it has come and to learn that nobody waits any more.
 pub struct Reporter<P, T> {
-    sender: SyncSender<BackgroundReport<P, T>>,
-    stop: Arc<AtomicBool>,
-    wake: Wake,
+    mailbox: Arc<Mailbox<(), BackgroundReport<P, T>>>,
 }
 
 impl<P, T> Reporter<P, T> {
     /// Whether the task should end early.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.mailbox.is_closing()
     }
 
     /// Reports progress; dropped when the last reports have not been polled yet.
     pub fn progress(&self, progress: P) {
-        if self.sender.try_send(BackgroundReport::Progress(progress)).is_ok() {
-            (self.wake)();
-        }
+        self.mailbox.report_if_room(BackgroundReport::Progress(progress));
     }
 }
 
 /// A task on its own thread. Dropping it asks the task to stop and waits for it.
 pub struct Background<P, T> {
-    reports: Option<Receiver<BackgroundReport<P, T>>>,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    worker: Worker<(), BackgroundReport<P, T>>,
+    is_over: bool,
 }
 
 impl<P: Send + 'static, T: Send + 'static> Background<P, T> {
@@ -54,60 +49,37 @@ impl<P: Send + 'static, T: Send + 'static> Background<P, T> {
     /// # Errors
     /// The operating system gives no thread.
     pub fn spawn(name: &str, wake: Wake, task: impl FnOnce(&Reporter<P, T>) -> T + Send + 'static) -> io::Result<Self> {
-        let (sender, reports) = sync_channel(4);
-        let stop = Arc::new(AtomicBool::new(false));
-        let reporter = Reporter { sender, stop: Arc::clone(&stop), wake };
-        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
-            let report = match catch_unwind(AssertUnwindSafe(|| task(&reporter))) {
-                Ok(result) => BackgroundReport::Done(result),
-                Err(payload) => BackgroundReport::Panicked(panic_message(payload.as_ref())),
-            };
-            // Nobody waits for it any more when this fails.
-            let _ = reporter.sender.send(report);
-            (reporter.wake)();
+        let mailbox = Mailbox::new((), MOST_REPORTS, wake);
+        let worker = Worker::spawn(name, mailbox, BackgroundReport::Panicked, move |mailbox| {
+            let result = task(&Reporter { mailbox: Arc::clone(mailbox) });
+            mailbox.report(BackgroundReport::Done(result));
         })?;
-        Ok(Self { reports: Some(reports), stop, thread: Some(thread) })
+        Ok(Self { worker, is_over: false })
     }
 
     /// The next report, if one has arrived; [`BackgroundReport::Done`] or [`BackgroundReport::Panicked`] is the last.
     pub fn poll(&mut self) -> Option<BackgroundReport<P, T>> {
-        let report = match self.reports.as_ref()?.try_recv() {
-            Ok(report) => report,
-            Err(TryRecvError::Empty | TryRecvError::Disconnected) => return None,
-        };
-        if !matches!(report, BackgroundReport::Progress(_)) {
-            self.reports = None;
-        }
+        let report = self.worker.mailbox().take_report()?;
+        self.is_over = !matches!(report, BackgroundReport::Progress(_));
         Some(report)
     }
 
     /// Whether the last report has been polled.
     #[must_use]
     pub const fn is_over(&self) -> bool {
-        self.reports.is_none()
+        self.is_over
     }
 
     /// Asks the task to end early; its result still arrives.
     pub fn stop(&self) {
-        self.stop.store(true, Ordering::Relaxed);
-    }
-}
-
-impl<P, T> Drop for Background<P, T> {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        self.reports = None;
-        if let Some(thread) = self.thread.take() {
-            // A panic has been turned into a report.
-            let _ = thread.join();
-        }
+        self.worker.mailbox().begin_closing();
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::mpsc;
+    use std::sync::mpsc::{self, Receiver};
 
     /// A wake callback and what waits for it.
     fn wake() -> (Wake, Receiver<()>) {

@@ -1,8 +1,8 @@
 //! Decodes the current frame and its neighbours.
 
 use super::Wake;
+use super::frame_orders::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
-use super::mailbox::{Choice, WorkReport};
 use super::shared_pictures::{SharedPictures, SharedReader};
 use crate::media::{CountProgress, FrameReader, FrameRef, MediaError, Notice, Picture};
 use std::collections::BTreeMap;
@@ -42,6 +42,11 @@ pub enum DecoderReport {
     Panicked {
         /// Which frame.
         frame: FrameRef,
+        /// The panic's message.
+        message: String,
+    },
+    /// An internal error stopped the decoder: it decodes nothing more.
+    Broken {
         /// The panic's message.
         message: String,
     },
@@ -119,7 +124,7 @@ impl Decoder {
         let is_new = self.memory.current.as_ref() != Some(current);
         self.memory.current = Some(current.clone());
         let memory = &mut self.memory;
-        self.worker.mailbox().replace_queue(|reports| {
+        self.worker.replace_queue(|reports| {
             for report in reports {
                 memory.take_in(report);
             }
@@ -135,7 +140,7 @@ impl Decoder {
 
     /// Gives up everything asked for, as when a document is closed; kept frames and failures are forgotten.
     pub fn clear(&mut self) {
-        self.worker.mailbox().replace_queue(|_| Choice { wanted: Vec::new(), missing: Vec::new() });
+        self.worker.replace_queue(|_| Choice::default());
         self.asked = None;
         self.memory.cache.clear();
         self.memory =
@@ -144,7 +149,7 @@ impl Decoder {
 
     /// What has happened since the last call. To be called whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<DecoderReport> {
-        for report in self.worker.mailbox().fetch_reports() {
+        for report in self.worker.fetch_reports() {
             self.memory.take_in(report);
         }
         std::mem::take(&mut self.memory.unpolled)
@@ -161,7 +166,7 @@ impl Decoder {
             FrameState::Ready(picture)
         } else if let Some(error) = self.memory.failures.get(frame) {
             FrameState::Failed(error.clone())
-        } else if self.worker.mailbox().is_pending(frame) {
+        } else if self.worker.is_pending(frame) {
             FrameState::Pending
         } else {
             FrameState::Absent
@@ -206,6 +211,7 @@ impl Memory {
                 self.failures.insert(frame.clone(), MediaError::Panicked { path, message: message.clone() });
                 DecoderReport::Panicked { frame, message }
             }
+            WorkReport::Broken(message) => DecoderReport::Broken { message },
             WorkReport::Counting(progress) => DecoderReport::Counting(progress),
             WorkReport::Notice(notice) => DecoderReport::Notice(notice),
         };

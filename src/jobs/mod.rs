@@ -1,16 +1,24 @@
 //! The only detached threads: decoding, thumbnails, saving, training, and slow work in general.
 //!
-//! A job is a handle that owns its thread: orders go in, a bounded number of reports wait until the owner polls, once per
-//! shown frame, after the [`Wake`] callback said that there are some. Decoders are asked by replacing what they should do
-//! next, never by queueing behind stale work. A panic in a job becomes a report that the user sees. Dropping the handle
-//! stops and joins the thread.
+//! There is one mechanism, `worker`: a handle that owns a thread and shares a mailbox with it. Orders go in, a bounded number
+//! of reports wait until the owner polls, once per shown frame, after the [`Wake`] callback said that there are some. A panic
+//! becomes a report that the user sees. Dropping the handle ends and joins the thread. On it stand:
+//!
+//! | job | its orders |
+//! |---|---|
+//! | [`Background`] | none: one task with progress and a result |
+//! | [`Decoder`], [`Thumbnails`] | the frames wanted now, in place of those wanted before: nothing queues behind stale work |
+//! | [`Saver`] | edits, in order; to write the document |
+//! | [`Trainer`] | the newest document and shown frame, in place of the one before |
+//!
+//! [`Runner`] owns the jobs of an open document and turns effects into orders and reports into actions.
 
 mod background;
 mod decoder;
 mod demo;
 mod error;
+mod frame_orders;
 mod frame_worker;
-mod mailbox;
 mod opening;
 mod picture_tasks;
 mod pictures;
@@ -23,6 +31,7 @@ mod stand_in;
 mod tasks;
 mod thumbnails;
 mod trainer;
+mod worker;
 
 pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};

@@ -96,12 +96,14 @@ impl Pictures {
                     let text = format!("{frame}: internal error (please report it): {message}");
                     news.actions.push(Action::Notify(Level::Error, text));
                 }
+                DecoderReport::Broken { message } => news.actions.push(broke_down("frames", &message)),
                 DecoderReport::Ready { .. } | DecoderReport::Failed { .. } | DecoderReport::Counting(_) => {}
             }
         }
         for report in self.thumbnails.poll() {
             match report {
                 ThumbnailReport::Ready { frame, picture } => news.thumbnails.push((frame, picture)),
+                ThumbnailReport::Broken { message } => news.actions.push(broke_down("thumbnails", &message)),
                 // The reason is said when somebody comes to the frame.
                 ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}
             }
@@ -162,6 +164,12 @@ impl Pictures {
         self.keys.insert(frame.clone(), self.next_key);
         self.next_key
     }
+}
+
+/// What the user is told when no more pictures of a kind can be had.
+fn broke_down(what: &str, message: &str) -> Action {
+    let text = format!("There are no further {what}: internal error (please report it): {message}");
+    Action::Notify(Level::Error, text)
 }
 
 /// Where a frame's pixels come from.

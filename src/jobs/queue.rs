@@ -1,4 +1,4 @@
-//! Which frame of an queue to read next.
+//! Which frame of a queue to read next.
 
 use crate::media::FrameRef;
 use std::collections::VecDeque;
@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 /// before it cost three milliseconds each if they are taken along. Without this, stepping back would jump for each frame.
 const ON_THE_WAY_FRAMES: usize = 16;
 
-/// The place in an queue, the most urgent frame first, of the one to read next after `last`: the most urgent, or a frame
+/// The place in a queue, the most urgent frame first, of the one to read next after `last`: the most urgent, or a frame
 /// of the same video shortly before it that the decoder passes on its way there. None when the queue is empty.
 pub(super) fn next_place(queue: &VecDeque<FrameRef>, last: Option<&FrameRef>) -> Option<usize> {
     let FrameRef::Video { path, index: urgent } = queue.front()? else { return Some(0) };
@@ -29,7 +29,7 @@ mod tests {
     use super::*;
     use std::path::Path;
 
-    /// The order in which an queue is read when the decoder stands at a frame.
+    /// The order in which a queue is read when the decoder stands at a frame.
     fn order(queue: &[usize], stands_at: Option<usize>) -> Vec<usize> {
         let mut queue: VecDeque<_> = queue.iter().map(|&index| frame(index)).collect();
         let mut last = stands_at.map(frame);

@@ -154,7 +154,7 @@ impl Runner {
                     trainer.tell(order);
                 }
             }
-            Effect::Journal { edit, revision } => match &mut self.saver {
+            Effect::Journal { edit, revision } => match &self.saver {
                 Some(saver) => saver.edit(edit, revision),
                 None => self.reports.push(Action::SaveFailed("nothing is open for writing".to_owned())),
             },
@@ -246,8 +246,12 @@ impl Runner {
             TrainerReport::Status(status) => Action::Trainer(status),
             TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
             TrainerReport::Features(used) => Action::Features(used),
+            TrainerReport::Broken { message } => {
+                let text = format!("The trainer stopped: internal error (please report it): {message}");
+                Action::Notify(Level::Error, text)
+            }
         }));
-        let reports = self.saver.as_mut().map(Saver::reports).unwrap_or_default();
+        let reports = self.saver.as_ref().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));
         actions
     }
@@ -324,8 +328,8 @@ impl Runner {
         }
     }
 
-    fn tell_saver(&mut self, order: impl FnOnce(&mut Saver)) {
-        if let Some(saver) = &mut self.saver {
+    fn tell_saver(&self, order: impl FnOnce(&Saver)) {
+        if let Some(saver) = &self.saver {
             order(saver);
         }
     }

@@ -1,7 +1,7 @@
 //! Makes the small pictures of the filmstrip, whenever the decoder has nothing to do.
 
+use super::frame_orders::{Choice, WorkReport};
 use super::frame_worker::{FrameWorker, MakeReader};
-use super::mailbox::{Choice, WorkReport};
 use super::shared_pictures::SharedReader;
 use super::{Decoder, Wake};
 use crate::media::{
@@ -32,6 +32,11 @@ pub enum ThumbnailReport {
     Panicked {
         /// At which frame.
         frame: FrameRef,
+        /// The panic's message.
+        message: String,
+    },
+    /// An internal error stopped the job: there are no further thumbnails.
+    Broken {
         /// The panic's message.
         message: String,
     },
@@ -80,7 +85,7 @@ impl Thumbnails {
             return;
         }
         let memory = &mut self.memory;
-        self.worker.mailbox().replace_queue(|reports| {
+        self.worker.replace_queue(|reports| {
             for report in reports {
                 memory.take_in(report);
             }
@@ -92,7 +97,7 @@ impl Thumbnails {
 
     /// What has happened since the last call. To be called whenever the window is drawn.
     pub fn poll(&mut self) -> Vec<ThumbnailReport> {
-        for report in self.worker.mailbox().fetch_reports() {
+        for report in self.worker.fetch_reports() {
             self.memory.take_in(report);
         }
         std::mem::take(&mut self.memory.unpolled)
@@ -125,6 +130,7 @@ impl Memory {
                 self.failed.insert(frame.clone());
                 ThumbnailReport::Panicked { frame, message }
             }
+            WorkReport::Broken(message) => ThumbnailReport::Broken { message },
             // The decoder opens the same videos and says it.
             WorkReport::Counting(_) | WorkReport::Notice(_) => return,
         };

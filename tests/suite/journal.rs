@@ -356,7 +356,7 @@ fn saver(store: Store, document: &Document, options: SaverOptions) -> Saver {
 }
 
 /// Waits for a report that `wanted` picks out; a minute without it is a failure.
-fn wait_for<T>(saver: &mut Saver, mut wanted: impl FnMut(&SaverReport) -> Option<T>) -> T {
+fn wait_for<T>(saver: &Saver, mut wanted: impl FnMut(&SaverReport) -> Option<T>) -> T {
     let start = Instant::now();
     while start.elapsed() < Duration::from_mins(1) {
         if let Some(found) = saver.reports().iter().find_map(&mut wanted) {
@@ -375,7 +375,7 @@ fn journaled(wanted: u64) -> impl FnMut(&SaverReport) -> Option<()> {
 fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
     let (_folder, path) = new_project(4);
     let (project, mut document) = opened(&path);
-    let mut saver = saver(project.store, &document, SaverOptions::default());
+    let saver = saver(project.store, &document, SaverOptions::default());
     let count = 300;
     for revision in 1..=count {
         let mut after = document.clone();
@@ -383,7 +383,7 @@ fn the_saver_acknowledges_what_is_on_disk_and_drains_at_closing() {
         saver.edit(Edit::between(&document, &after, "Click"), revision as u64);
         document = after;
         if revision == 10 {
-            wait_for(&mut saver, journaled(10));
+            wait_for(&saver, journaled(10));
             assert!(total_clicks(&read(&path).unwrap().1) >= 10, "what is acknowledged is there");
         }
     }
@@ -399,15 +399,15 @@ fn the_saver_writes_the_document_from_time_to_time_and_on_request() {
     let (_folder, path) = new_project(1);
     let (project, document) = opened(&path);
     let options = SaverOptions { save_every: Duration::from_millis(5), ..SaverOptions::default() };
-    let mut saver = saver(project.store, &document, options);
+    let saver = saver(project.store, &document, options);
     let mut after = document.clone();
     after.frames[0].comment = Some("rain".to_owned());
     saver.edit(Edit::between(&document, &after, "Comment"), 1);
     let saved = |report: &SaverReport| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(());
-    wait_for(&mut saver, saved);
+    wait_for(&saver, saved);
     assert!(fs::read_to_string(path.join("project.json")).unwrap().contains("\"rain\""));
     saver.save();
-    wait_for(&mut saver, saved);
+    wait_for(&saver, saved);
     assert!(saver.close().is_empty(), "nothing was left to do");
 }
 
@@ -416,19 +416,19 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
     let (folder, path) = new_project(1);
     let (project, document) = opened(&path);
     let options = SaverOptions { save_every: Duration::from_millis(5), retry_after: Duration::from_millis(5) };
-    let mut saver = saver(project.store, &document, options);
+    let saver = saver(project.store, &document, options);
     let away = folder.path().join("away");
     fs::rename(&path, &away).unwrap();
     let mut after = document.clone();
     after.frames[0].comment = Some("kept".to_owned());
     saver.edit(Edit::between(&document, &after, "Comment"), 1);
-    let message = wait_for(&mut saver, |report| match report {
+    let message = wait_for(&saver, |report| match report {
         SaverReport::Failed { error, .. } => Some(error.to_string()),
         _ => None,
     });
     assert!(message.ends_with("was moved or deleted while it was open; put it back, or save elsewhere"), "{message}");
     fs::rename(&away, &path).unwrap();
-    wait_for(&mut saver, |report| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(()));
+    wait_for(&saver, |report| matches!(report, SaverReport::Saved { revision: 1, .. }).then_some(()));
     drop(saver);
     assert_eq!(opened(&path).1.frames[0].comment.as_deref(), Some("kept"));
 }
@@ -437,19 +437,19 @@ fn what_the_disk_refuses_stays_in_memory_and_is_tried_again() {
 fn an_edit_that_does_not_fit_makes_the_saver_ask_for_the_whole_document() {
     let (_folder, path) = new_project(2);
     let (project, start) = opened(&path);
-    let mut saver = saver(project.store, &start, SaverOptions::default());
+    let saver = saver(project.store, &start, SaverOptions::default());
     let more = document(5);
     let mut after = more.clone();
     after.frames[4].comment = Some("fifth".to_owned());
     // The saver knows two frames only.
     saver.edit(Edit::between(&more, &after, "Comment"), 1);
-    wait_for(&mut saver, |report| matches!(report, SaverReport::NeedsWhole).then_some(()));
+    wait_for(&saver, |report| matches!(report, SaverReport::NeedsWhole).then_some(()));
     assert_eq!(read(&path).unwrap().1.frames.len(), 2, "nothing is written that is not the user's");
     let mut last = after.clone();
     last.frames[0].comment = Some("first".to_owned());
     saver.whole(after.clone(), History::default(), 1);
     saver.edit(Edit::between(&after, &last, "Comment"), 2);
-    wait_for(&mut saver, journaled(2));
+    wait_for(&saver, journaled(2));
     drop(saver);
     assert_eq!(opened(&path).1.frames, last.frames);
 }

@@ -30,6 +30,7 @@ fn session(file: &Path, document: &Document) -> (TrainerStatus, Vec<Proposal>) {
                 TrainerReport::Status(status) => last = *status,
                 TrainerReport::Proposals(proposals) => proposed.extend(proposals),
                 TrainerReport::Features(_) => panic!("nobody asked for features"),
+                TrainerReport::Broken { message } => panic!("{message}"),
             }
         }
     }

@@ -1,6 +1,7 @@
 //! The backend of the trainer: the operations on forests and frames; tests use another one.
 
 use super::super::shared_pictures::{SharedPictures, SharedReader};
+use super::error::TrainerError;
 use super::kept_forest::{keep_forest, kept_forest};
 use super::mailbox::TrainerMailbox;
 use super::watch::Watch;
@@ -9,7 +10,7 @@ use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
     FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality, Studied,
-    Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
+    Suspect, TrainingSampleError, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -23,20 +24,20 @@ pub(super) trait Backend {
     /// The forest that an earlier session stored, if it was trained with exactly this training set.
     ///
     /// # Errors
-    /// One line: there is one, but it cannot be used.
-    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String>;
+    /// There is one, but it cannot be used.
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError>;
 
     /// A forest of these training frames; none where the watch ended it.
     ///
     /// # Errors
-    /// One line: why there cannot be one.
+    /// There cannot be one.
     fn learn(
         &mut self,
         document: &Document,
         training_frames: &[usize],
         training_set: &TrainingSet,
         watch: &Watch<'_>,
-    ) -> Result<Option<Learnt>, String>;
+    ) -> Result<Option<Learnt>, TrainerError>;
 
     /// What the forest proposes for some frames; fewer where the watch, which receives the number done, ended it.
     fn propose(
@@ -66,7 +67,7 @@ pub(super) struct Learnt {
     /// The number of features it was trained with.
     pub(super) features: usize,
     /// Training frames that cannot be used, and why.
-    pub(super) failed: Vec<(usize, String)>,
+    pub(super) failed: Vec<(usize, TrainingSampleError)>,
 }
 
 /// The accuracy of the forest, and suspicious references.
@@ -118,8 +119,8 @@ impl ForestBackend {
 }
 
 impl Backend for ForestBackend {
-    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, String> {
-        kept_forest(&self.place, training_set, &self.options.features).map_err(|error| error.to_string())
+    fn recall(&mut self, training_set: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
+        Ok(kept_forest(&self.place, training_set, &self.options.features)?)
     }
 
     fn learn(
@@ -128,28 +129,23 @@ impl Backend for ForestBackend {
         training_frames: &[usize],
         training_set: &TrainingSet,
         watch: &Watch<'_>,
-    ) -> Result<Option<Learnt>, String> {
+    ) -> Result<Option<Learnt>, TrainerError> {
         let Some(studied) = self.study(document, training_frames, watch) else { return Ok(None) };
-        let failed: Vec<(usize, String)> =
-            studied.failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
         let learnt = learn(document, &studied, &self.options, &|progress| {
             watch.tell(Doing::Training(Share { done: progress.placed, of: progress.total }))
         });
-        let mut model = match learnt {
-            Ok(model) => model,
-            Err(LearnError::Stopped(Stopped::Asked)) => return Ok(None),
-            Err(LearnError::Stopped(Stopped::NoSamples { .. })) if !failed.is_empty() => {
-                let (index, reason) = &failed[0];
-                return Err(format!(
-                    "No reference can be used for training. {}: {reason}",
-                    document.frames[*index].name()
-                ));
+        let mut model = match (learnt, studied.failed.first()) {
+            (Ok(model), _) => model,
+            (Err(LearnError::Stopped(Stopped::Asked)), _) => return Ok(None),
+            (Err(LearnError::Stopped(Stopped::NoSamples { .. })), Some((index, first))) => {
+                let frame = document.frames[*index].name();
+                return Err(TrainerError::NoneUsable { frame, first: first.clone() });
             }
-            Err(error) => return Err(error.to_string()),
+            (Err(error), _) => return Err(error.into()),
         };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
-        Ok(Some(Learnt { model, features, failed }))
+        Ok(Some(Learnt { model, features, failed: studied.failed }))
     }
 
     fn propose(

@@ -10,6 +10,7 @@
 
 mod answer_cache;
 mod backend;
+mod error;
 mod kept_forest;
 mod mailbox;
 #[cfg(test)]
@@ -17,17 +18,20 @@ mod tests;
 mod watch;
 mod work;
 
-use self::backend::ForestBackend;
-use self::mailbox::TrainerMailbox;
+use self::backend::{Backend, ForestBackend};
+use self::mailbox::{Orders, TrainerMailbox};
 use self::work::Work;
+use super::worker::{Mailbox, Worker};
 use super::{SharedPictures, Wake};
 use crate::app::{TrainerOrder, TrainerStatus};
 use crate::proposals::{Proposal, UsedFeatures};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::thread::JoinHandle;
 use std::time::Duration;
+
+/// How many reports may wait to be fetched before the trainer pauses; with each come up to some 64 proposals.
+const MOST_REPORTS: usize = 16;
 
 /// How the trainer behaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,12 +59,16 @@ pub enum TrainerReport {
     Proposals(Vec<Proposal>),
     /// How the forest used the shown frame's features.
     Features(Box<UsedFeatures>),
+    /// An internal error stopped it; there is no trainer any more.
+    Broken {
+        /// The panic's message.
+        message: String,
+    },
 }
 
 /// The trainer of an open document. Dropping it ends its thread.
 pub struct Trainer {
-    mailbox: Arc<TrainerMailbox>,
-    thread: Option<JoinHandle<()>>,
+    worker: Worker<Orders, TrainerReport>,
 }
 
 impl Trainer {
@@ -74,41 +82,34 @@ impl Trainer {
     }
 
     /// Starts a trainer with the backend that `make` sets up on its thread.
-    fn start_with<C: backend::Backend>(
+    fn start_with<B: Backend>(
         options: TrainerOptions,
         wake: Wake,
-        make: impl FnOnce(Arc<TrainerMailbox>) -> C + Send + 'static,
+        make: impl FnOnce(Arc<TrainerMailbox>) -> B + Send + 'static,
     ) -> io::Result<Self> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let threads = options.threads.unwrap_or(cores - 1).max(1);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).thread_name(|at| format!("trainer {at}"));
         let pool = pool.build().map_err(io::Error::other)?;
-        let mailbox = Arc::new(TrainerMailbox::new(wake));
-        let of_thread = Arc::clone(&mailbox);
-        let thread = std::thread::Builder::new().name("trainer".to_owned()).spawn(move || {
-            pool.install(|| Work::new(Arc::clone(&of_thread), make(of_thread), options).run());
+        let mailbox = Mailbox::new(Orders::default(), MOST_REPORTS, wake);
+        let broke_down = |message| TrainerReport::Broken { message };
+        let worker = Worker::spawn("trainer", mailbox, broke_down, move |mailbox| {
+            let mailbox = Arc::new(TrainerMailbox::new(Arc::clone(mailbox)));
+            pool.install(|| Work::new(Arc::clone(&mailbox), make(mailbox), options).run());
         })?;
-        Ok(Self { mailbox, thread: Some(thread) })
+        Ok(Self { worker })
     }
 
     /// Sends the trainer an order; never waits.
     pub fn tell(&self, order: TrainerOrder) {
-        self.mailbox.take_order(order);
+        let replaced = self.worker.mailbox().update(|state| state.orders.take_in(order));
+        // Letting go of a document may take a while.
+        drop(replaced);
     }
 
     /// What it has to say since the last call.
     #[must_use]
     pub fn poll(&self) -> Vec<TrainerReport> {
-        self.mailbox.fetch_reports()
-    }
-}
-
-impl Drop for Trainer {
-    fn drop(&mut self) {
-        self.mailbox.stop();
-        if let Some(thread) = self.thread.take() {
-            // Panics of the work have been reported.
-            let _ = thread.join();
-        }
+        self.worker.mailbox().take_reports()
     }
 }

@@ -2,6 +2,8 @@
 
 use super::answer_cache::AnswerCache;
 use super::backend::{Backend, Learnt, Measured};
+use super::error::TrainerError;
+use super::kept_forest::KeptForestError;
 use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
@@ -10,9 +12,10 @@ use crate::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, Fra
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Vec3};
 use crate::proposals::{
-    Answer, Asked, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
+    Answer, Asked, LearnError, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
 };
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
+use std::io;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -53,6 +56,10 @@ impl StandIn {
     }
 }
 
+fn no_features() -> TrainerError {
+    LearnError::from(crate::relocalize::Stopped::NoSamples { frames: 1 }).into()
+}
+
 fn until_stopped(tell: &dyn Fn() -> ControlFlow<()>) {
     while tell().is_continue() {
         std::thread::yield_now();
@@ -69,10 +76,10 @@ fn model() -> ForestModel {
 }
 
 impl Backend for StandIn {
-    fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, String> {
+    fn recall(&mut self, _: &TrainingSet) -> Result<Option<ForestModel>, TrainerError> {
         match self.begin(Begun::Recall) {
             Let::Well => Ok(Some(model())),
-            Let::Fail => Err("the forest is damaged".to_owned()),
+            Let::Fail => Err(KeptForestError::from(io::Error::other("it is damaged")).into()),
             Let::Panic | Let::Stopped => Ok(None),
         }
     }
@@ -83,10 +90,10 @@ impl Backend for StandIn {
         training_frames: &[usize],
         _: &TrainingSet,
         watch: &Watch<'_>,
-    ) -> Result<Option<Learnt>, String> {
+    ) -> Result<Option<Learnt>, TrainerError> {
         match self.begin(Begun::Learn(training_frames.to_vec())) {
             Let::Well => Ok(Some(Learnt { model: model(), features: 1, failed: Vec::new() })),
-            Let::Fail => Err("no features".to_owned()),
+            Let::Fail => Err(no_features()),
             Let::Panic => panic!("the saw broke"),
             Let::Stopped => {
                 until_stopped(&|| watch.tell(Doing::Training(Share { done: 1, of: 2 })));
@@ -193,6 +200,7 @@ impl Controller {
                 TrainerReport::Status(status) => self.status = *status,
                 TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
                 TrainerReport::Features(used) => self.features.push(used.frame),
+                TrainerReport::Broken { message } => panic!("{message}"),
             }
         }
     }
@@ -431,7 +439,7 @@ fn a_panic_is_shown_and_work_goes_on() {
     controller.until(|status| status.doing == Doing::Paused);
     controller.tell(TrainerOrder::Pause(false));
     controller.expect(&Begun::Learn(vec![0]), Let::Fail);
-    controller.until(|status| status.trouble.as_deref() == Some("no features"));
+    controller.until(|status| status.trouble == Some(no_features().to_string()));
     all.frames.push(document(2, 0).frames[1].clone());
     controller.document(&all);
     controller.expect(&Begun::Learn(vec![0, 2]), Let::Well);

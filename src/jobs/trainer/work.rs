@@ -107,7 +107,7 @@ impl<C: Backend> Work<C> {
 
     /// Works until it is stopped.
     pub(super) fn run(mut self) {
-        while let Some(orders) = self.mailbox.orders() {
+        while let Some(orders) = self.mailbox.peek(Orders::clone) {
             self.take_in(orders);
             let step = self.next();
             if !matches!(step, Step::Propose(_)) || self.gathered_since.elapsed() >= self.options.gather {
@@ -224,7 +224,7 @@ impl<C: Backend> Work<C> {
             }
             Ok(None) => {}
             // Training it again solves the problem.
-            Err(reason) => self.status.trouble = Some(format!("The stored forest is trained again: {reason}")),
+            Err(error) => self.status.trouble = Some(error.to_string()),
         }
     }
 
@@ -246,13 +246,13 @@ impl<C: Backend> Work<C> {
                     took: Some(took),
                     ..facts(&model)
                 };
-                self.status.failed = failed.into();
+                self.status.failed = failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
                 self.status.trouble = None;
                 self.turn_until = Instant::now() + took.min(LONGEST_TURN);
                 self.take_forest(model, training_set, facts);
             }
-            Ok(Err(reason)) => {
-                self.status.trouble = Some(reason);
+            Ok(Err(error)) => {
+                self.status.trouble = Some(error.to_string());
                 self.failed = Some(training_set);
             }
             Err(panic) => {

@@ -1,0 +1,291 @@
+//! A thread that carries out orders and leaves reports: what every job is built on.
+//!
+//! The owner and the thread share a mailbox. One lock guards the orders and the reports, so that an order is at every moment
+//! either waiting, being carried out, or reported. The owner never waits, except for the thread to end; the thread waits for
+//! orders, and for room when nobody takes its reports.
+
+use super::{Wake, panic_message};
+use std::collections::VecDeque;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+/// Orders `O` for a thread, and its reports `R`.
+pub(super) struct Mailbox<O, R> {
+    state: Mutex<State<O, R>>,
+    changed: Condvar,
+    /// How many reports may wait before the thread waits for its owner.
+    capacity: usize,
+    wake: Wake,
+}
+
+/// What the lock of a mailbox guards.
+pub(super) struct State<O, R> {
+    /// What is to be done, and what both sides have to know of what is being done.
+    pub(super) orders: O,
+    /// What the owner has not taken yet, oldest first.
+    pub(super) reports: VecDeque<R>,
+    is_closing: bool,
+    has_ended: bool,
+}
+
+/// Why a thread no longer waits for orders.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Waited<T> {
+    /// This is to be done.
+    Order(T),
+    /// The time is up.
+    TimeIsUp,
+    /// Nothing is left to do, and no order will follow.
+    Closing,
+}
+
+impl<O, R> Mailbox<O, R> {
+    /// A mailbox in which `capacity` reports may wait. `wake` is called after each report.
+    pub(super) fn new(orders: O, capacity: usize, wake: Wake) -> Self {
+        let state = State { orders, reports: VecDeque::new(), is_closing: false, has_ended: false };
+        Self { state: Mutex::new(state), changed: Condvar::new(), capacity, wake }
+    }
+
+    /// Looks at orders and reports or changes them; whoever waits for something here looks again.
+    pub(super) fn update<T>(&self, change: impl FnOnce(&mut State<O, R>) -> T) -> T {
+        let result = change(&mut self.lock());
+        self.changed.notify_all();
+        result
+    }
+
+    /// Looks at the orders.
+    pub(super) fn look<T>(&self, look: impl FnOnce(&O) -> T) -> T {
+        look(&self.lock().orders)
+    }
+
+    /// Whether the thread is to end.
+    pub(super) fn is_closing(&self) -> bool {
+        self.lock().is_closing
+    }
+
+    /// Tells the thread to end.
+    pub(super) fn begin_closing(&self) {
+        self.update(|state| state.is_closing = true);
+    }
+
+    /// The reports that have arrived since the last call.
+    pub(super) fn take_reports(&self) -> Vec<R> {
+        self.update(|state| state.reports.drain(..).collect())
+    }
+
+    /// The oldest report that has not been taken.
+    pub(super) fn take_report(&self) -> Option<R> {
+        self.update(|state| state.reports.pop_front())
+    }
+
+    /// What `pick` finds among the orders: waits for it, but not beyond `until`, and not once no order will follow.
+    pub(super) fn wait_for<T>(&self, until: Option<Instant>, pick: impl Fn(&mut O) -> Option<T>) -> Waited<T> {
+        let mut state = self.lock();
+        loop {
+            if let Some(order) = pick(&mut state.orders) {
+                return Waited::Order(order);
+            }
+            if state.is_closing {
+                return Waited::Closing;
+            }
+            state = match until.map(|until| until.saturating_duration_since(Instant::now())) {
+                None => self.changed.wait(state).unwrap_or_else(PoisonError::into_inner),
+                Some(left) if left.is_zero() => return Waited::TimeIsUp,
+                Some(left) => self.changed.wait_timeout(state, left).unwrap_or_else(PoisonError::into_inner).0,
+            };
+        }
+    }
+
+    /// Leaves a report; waits for room.
+    pub(super) fn report(&self, report: R) {
+        self.report_done(report, |_| ());
+    }
+
+    /// Leaves the report of an order and strikes it off in one step; waits for room.
+    pub(super) fn report_done(&self, report: R, strike_off: impl FnOnce(&mut O)) {
+        let is_full = |state: &mut State<O, R>| state.reports.len() >= self.capacity;
+        let mut state = self.changed.wait_while(self.lock(), is_full).unwrap_or_else(PoisonError::into_inner);
+        state.reports.push_back(report);
+        strike_off(&mut state.orders);
+        drop(state);
+        self.changed.notify_all();
+        (self.wake)();
+    }
+
+    /// Leaves a report in place of one that it makes stale; never waits.
+    pub(super) fn report_instead(&self, report: R, is_stale: impl Fn(&R) -> bool) {
+        self.update(|state| {
+            state.reports.retain(|before| !is_stale(before));
+            state.reports.push_back(report);
+        });
+        (self.wake)();
+    }
+
+    /// Leaves a report if there is room, and drops it otherwise.
+    pub(super) fn report_if_room(&self, report: R) {
+        let has_room = self.update(|state| {
+            let has_room = state.reports.len() < self.capacity;
+            if has_room {
+                state.reports.push_back(report);
+            }
+            has_room
+        });
+        if has_room {
+            (self.wake)();
+        }
+    }
+
+    /// No code that holds the lock can panic half-way, so that the state is whole even when the lock is poisoned.
+    fn lock(&self) -> MutexGuard<'_, State<O, R>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A thread and its mailbox. Dropping it ends the thread and waits for that.
+pub(super) struct Worker<O, R> {
+    mailbox: Arc<Mailbox<O, R>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl<O: Send + 'static, R: Send + 'static> Worker<O, R> {
+    /// Starts a thread of a name that does `work` until that returns. If it panics, `broke_down` turns the message into the
+    /// last report.
+    ///
+    /// # Errors
+    /// The operating system gives no thread.
+    pub(super) fn spawn(
+        name: &str,
+        mailbox: Mailbox<O, R>,
+        broke_down: fn(String) -> R,
+        work: impl FnOnce(&Arc<Mailbox<O, R>>) + Send + 'static,
+    ) -> io::Result<Self> {
+        let mailbox = Arc::new(mailbox);
+        let of_thread = Arc::clone(&mailbox);
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(|| work(&of_thread))) {
+                of_thread.report(broke_down(panic_message(panic.as_ref())));
+            }
+            of_thread.update(|state| state.has_ended = true);
+        })?;
+        Ok(Self { mailbox, thread: Some(thread) })
+    }
+}
+
+impl<O, R> Worker<O, R> {
+    /// The mailbox that it shares with its thread.
+    pub(super) const fn mailbox(&self) -> &Arc<Mailbox<O, R>> {
+        &self.mailbox
+    }
+
+    /// Tells the thread to end, waits for it, and returns its last reports.
+    pub(super) fn close(&mut self) -> Vec<R> {
+        let mut last = Vec::new();
+        if let Some(thread) = self.thread.take() {
+            self.mailbox.begin_closing();
+            // The thread may wait for room.
+            while !self.has_ended_after(&mut last) {}
+            // A panic of the work has been turned into a report.
+            let _ = thread.join();
+        }
+        last
+    }
+
+    /// Waits until there is a report or the thread has ended, and takes the reports.
+    fn has_ended_after(&self, reports: &mut Vec<R>) -> bool {
+        let Mailbox { changed, .. } = &*self.mailbox;
+        let is_quiet = |state: &mut State<O, R>| state.reports.is_empty() && !state.has_ended;
+        let mut state = changed.wait_while(self.mailbox.lock(), is_quiet).unwrap_or_else(PoisonError::into_inner);
+        reports.extend(state.reports.drain(..));
+        let has_ended = state.has_ended;
+        drop(state);
+        changed.notify_all();
+        has_ended
+    }
+}
+
+impl<O, R> Drop for Worker<O, R> {
+    fn drop(&mut self) {
+        self.close();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::mpsc::channel;
+    use std::time::Duration;
+
+    fn mailbox(capacity: usize) -> Mailbox<VecDeque<i32>, String> {
+        Mailbox::new(VecDeque::new(), capacity, Arc::new(|| ()))
+    }
+
+    /// Reports each order until it is closed.
+    fn echo(mailbox: &Arc<Mailbox<VecDeque<i32>, String>>) {
+        while let Waited::Order(order) = mailbox.wait_for(None, VecDeque::pop_front) {
+            assert_ne!(order, -1, "an unlucky order");
+            mailbox.report(order.to_string());
+        }
+    }
+
+    #[test]
+    fn closing_carries_out_what_is_left_although_nobody_took_the_reports() {
+        let mut worker = Worker::spawn("test", mailbox(2), |message| message, echo).unwrap();
+        worker.mailbox().update(|state| state.orders.extend(0..100));
+        let expected: Vec<String> = (0..100).map(|order| order.to_string()).collect();
+        assert_eq!(worker.close(), expected);
+        assert_eq!(worker.close(), [] as [String; 0]);
+    }
+
+    #[test]
+    fn a_thread_whose_reports_nobody_takes_waits() {
+        let worker = Worker::spawn("test", mailbox(3), |message| message, echo).unwrap();
+        worker.mailbox().update(|state| state.orders.extend(0..10));
+        // Three reports wait, the fourth order has been taken.
+        while worker.mailbox().look(VecDeque::len) > 6 {
+            std::thread::yield_now();
+        }
+        assert_eq!(worker.mailbox().look(VecDeque::len), 6);
+        assert_eq!(worker.mailbox().take_report().as_deref(), Some("0"));
+        while worker.mailbox().look(VecDeque::len) > 5 {
+            std::thread::yield_now();
+        }
+    }
+
+    #[test]
+    fn a_panic_is_the_last_report() {
+        let (wake, woken) = channel();
+        let wake: Wake = Arc::new(move || wake.send(()).unwrap_or_default());
+        let shared = Mailbox::new(VecDeque::from([1, -1, 2]), 8, wake);
+        let mut worker = Worker::spawn("test", shared, |message| message, echo).unwrap();
+        woken.recv().unwrap();
+        woken.recv().unwrap();
+        let [first, last] = &worker.close()[..] else { panic!("two reports") };
+        assert_eq!(first, "1");
+        assert!(last.contains("an unlucky order"), "{last}");
+    }
+
+    #[test]
+    fn a_thread_waits_no_longer_than_it_wants() {
+        let mailbox = mailbox(1);
+        let soon = Instant::now() + Duration::from_millis(2);
+        assert_eq!(mailbox.wait_for(Some(soon), VecDeque::pop_front), Waited::TimeIsUp);
+        assert!(Instant::now() >= soon);
+        mailbox.update(|state| state.orders.push_back(5));
+        mailbox.begin_closing();
+        assert_eq!(mailbox.wait_for(Some(soon), VecDeque::pop_front), Waited::Order(5), "what is left comes first");
+        assert_eq!(mailbox.wait_for(None, VecDeque::pop_front), Waited::Closing);
+    }
+
+    #[test]
+    fn reports_replace_others_or_are_dropped_where_that_is_wanted() {
+        let mailbox = mailbox(2);
+        for report in ["50 %", "found", "60 %"] {
+            mailbox.report_instead(report.to_owned(), |before| before.ends_with('%'));
+        }
+        mailbox.report_if_room("one too many".to_owned());
+        assert_eq!(mailbox.take_reports(), ["found", "60 %"]);
+    }
+}
