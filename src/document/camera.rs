@@ -1,40 +1,13 @@
 //! A camera of the document.
 
-use super::{Extra, FieldSpec, Frame, RangedMask, adapters};
+use super::{CameraId, Extra, FieldSpec, Frame, RangedMask, adapters};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
 use crate::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::sync::Arc;
 
 /// A matrix nearer to a rotation than this is taken as it is.
 const EXACT_ROTATION: f64 = 1e-14;
-
-/// The name of a camera, unique within a document.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(transparent)]
-pub struct CameraId(Arc<str>);
-
-impl CameraId {
-    /// The name as the document writes it.
-    #[must_use]
-    pub fn as_str(&self) -> &str {
-        &self.0
-    }
-}
-
-impl From<&str> for CameraId {
-    fn from(name: &str) -> Self {
-        Self(name.into())
-    }
-}
-
-impl fmt::Display for CameraId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0)
-    }
-}
 
 /// A camera of the document: its picture, and its base as far as it is known.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

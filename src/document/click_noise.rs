@@ -1,6 +1,6 @@
 //! The annotator's own click noise as a document stores it, and its effect on the clicks' sigmas.
 
-use super::{Document, Extra, adapters};
+use super::{Extra, adapters};
 use crate::field::FieldModel;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -13,7 +13,6 @@ const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
 /// An annotator's own click noise as a document keeps it (`click_noise`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-
 pub struct ClickNoise {
     /// The solve uses it.
     #[serde(rename = "use")]
@@ -94,44 +93,11 @@ impl ClickNoise {
         factors.all(|factor| PLAUSIBLE_FACTOR.contains(factor))
     }
 
-    fn apply(&self, field: &mut FieldModel) {
+    /// Weights the clicks on a field by it.
+    pub(super) fn apply(&self, field: &mut FieldModel) {
         for landmark in &mut field.landmarks {
             landmark.click_sigma_px = self.sigma_px(landmark.click_sigma_px, Some(landmark.id.as_str()));
         }
         field.line_click_sigma_px = self.sigma_px(field.line_click_sigma_px, None);
-    }
-}
-
-impl Document {
-    /// The annotator's own click noise, whether it is in use or not.
-    #[must_use]
-    pub const fn own_click_noise(&self) -> Option<&ClickNoise> {
-        match &self.click_noise {
-            Some(StoredClickNoise::Own(noise)) => Some(noise),
-            Some(StoredClickNoise::Unreadable(_)) | None => None,
-        }
-    }
-
-    /// The click noise that weights its clicks; none: the template's.
-    #[must_use]
-    pub fn click_noise_in_use(&self) -> Option<ClickNoise> {
-        self.own_click_noise().filter(|noise| noise.in_use && noise.is_plausible()).cloned()
-    }
-
-    /// Stores the annotator's own click noise.
-    ///
-    /// # Errors
-    /// One of its numbers is not finite.
-    pub fn set_click_noise(&mut self, noise: &ClickNoise) -> Result<(), serde_json::Error> {
-        serde_json::to_value(noise)?;
-        self.click_noise = Some(StoredClickNoise::Own(noise.clone()));
-        Ok(())
-    }
-
-    /// Gives a field the click noise that the document uses.
-    pub(super) fn weight_clicks(&self, field: &mut FieldModel) {
-        if let Some(noise) = self.click_noise_in_use() {
-            noise.apply(field);
-        }
     }
 }

@@ -1,20 +1,15 @@
 //! The document as a whole.
 
-use super::{Camera, CameraId, Extra, FieldSize, Frame, Frames, Shared, Shot, StoredClickNoise, adapters};
+use super::{Camera, CameraId, ClickNoise, Extra, FieldSpec, Frame, Frames, Shared, Shot, StoredClickNoise};
 use crate::camera::PtzCamera;
-use crate::field::{FieldError, FieldModel, Template, template_named};
-use serde::{Deserialize, Serialize};
+use crate::field::FieldModel;
+use crate::geometry::PixelBox;
 use serde_json::{Map, Value};
-use std::collections::BTreeMap;
-use std::path::Path;
 
 /// The value of `format` in every document of this program.
 pub const FORMAT_NAME: &str = "touchline";
 /// The newest `version` that this program reads, and the one it writes.
 pub const DOCUMENT_VERSION: u64 = 1;
-
-/// The parameter that every template takes: how much the middle is higher than the touchlines, m.
-const CROWN: &str = "crown_m";
 
 /// The value of `generator` in documents that this program writes.
 #[must_use]
@@ -43,67 +38,6 @@ pub struct Document {
     pub shots: Vec<Shot>,
     /// Unknown keys.
     pub extra: Extra,
-}
-
-/// Which field: a template and its parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FieldSpec {
-    /// The template's name: `soccer`.
-    pub template: String,
-    /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's defaults.
-    #[serde(default, with = "adapters::numbers_by_name")]
-    pub params: BTreeMap<String, f64>,
-    /// Where its size comes from: `assumed` (also where it is absent), `confirmed`, `fitted`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub size: Option<FieldSize>,
-    /// Unknown keys.
-    #[serde(flatten)]
-    pub extra: Extra,
-}
-
-impl FieldSpec {
-    /// A template with its defaults.
-    #[must_use]
-    pub fn new(template: &str) -> Self {
-        Self { template: template.to_owned(), params: BTreeMap::new(), size: None, extra: Extra::new() }
-    }
-
-    /// The template is a file of the user's own, not a built-in one.
-    #[must_use]
-    pub fn is_file(&self) -> bool {
-        Path::new(&self.template).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
-    }
-
-    /// How much the middle is higher than the touchlines, m.
-    #[must_use]
-    pub fn crown_m(&self) -> f64 {
-        self.params.get(CROWN).copied().unwrap_or(0.0)
-    }
-
-    /// Sets the crown; a flat field without the key stays without it.
-    pub fn set_crown_m(&mut self, crown_m: f64) {
-        if crown_m != self.crown_m() {
-            self.params.insert(CROWN.to_owned(), crown_m);
-        }
-    }
-
-    /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
-    ///
-    /// # Errors
-    /// There is no such template, or it does not take a parameter or its value.
-    pub fn model(&self, folder: &Path) -> Result<FieldModel, FieldError> {
-        let mut params = self.params.clone();
-        let crown_m = params.remove(CROWN).unwrap_or(0.0);
-        self.template(folder)?.model(&params, crown_m)
-    }
-
-    /// Its template; `folder` is the document's.
-    ///
-    /// # Errors
-    /// There is no such template.
-    pub fn template(&self, folder: &Path) -> Result<Template, FieldError> {
-        template_named(&self.template, folder)
-    }
 }
 
 impl Document {
@@ -156,48 +90,43 @@ impl Document {
         self.camera_of(frame)?.pointed(frame)
     }
 
-    /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and with a warning
-    /// at every solved frame whose field's size is assumed.
+    /// All boxes of a frame whose pixels give no features: its camera's and its own.
     #[must_use]
-    pub fn to_dataset(&self) -> Self {
-        let mut dataset = self.clone();
-        for frame in &mut dataset.frames {
-            if frame.clicks.iter().any(|click| click.target.is_none()) {
-                frame.drop_unnamed_clicks();
-            }
-        }
-        dataset.tell_assumed_sizes();
-        dataset
+    pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
+        let Some(camera) = self.camera_of(frame) else { return frame.masks.clone() };
+        let ranged = camera.ranged_masks.iter().filter(|mask| mask.covers(frame)).map(|mask| &mask.pixel_box);
+        camera.masks.iter().chain(ranged).chain(&frame.masks).copied().collect()
     }
-}
 
-impl Frame {
-    /// Drops the unnamed clicks; the solution's indices of clicks follow.
-    fn drop_unnamed_clicks(&mut self) {
-        let mut kept = 0;
-        let new_index: Vec<Option<usize>> = self
-            .clicks
-            .iter()
-            .map(|click| {
-                click.target.as_ref()?;
-                kept += 1;
-                Some(kept - 1)
-            })
-            .collect();
-        self.clicks.retain(|click| click.target.is_some());
-        let renumber = |indices: &mut Vec<usize>| {
-            *indices = indices.iter().filter_map(|&index| new_index.get(index).copied().flatten()).collect();
-        };
-        if let Some(solution) = &mut self.solution {
-            renumber(&mut solution.disputed);
-            for warning in &mut solution.warnings {
-                renumber(&mut warning.clicks);
-                warning.renames.retain_mut(|rename| {
-                    let kept = new_index.get(rename.click).copied().flatten();
-                    rename.click = kept.unwrap_or(rename.click);
-                    kept.is_some()
-                });
-            }
+    /// The annotator's own click noise, whether it is in use or not.
+    #[must_use]
+    pub const fn own_click_noise(&self) -> Option<&ClickNoise> {
+        match &self.click_noise {
+            Some(StoredClickNoise::Own(noise)) => Some(noise),
+            Some(StoredClickNoise::Unreadable(_)) | None => None,
+        }
+    }
+
+    /// The click noise that weights its clicks; none: the template's.
+    #[must_use]
+    pub fn click_noise_in_use(&self) -> Option<ClickNoise> {
+        self.own_click_noise().filter(|noise| noise.in_use && noise.is_plausible()).cloned()
+    }
+
+    /// Stores the annotator's own click noise.
+    ///
+    /// # Errors
+    /// One of its numbers is not finite.
+    pub fn set_click_noise(&mut self, noise: &ClickNoise) -> Result<(), serde_json::Error> {
+        serde_json::to_value(noise)?;
+        self.click_noise = Some(StoredClickNoise::Own(noise.clone()));
+        Ok(())
+    }
+
+    /// Gives a field the click noise that the document uses.
+    pub(super) fn weight_clicks(&self, field: &mut FieldModel) {
+        if let Some(noise) = self.click_noise_in_use() {
+            noise.apply(field);
         }
     }
 }

@@ -1,11 +1,10 @@
 //! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
 
 use super::old_edit::OldChange;
-use super::{Camera, Document, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
+use super::{Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
-use thiserror::Error;
 
 /// One edit: a name and what it changed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -90,49 +89,6 @@ pub enum Change {
     /// Frames by their positions, in a journal of an earlier version of the program.
     #[serde(untagged)]
     Old(OldChange),
-}
-
-/// An edit that does not fit the document it is applied to.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum EditMismatch {
-    /// The document has no such frame.
-    #[error("the edit concerns frame {id}, which the document does not have")]
-    NoFrame {
-        /// Its id.
-        id: FrameId,
-    },
-    /// The frame is another one than was edited: the edit was made before, or another one was.
-    #[error("the edit was made on revision {made_on} of frame {id}, the document has revision {found}")]
-    Revision {
-        /// The frame.
-        id: FrameId,
-        /// The revision that was edited.
-        made_on: u64,
-        /// The document's.
-        found: u64,
-    },
-    /// A frame that is to come is there.
-    #[error("the edit brings frame {id}, which the document has")]
-    Present {
-        /// Its id.
-        id: FrameId,
-    },
-    /// A new order names other frames than there are.
-    #[error("the edit puts {ordered} frames in order, the document has {frames} frames, not all of them the same")]
-    Order {
-        /// How many frames it names.
-        ordered: usize,
-        /// How many there are.
-        frames: usize,
-    },
-    /// In a journal of an earlier version: a position that the document does not have.
-    #[error("the edit concerns frame {index}, the document has {frames} frames")]
-    Position {
-        /// The position.
-        index: usize,
-        /// How many frames there are.
-        frames: usize,
-    },
 }
 
 impl Edit {

@@ -243,6 +243,12 @@ impl Frame {
         self == other || *self == Self { revision: self.revision, ..other.clone() }
     }
 
+    /// The id that follows from its picture.
+    pub(super) fn id_of_picture(&self) -> FrameId {
+        let video = self.video.as_ref().map(|video| (video.path.as_str(), video.frame_index));
+        FrameId::of_picture(self.image.as_deref(), video)
+    }
+
     /// Its name in messages: the image's path, else the video's and the frame's number (`match.mp4#412`).
     #[must_use]
     pub fn name(&self) -> String {

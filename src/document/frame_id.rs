@@ -1,6 +1,5 @@
 //! The id of a frame: a short string that stays the same when frames are added, removed or moved.
 
-use super::Frame;
 use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt;
@@ -52,14 +51,6 @@ impl FrameId {
         }
         let numbered = (2_u64..).map(|number| Self(format!("{self}-{number}").into()));
         numbered.into_iter().find(|id| !is_taken(id)).unwrap_or(self)
-    }
-}
-
-impl Frame {
-    /// The id that follows from its picture.
-    pub(super) fn id_of_picture(&self) -> FrameId {
-        let video = self.video.as_ref().map(|video| (video.path.as_str(), video.frame_index));
-        FrameId::of_picture(self.image.as_deref(), video)
     }
 }
 

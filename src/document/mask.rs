@@ -1,6 +1,6 @@
 //! Masks of a camera that count for a part of its frames, or that the program found itself.
 
-use super::{Document, Extra, Frame, adapters};
+use super::{Extra, Frame, adapters};
 use crate::geometry::PixelBox;
 use serde::{Deserialize, Serialize};
 
@@ -43,20 +43,10 @@ impl RangedMask {
     }
 }
 
-impl Document {
-    /// All boxes of a frame whose pixels give no features: its camera's and its own.
-    #[must_use]
-    pub fn masks_of(&self, frame: &Frame) -> Vec<PixelBox> {
-        let Some(camera) = self.camera_of(frame) else { return frame.masks.clone() };
-        let ranged = camera.ranged_masks.iter().filter(|mask| mask.covers(frame)).map(|mask| &mask.pixel_box);
-        camera.masks.iter().chain(ranged).chain(&frame.masks).copied().collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Camera, FieldSpec, VideoFrame};
+    use crate::document::{Camera, Document, FieldSpec, VideoFrame};
     use crate::geometry::ImageSize;
 
     #[test]

@@ -1,7 +1,6 @@
 //! Edits as the journals of earlier versions hold them: frames by their positions. They are read for ever and never written.
 
-use super::edit::EditMismatch;
-use super::{Document, Frame, FrameId, Shared};
+use super::{Document, EditMismatch, Frame, FrameId, Shared};
 use serde::{Deserialize, Serialize};
 
 /// A change of frames by their positions.

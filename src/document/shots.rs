@@ -1,47 +1,7 @@
-//! Frames by shot: what one camera filmed without a cut.
+//! The frames of a document by shot.
 
-use super::{CameraId, Clip, Document, Extra, FrameId};
-use serde::{Deserialize, Serialize};
+use super::{CameraId, Clip, Document};
 use std::collections::BTreeMap;
-
-/// A shot of a video as a document lists it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Shot {
-    /// Its first frame.
-    pub from: ShotEnd,
-    /// Its last frame.
-    pub to: ShotEnd,
-    /// The camera that filmed it, where that is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub camera: Option<CameraId>,
-    /// How it was found.
-    pub kind: ShotKind,
-    /// Unknown keys.
-    #[serde(flatten)]
-    pub extra: Extra,
-}
-
-/// Where a shot begins or ends.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum ShotEnd {
-    /// A frame of the video, counted from 0.
-    VideoFrame(u64),
-    /// A frame of the document.
-    Frame(FrameId),
-}
-
-/// How a shot was found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum ShotKind {
-    /// By a hard cut.
-    Cut,
-    /// By a cross-fade.
-    Fade,
-    /// A person marked it.
-    ByHand,
-}
 
 /// The frames of every shot, by their places and in their order; the shots in the order in which they begin. Frames of a
 /// camera that belong to no shot are one.

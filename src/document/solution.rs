@@ -1,9 +1,9 @@
 //! What a solve says about a frame.
 
-use super::{Click, Extra, Frame, Proposed, Target, adapters};
+use super::{Extra, Target, adapters};
 use crate::camera::Ptz;
 use crate::geometry::Mat3;
-use crate::solve::{FrameSolution, IdentityFinding, Name, Verdict, WarningCode, judge};
+use crate::solve::{IdentityFinding, Name, Verdict, WarningCode};
 use serde::{Deserialize, Serialize};
 
 /// Pan, tilt and focal length of a frame in the document's units.
@@ -88,6 +88,26 @@ pub struct Solution {
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// A camera that the program proposed. A frame keeps it when a person corrects it: fewer clicks than decide by themselves
+/// start from it, and without clicks it holds again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Proposed {
+    /// How the camera was pointed.
+    #[serde(flatten)]
+    pub ptz: FramePtz,
+    /// Who proposed it.
+    pub source: SolutionSource,
+    /// The probability that it is right.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// Its covariance in the order `pan_deg`, `tilt_deg`, `focal_px`.
+    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    pub covariance: Option<Mat3>,
+    /// 1-σ of its overlay at the worst corner of the picture, px.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub worst_corner_sigma_px: Option<f64>,
 }
 
 /// What the painted lines of a picture say about a camera.
@@ -211,60 +231,5 @@ impl From<&Name> for Target {
             Name::Landmark(id) => Self::Landmark(id.clone()),
             Name::Line(id) => Self::Line(id.clone()),
         }
-    }
-}
-
-/// So many equations determine a camera without a proposal.
-pub(crate) const ENOUGH_EQUATIONS: usize = 3;
-
-impl Frame {
-    /// Whether its camera comes from its own clicks.
-    #[must_use]
-    pub fn is_solved_by_clicks(&self) -> bool {
-        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Clicks))
-    }
-
-    /// Whether its named clicks determine a camera by themselves: a landmark counts for two equations, a line for one.
-    fn clicks_decide(&self) -> bool {
-        let equations = |click: &Click| click.target.as_ref().map_or(0, Target::equations);
-        let used = self.clicks.iter().filter(|click| !click.check);
-        used.map(equations).sum::<usize>() >= ENOUGH_EQUATIONS
-    }
-
-    /// Takes over what a solve found.
-    pub fn record(&mut self, solved: &FrameSolution) {
-        let k1 = (solved.k1 != 0.0 || self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some())).then_some(solved.k1);
-        let proposed = self.proposed();
-        let by_clicks = self.clicks_decide();
-        let source =
-            proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
-        let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, k1) });
-        let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
-        self.solution = Some(Solution {
-            covariance: Some(solved.covariance),
-            rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
-            worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
-            source: Some(source),
-            confidence: None,
-            timings_ms: None,
-            samples: None,
-            line_check: None,
-            proposed,
-            verdict: Some(judge(solved, self.image_size).verdict),
-            disputed: solved.disputed(),
-            warnings: solved
-                .warnings
-                .iter()
-                .enumerate()
-                .map(|(place, warning)| SolutionWarning {
-                    clicks: warning.clicks.clone(),
-                    // The first warning tells of the names.
-                    renames: solved.identity.iter().filter(|_| place == 0).flat_map(BetterName::all).collect(),
-                    ..SolutionWarning::new(warning.code.as_str(), warning.message.clone())
-                })
-                .collect(),
-            extra,
-        });
     }
 }

@@ -48,12 +48,8 @@ const FILES: &[&str] = &[
 ];
 
 /// Modules beside each other that still use each other, as [`circles`] names them.
-const KNOWN_CIRCLES: &[&str] = &[
-    "circle: document::camera, document::click_noise, document::document, document::field_size, document::frame, document::frame_id, document::frames, document::mask, document::proposed, document::repeats, document::shots, document::solution",
-    "circle: document::edit, document::old_edit",
-    "circle: solve::checks, solve::frame, solve::identity, solve::motion_prior, solve::solution, solve::starts",
-    "circle: solve::base::adjust, solve::base::base_click, solve::base::bundle, solve::base::model_choice, solve::base::parameters, solve::base::shared_prior",
-];
+const KNOWN_CIRCLES: &[&str] =
+    &["circle: solve::checks, solve::frame, solve::identity, solve::motion_prior, solve::solution, solve::starts"];
 
 /// The package's folder.
 fn package() -> &'static Path {

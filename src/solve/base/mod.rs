@@ -11,6 +11,7 @@ mod change;
 mod disputes;
 mod estimate;
 mod field_fit;
+mod model;
 mod model_choice;
 mod parameters;
 mod progress;
@@ -23,7 +24,8 @@ pub use change::{BaseChange, base_change};
 pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_watched};
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
-pub use model_choice::{BaseModel, CrownModel, LensModel, ModelScore};
+pub use model::{BaseModel, CrownModel, LensModel};
+pub use model_choice::ModelScore;
 pub use progress::{BaseProgress, WatchBase};
 pub use start::{BaseStart, start_base};
 

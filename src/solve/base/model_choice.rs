@@ -2,74 +2,13 @@
 
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
-use super::{AdjustOptions, AdjustedBase, CameraClicks, FrameClicks};
+use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, Vec3};
+use crate::geometry::Vec3;
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::fmt;
-
-/// How k₁ depends on the focal length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum LensModel {
-    /// None.
-    Pinhole,
-    /// One k₁.
-    K1,
-    /// k₁ linear in the focal length, the slope with a prior.
-    K1Focal,
-}
-
-/// How the pitch is shaped.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "snake_case")]
-#[non_exhaustive]
-pub enum CrownModel {
-    /// This much higher in the middle, m.
-    Fixed(f64),
-    /// To be found, with a prior.
-    Free,
-}
-
-impl CrownModel {
-    /// The crown, where it is not to be found.
-    #[must_use]
-    pub const fn fixed_m(self) -> Option<f64> {
-        match self {
-            Self::Fixed(crown_m) => Some(crown_m),
-            Self::Free => None,
-        }
-    }
-}
-
-/// What is left free beside position, base rotation and every frame's pan, tilt and focal length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct BaseModel {
-    /// The lens.
-    pub lens: LensModel,
-    /// The pitch.
-    pub crown: CrownModel,
-    /// Where set, the principal point is found as well, with a prior around this point.
-    #[serde(rename = "principal_point_px")]
-    pub principal_point: Option<ImagePoint>,
-}
-
-impl fmt::Display for BaseModel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let lens = match self.lens {
-            LensModel::Pinhole => "pinhole",
-            LensModel::K1 => "one k1",
-            LensModel::K1Focal => "k1 linear in f",
-        };
-        let crown = if self.crown == CrownModel::Free { ", crowned pitch" } else { "" };
-        let centre = if self.principal_point.is_some() { ", principal point" } else { "" };
-        f.pad(&format!("{lens}{crown}{centre}"))
-    }
-}
 
 /// How a model does on clicks that it has not seen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

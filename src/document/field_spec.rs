@@ -1,13 +1,34 @@
-//! Where the size of the field comes from: venues differ within what the rules allow, and a wrong size looks like a wrong camera.
+//! Which field a document is of, and where its size comes from: venues differ within what the rules allow, and a wrong size looks like
+//! a wrong camera.
 
-use super::{Document, FieldSpec, SolutionWarning};
-use crate::field::builtin;
-use crate::solve::WarningCode;
+use super::{Extra, adapters};
+use crate::field::{FieldError, FieldModel, Template, builtin, template_named};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The parameter that every template takes: how much the middle is higher than the touchlines, m.
+const CROWN: &str = "crown_m";
 
 /// The parameters that are the size of a field.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
+
+/// Which field: a template and its parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FieldSpec {
+    /// The template's name: `soccer`.
+    pub template: String,
+    /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's defaults.
+    #[serde(default, with = "adapters::numbers_by_name")]
+    pub params: BTreeMap<String, f64>,
+    /// Where its size comes from: `assumed` (also where it is absent), `confirmed`, `fitted`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<FieldSize>,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
 
 /// Where the size of a field comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,6 +47,49 @@ pub enum FieldSize {
 }
 
 impl FieldSpec {
+    /// A template with its defaults.
+    #[must_use]
+    pub fn new(template: &str) -> Self {
+        Self { template: template.to_owned(), params: BTreeMap::new(), size: None, extra: Extra::new() }
+    }
+
+    /// The template is a file of the user's own, not a built-in one.
+    #[must_use]
+    pub fn is_file(&self) -> bool {
+        Path::new(&self.template).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+    }
+
+    /// How much the middle is higher than the touchlines, m.
+    #[must_use]
+    pub fn crown_m(&self) -> f64 {
+        self.params.get(CROWN).copied().unwrap_or(0.0)
+    }
+
+    /// Sets the crown; a flat field without the key stays without it.
+    pub fn set_crown_m(&mut self, crown_m: f64) {
+        if crown_m != self.crown_m() {
+            self.params.insert(CROWN.to_owned(), crown_m);
+        }
+    }
+
+    /// The field with its parameters filled in; `folder` is the document's, for a template of the user's own.
+    ///
+    /// # Errors
+    /// There is no such template, or it does not take a parameter or its value.
+    pub fn model(&self, folder: &Path) -> Result<FieldModel, FieldError> {
+        let mut params = self.params.clone();
+        let crown_m = params.remove(CROWN).unwrap_or(0.0);
+        self.template(folder)?.model(&params, crown_m)
+    }
+
+    /// Its template; `folder` is the document's.
+    ///
+    /// # Errors
+    /// There is no such template.
+    pub fn template(&self, folder: &Path) -> Result<Template, FieldError> {
+        template_named(&self.template, folder)
+    }
+
     /// Where its size comes from; a document that says nothing assumes it.
     #[must_use]
     pub fn size(&self) -> &FieldSize {
@@ -64,26 +128,9 @@ impl FieldSpec {
     }
 }
 
-impl Document {
-    /// Says at every solved frame whose field's size is assumed that it is.
-    pub(super) fn tell_assumed_sizes(&mut self) {
-        let code = WarningCode::FieldAssumed.as_str();
-        for index in 0..self.frames.len() {
-            let told = self.field_of(&self.frames[index]).describe_assumed_size();
-            let Some(told) = told.filter(|_| self.frames[index].ptz.is_some()) else { continue };
-            let solution = self.frames[index].solution.get_or_insert_default();
-            solution.warnings.retain(|warning| warning.code != code);
-            solution.warnings.push(SolutionWarning::new(code, told));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Ptz;
-    use crate::document::{Camera, Frame, FramePtz};
-    use crate::geometry::ImageSize;
 
     #[test]
     fn a_size_is_assumed_until_somebody_knows_it_where_the_rules_leave_a_choice() {
@@ -97,26 +144,6 @@ mod tests {
         }
         assert_eq!(FieldSpec::new("tennis").assumed_size(), None, "a tennis court is a tennis court");
         assert_eq!(FieldSpec::new("mine.json").assumed_size(), None);
-    }
-
-    #[test]
-    fn a_dataset_says_so_at_every_solved_frame_once() {
-        let size = ImageSize::new(1920, 1080);
-        let mut document = Document::new(FieldSpec::new("soccer"));
-        document.cameras.push(Camera::new("main".into(), size).into());
-        for _ in 0..2 {
-            document.frames.push(Frame::from_image("a.jpg", "main".into(), size).into());
-        }
-        document.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(0.0, -10.0, 2000.0), None));
-        let warnings = |document: &Document| -> Vec<Vec<String>> {
-            let solutions = document.frames.iter().map(|frame| frame.solution.clone().unwrap_or_default());
-            solutions.map(|solution| solution.warnings.into_iter().map(|warning| warning.code).collect()).collect()
-        };
-        let again = document.to_dataset().to_dataset();
-        assert_eq!(warnings(&again), [vec!["field_assumed".to_owned()], vec![]]);
-        assert_eq!(again.frames[0].solution.as_ref().unwrap().warnings_of_frame().count(), 0);
-        document.field.size = Some(FieldSize::Confirmed);
-        assert_eq!(warnings(&document.to_dataset()), [vec![], Vec::<String>::new()]);
     }
 
     #[test]

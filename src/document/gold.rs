@@ -1,36 +1,11 @@
 //! Gold frames: labelled frames whose landmarks are clicked again, blind, to measure the annotator's click noise.
 //!
 //! A frame is gold because somebody marked it or the program chose it (`calibrate::choose_gold`). Blind clicks are kept in the frame
-//! ([`Repeat`]) and never change its label.
+//! ([`Repeat`](super::Repeat)) and never change its label.
 
-use super::{Document, Extra, Frame, FrameStatus, Target, adapters};
+use super::{Document, Frame, FrameStatus, Target};
 use crate::field::LandmarkId;
 use crate::geometry::{ImagePoint, Vec2};
-use serde::{Deserialize, Serialize};
-
-/// A landmark of a labelled frame, clicked again without a look at the label.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Repeat {
-    /// What was asked for.
-    #[serde(with = "adapters::name")]
-    pub landmark: LandmarkId,
-    /// Where it was clicked, px of the frame.
-    #[serde(rename = "image_px", with = "adapters::image_point")]
-    pub image: ImagePoint,
-    /// In which round of the document, from 1.
-    pub round: u32,
-    /// Unknown keys.
-    #[serde(flatten)]
-    pub extra: Extra,
-}
-
-impl Repeat {
-    /// A blind click of a round.
-    #[must_use]
-    pub fn new(landmark: LandmarkId, image: ImagePoint, round: u32) -> Self {
-        Self { landmark, image, round, extra: Extra::new() }
-    }
-}
 
 /// The clicks on one landmark of a frame: the label's, then the blind ones.
 pub(crate) struct RepeatedClicks<'a> {
@@ -108,6 +83,7 @@ impl Document {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::Repeat;
     use crate::document::fixtures::reference;
 
     #[test]
