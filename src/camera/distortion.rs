@@ -40,6 +40,18 @@ impl FocalCurve {
         self.per_1000_px / 1000.0
     }
 
+    /// The focal lengths at which an image point this far from the principal point (px) lies on the fold of the lens.
+    ///
+    /// There k₁ (r / f)² = −4/27; with k₁ linear in f that is a quadratic in f.
+    pub(crate) fn fold_focals(&self, radius_px: f64) -> impl Iterator<Item = f64> + use<> {
+        let squared = radius_px * radius_px * 27.0 / 4.0;
+        let half = 0.5 * squared * self.slope_per_px();
+        let constant = squared * (self.value - self.slope_per_px() * self.at_focal_px);
+        let root = (half * half - constant).max(0.0).sqrt();
+        let exists = half * half >= constant;
+        [-half - root, -half + root].into_iter().filter(move |focal| exists && *focal > 0.0)
+    }
+
     /// All three are numbers.
     #[must_use]
     pub fn is_finite(&self) -> bool {
@@ -127,6 +139,18 @@ mod tests {
         let far = Vec2::new(5.0, 0.0);
         assert!(matches!(undistort(far, -0.1), Err(UndistortError::BeyondFold { .. })));
         assert!(undistort(far, 0.1).is_ok());
+    }
+
+    #[test]
+    fn a_point_reaches_the_fold_at_the_focal_lengths_that_are_told() {
+        let curve = FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21 };
+        let found: Vec<f64> = curve.fold_focals(1100.0).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        for (share, has_a_ray) in [(1.0 + 1e-9, true), (1.0 - 1e-9, false)] {
+            let focal_px = found[0] * share;
+            assert_eq!(undistort(Vec2::new(1100.0 / focal_px, 0.0), curve.at(focal_px)).is_ok(), has_a_ray);
+        }
+        assert_eq!(FocalCurve::constant(0.1).fold_focals(1100.0).count(), 0);
     }
 
     #[test]

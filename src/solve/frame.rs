@@ -2,7 +2,7 @@
 
 use super::refine::{refine, squared_sigmas};
 use super::shape::ShapeJacobian;
-use super::starts::{camera_distance, starts};
+use super::starts::{camera_distance, scanned_starts, starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
     Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, PtzStep, SolveContext, SolveError,
@@ -151,6 +151,11 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
     };
     let mut found: Vec<Fit> = starts.iter().filter_map(|start| refined(*start)).collect();
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    // Beside the fold of the lens a pair may have a camera to which no pinhole leads.
+    if found.first().is_none_or(|best| best.cost > SAME_FIT) && used.len() == 2 && context.prior.is_none() {
+        found.extend(scanned_starts(base, used).into_iter().filter_map(refined));
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    }
     found.dedup_by(|worse, better| camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA);
     if let ([one, two], [kept]) = (starts.as_slice(), found.as_slice())
         && used.len() == 2

@@ -2,9 +2,11 @@
 
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
-use super::two_point::{MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, solve_two_points};
+use super::two_point::{
+    MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, scan_two_points, solve_two_points,
+};
 use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImagePoint, Vec3};
 
 /// Pairs of landmarks tried at most, the best separated first.
@@ -92,6 +94,18 @@ fn pair_starts(base: &CameraBase, one: LandmarkClick, two: LandmarkClick) -> Res
             SolveError::NoRealRoot { clicks, separation_px, angle_deg }
         }
     })
+}
+
+/// All cameras that a pair of landmarks has, those included that no pinhole leads to; none for other clicks, or where the
+/// lens has no fold.
+pub(super) fn scanned_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
+    let [one, two] = used else { return Vec::new() };
+    match (one.shape.point(), two.shape.point()) {
+        (Some(first), Some(second)) if base.distortion != FocalCurve::NONE => {
+            scan_two_points(base, [first, second], [one.image, two.image])
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// The closed forms on the best-separated pairs; the error of the best-separated one if none has a solution and all

@@ -157,10 +157,22 @@ pub fn solve_two_points(
         Err(error) => return Err(error),
     };
     let found = followed.or_else(|| {
-        let roots = lens.scan();
-        OneOrTwo::from_pair(roots.map(|root| root.and_then(pointed)))
+        let mut roots = lens.scan().into_iter().filter_map(pointed);
+        OneOrTwo::from_pair([roots.next(), roots.next()])
     });
     found.ok_or_else(|| no_real_root(pixels, rays))
+}
+
+/// Every camera for which two world points appear at two pixels, found by trying all focal lengths: slow, but it also finds
+/// those beside the fold of the lens, to which no pinhole leads.
+pub(super) fn scan_two_points(base: &CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Vec<Ptz> {
+    let directions = points_in_world.map(|point| base.base_from_world_point(point));
+    let lens = LensPair { base, pixels, rays: directions.map(|direction| direction.normalize()) };
+    let pointed = |(focal_px, ideal): (f64, [Vec2; 2])| {
+        let (pan, tilt) = pan_tilt_from_one_ray(directions[0], ideal[0]).ok()?;
+        Some(Ptz { pan, tilt, focal_px })
+    };
+    lens.scan().into_iter().filter_map(pointed).collect()
 }
 
 fn no_real_root(pixels: [ImagePoint; 2], [r1, r2]: [Vec3; 2]) -> TwoPointError {
@@ -212,30 +224,51 @@ impl LensPair<'_> {
     }
 
     /// The roots that the lens has and the pinhole has not: sign changes of the excess angle over focal lengths from a
-    /// fifth to fifty times the pixels' reach. A dip that a coarse step jumps over is searched for its bottom first.
-    fn scan(&self) -> [Option<(f64, [Vec2; 2])>; 2] {
+    /// fifth to fifty times the pixels' reach. A dip that a coarse step jumps over is searched for its bottom first, and
+    /// each stretch of focal lengths is sampled up to the fold of the lens, where the angle changes fastest.
+    fn scan(&self) -> Vec<(f64, [Vec2; 2])> {
+        let mut found = Vec::new();
+        for mut samples in self.stretches() {
+            let dips: Vec<usize> = (1..samples.len().saturating_sub(1))
+                .filter(|&i| {
+                    let [before, here, after] = [samples[i - 1].1, samples[i].1, samples[i + 1].1];
+                    here.abs() <= before.abs() && here.abs() <= after.abs() && before * here > 0.0 && here * after > 0.0
+                })
+                .collect();
+            let bottoms: Vec<(f64, f64)> =
+                dips.into_iter().filter_map(|at| self.bottom(samples[at - 1].0, samples[at + 1].0)).collect();
+            samples.extend(bottoms);
+            samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+            found.extend(samples.windows(2).filter(|pair| pair[0].1 * pair[1].1 <= 0.0).filter_map(|pair| {
+                let focal_px = self.bisect(pair[0], pair[1])?.exp();
+                Some((focal_px, self.ideal_at(focal_px)?))
+            }));
+        }
+        found
+    }
+
+    /// The excess angle over log focal lengths, in ascending stretches on which both pixels have a ray.
+    fn stretches(&self) -> Vec<Vec<(f64, f64)>> {
         const STEPS: u32 = 64;
+        /// So near to the fold, as a share of the focal length.
+        const BESIDE: f64 = 1e-9;
         let reach = self.pixels.map(|pixel| pixel.distance_px(self.base.principal_point));
         let (from, upto) = ((0.2 * reach[0].max(reach[1])).ln(), (50.0 * reach[0].max(reach[1])).ln());
-        let mut samples: Vec<(f64, f64)> = (0..=STEPS)
-            .filter_map(|step| {
-                let log_focal = from + (upto - from) * f64::from(step) / f64::from(STEPS);
-                Some((log_focal, self.excess_angle(log_focal)?))
-            })
-            .collect();
-        if let Some(at) = (1..samples.len().saturating_sub(1)).find(|&i| {
-            let [before, here, after] = [samples[i - 1].1, samples[i].1, samples[i + 1].1].map(f64::abs);
-            here <= before && here <= after && samples[i - 1].1 * samples[i + 1].1 > 0.0
-        }) && let Some(bottom) = self.bottom(samples[at - 1].0, samples[at + 1].0)
-        {
-            samples.push(bottom);
-            samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut places: Vec<f64> =
+            (0..=STEPS).map(|step| from + (upto - from) * f64::from(step) / f64::from(STEPS)).collect();
+        let edges = reach.into_iter().flat_map(|reach| self.base.distortion.fold_focals(reach));
+        let inside = |place: &f64| (from..=upto).contains(place);
+        places.extend(edges.flat_map(|edge| [edge.ln() - BESIDE, edge.ln() + BESIDE]).filter(inside));
+        places.sort_by(f64::total_cmp);
+        let mut stretches = vec![Vec::new()];
+        for place in places {
+            match (self.excess_angle(place), stretches.last_mut()) {
+                (Some(excess), Some(stretch)) => stretch.push((place, excess)),
+                (None, Some(stretch)) if !stretch.is_empty() => stretches.push(Vec::new()),
+                _ => {}
+            }
         }
-        let mut roots = samples.windows(2).filter(|pair| pair[0].1 * pair[1].1 <= 0.0).filter_map(|pair| {
-            let focal_px = self.bisect(pair[0], pair[1])?.exp();
-            Some((focal_px, self.ideal_at(focal_px)?))
-        });
-        [roots.next(), roots.next()]
+        stretches
     }
 
     /// The smallest |excess angle| between two log focal lengths (golden section).

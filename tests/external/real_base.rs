@@ -4,6 +4,9 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use crate::real_frames::{MIRRORED, Summary};
+use rand::SeedableRng;
+use rand::seq::IndexedRandom;
+use rand_pcg::Pcg64;
 use std::path::Path;
 use touchline::camera::PtzCamera;
 use touchline::document::Document;
@@ -11,11 +14,12 @@ use touchline::field::FieldModel;
 use touchline::field::Symmetry;
 use touchline::geometry::ImageSize;
 use touchline::solve::base::{BaseOptions, CameraClicks, FrameClicks, estimate_base};
-use touchline::solve::{ClickResidual, Observation, SolveContext, solve_frame};
+use touchline::solve::{ClickResidual, Evidence, IdentityKind, Observation, SolveContext, check_identity, solve_frame};
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_base_comes_from_clicks_alone;
     [Frames] few_frames_give_a_usable_base;
+    [Frames] two_names_exchanged_are_named_as_a_swap;
 ];
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -234,5 +238,69 @@ fn few_frames_give_a_usable_base() {
             _ => 3.0,
         };
         assert!(all.median < at_most, "{count} frames, {clicks} clicks: {all}");
+    }
+}
+
+/// Bases, and the share of frames with two names exchanged that must be named as such.
+const SWAPS: [(Option<&str>, f64); 2] = [(None, 0.97), (Some("fit-k1"), 0.93)];
+
+/// At most this share of right frames may be accused.
+const ACCUSED: f64 = 0.02;
+
+fn two_names_exchanged_are_named_as_a_swap() {
+    /// Names nearer to each other than this are exchanged without much harm, px.
+    const APART_PX: f64 = 40.0;
+    let data = frames_folder();
+    let context = SolveContext::new(SIZE);
+    for (published, share) in SWAPS {
+        let (mut asked, mut named, mut right, mut accused) = (0, 0, 0, 0);
+        for set in SETS {
+            let seen = read(&data.join(format!("scouting-{set}/clicks.json")));
+            let (base, crown_m) = if let Some(fit) = published {
+                (read(&data.join(format!("scouting-{set}/{fit}.json"))).document.cameras[0].base().unwrap(), 0.0)
+            } else {
+                let options = BaseOptions::default();
+                let clicks = CameraClicks::centred(&seen.field, &seen.frames, SIZE);
+                let found = estimate_base(&clicks, None, &options).unwrap();
+                (found.base, found.crown_m)
+            };
+            let field = FieldModel { crown_m, ..seen.field.clone() };
+            let mut rng = Pcg64::seed_from_u64(3);
+            for frame in &seen.document.frames {
+                // Frames that are wrong already.
+                if [MIRRORED[0], "42ba34_3_4"].iter().any(|name| frame.name().contains(name)) {
+                    continue;
+                }
+                let clicks = touchline::calibrate::observations(frame, &field).unwrap();
+                let found = |clicks: &[Observation]| {
+                    let solved = solve_frame(&base, clicks, &context).ok()?;
+                    check_identity(&base, &field, clicks, &solved, &context)
+                        .filter(|found| found.evidence == Evidence::Clicks)
+                };
+                right += 1;
+                accused += usize::from(found(&clicks).is_some());
+                let all = 0..clicks.len();
+                let pairs: Vec<(usize, usize)> = all
+                    .clone()
+                    .flat_map(|i| all.clone().skip(i + 1).map(move |j| (i, j)))
+                    .filter(|&(i, j)| clicks[i].image.distance_px(clicks[j].image) > APART_PX)
+                    .collect();
+                let Some(&(i, j)) = pairs.choose(&mut rng).filter(|_| clicks.len() >= 4) else { continue };
+                let mut wrong = clicks.clone();
+                wrong[i] = clicks[i].renamed(&field, clicks[j].element.unwrap()).unwrap();
+                wrong[j] = clicks[j].renamed(&field, clicks[i].element.unwrap()).unwrap();
+                asked += 1;
+                named += usize::from(found(&wrong).is_some_and(|found| {
+                    let told: Vec<usize> = found.renames.iter().map(|rename| rename.click).collect();
+                    found.kind == IdentityKind::Swapped && told == [clicks[i].click, clicks[j].click]
+                }));
+            }
+        }
+        println!(
+            "{}: {named} of {asked} swaps named, {accused} of {right} right frames accused",
+            published.unwrap_or("own base")
+        );
+        assert!(f64::from(named as u32) >= share * f64::from(asked), "{named} of {asked}");
+        assert!(accused as f64 <= ACCUSED * f64::from(right), "{accused} of {right}");
     }
 }

@@ -336,7 +336,8 @@ fn every_degenerate_case_is_named_with_its_numbers() {
     let farther = known_base().position_m + (at - known_base().position_m) * 1.5;
     let behind = known_base().position_m - (at - known_base().position_m);
     let base = known_base();
-    let fold = CameraBase { distortion: FocalCurve::constant(-3.0), ..base };
+    // Even at its fold this lens sees no angle as wide as that between the landmarks.
+    let fold = CameraBase { distortion: FocalCurve::constant(-30.0), ..base };
     let nowhere = CameraBase { position_m: Vec3::new(f64::NAN, 0.0, 0.0), ..base };
     let cases: Vec<(&str, CameraBase, Vec<Observation>, &str)> = vec![
         (
@@ -411,6 +412,17 @@ fn every_degenerate_case_is_named_with_its_numbers() {
             clicks.into_iter().enumerate().map(|(click, seen)| Observation { click, ..seen }).collect();
         let error = solve_frame(&base, &clicks, &context).map(|solution| solution.ptz).unwrap_err();
         assert!(error.to_string().contains(message), "{name}: {error}");
+    }
+}
+
+#[test]
+fn a_camera_that_sees_a_click_just_inside_the_fold_of_its_lens_is_found() {
+    let [one, two] = known_clicks();
+    let folding = CameraBase { distortion: FocalCurve::constant(-3.0), ..known_base() };
+    let solved = solve_frame(&folding, &[one, two], &SolveContext::new(SIZE)).unwrap();
+    let camera = PtzCamera::new(folding, solved.ptz);
+    for click in [one, two] {
+        assert!(click.distance_px(&camera).unwrap() < 2.0, "{:?}", click.distance_px(&camera));
     }
 }
 

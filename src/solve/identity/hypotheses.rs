@@ -65,9 +65,14 @@ impl Search<'_> {
         Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
     }
 
-    /// The mirrored sides, and other names for the clicks that most others contradict.
+    /// The mirrored sides, other names for the clicks that most others contradict, and swaps among the oddest of them.
     pub fn sides_and_odd_ones(&self) -> Vec<Hypothesis> {
-        self.sides().chain(self.by_majority()).collect()
+        let Some(majority) = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 }) else {
+            return self.sides().collect();
+        };
+        let sigmas = |click: &Observation| click.distance_px(&majority).map_or(f64::INFINITY, |px| px / click.sigma_px);
+        let off: Vec<f64> = self.clicks.iter().map(sigmas).collect();
+        self.sides().chain(self.by_majority(&majority, &off)).chain(self.swaps_of_the_oddest(&off)).collect()
     }
 
     /// The mirrored sides, every swap, and every single click of another landmark or line.
@@ -164,20 +169,26 @@ impl Search<'_> {
         found
     }
 
-    /// The camera that most clicks agree on, and new names for the others.
-    fn by_majority(&self) -> Option<Hypothesis> {
-        let camera = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
-        let odd: Vec<usize> = (0..self.clicks.len())
-            .filter(|&i| {
-                let click = &self.clicks[i];
-                click.distance_px(&camera).is_none_or(|distance| distance > FITS_SIGMAS * click.sigma_px)
-            })
-            .collect();
+    /// New names for the clicks that the camera of most clicks contradicts; `off` is how far each is off there, sigmas.
+    fn by_majority(&self, camera: &PtzCamera, off: &[f64]) -> Option<Hypothesis> {
+        let odd: Vec<usize> = (0..off.len()).filter(|&i| off[i] > FITS_SIGMAS).collect();
         // More odd ones than others are no majority.
         if odd.is_empty() || 2 * odd.len() > self.clicks.len() {
             return None;
         }
-        self.renamed(&camera, &odd)
+        self.renamed(camera, &odd)
+    }
+
+    /// The clicks farthest off in the camera of most clicks, each pair of them exchanged: where the base is imperfect, right
+    /// clicks are off as well and no new name fits, but the wrong ones are still the farthest off.
+    fn swaps_of_the_oddest(&self, off: &[f64]) -> Vec<Hypothesis> {
+        const ODDEST: usize = 4;
+        let mut order: Vec<usize> = (0..off.len()).collect();
+        order.sort_by(|&a, &b| off[b].total_cmp(&off[a]));
+        order.truncate(ODDEST);
+        order.sort_unstable();
+        let pairs = order.iter().enumerate().flat_map(|(k, &i)| order[k + 1..].iter().map(move |&j| (i, j)));
+        pairs.filter_map(|(i, j)| self.swap(i, j)).collect()
     }
 
     fn camera_of(&self, clicks: &[Observation], loss: Loss) -> Option<PtzCamera> {

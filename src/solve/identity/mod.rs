@@ -24,6 +24,10 @@ const MIN_MISFIT: f64 = 2.0;
 /// Renamed, they must fit about as well as clicks do.
 const MAX_RENAMED_MISFIT: f64 = 2.0;
 
+/// With an imperfect base no clicks fit that well: then other names must lower χ² to this share, and fit this well.
+const CLEAR_SHARE: f64 = 1.0 / 16.0;
+const MAX_CLEAR_MISFIT: f64 = 6.0;
+
 /// From this many clicks on the majority is asked first which of them are odd.
 const MAJORITY_CLICKS: usize = 5;
 
@@ -158,9 +162,10 @@ pub fn check_identity(
     let expected = search.redundancy() as f64 * (solution.expected_chi_squared / solution.redundancy as f64).max(1.0);
     let convinces = |judged: &Judged| {
         let renamed = judged.chi_squared + judged.surprise;
+        let renamed_misfit = (judged.chi_squared / expected).sqrt();
         renamed + MIN_GAIN < as_named
-            && renamed < MAX_SHARE * as_named
-            && (judged.chi_squared / expected).sqrt() < MAX_RENAMED_MISFIT
+            && (renamed < MAX_SHARE * as_named && renamed_misfit < MAX_RENAMED_MISFIT
+                || renamed < CLEAR_SHARE * as_named && renamed_misfit < MAX_CLEAR_MISFIT)
     };
     let best = |hypotheses: Vec<hypotheses::Hypothesis>| {
         let judged = hypotheses.into_iter().filter_map(|hypothesis| search.judged(hypothesis)).filter(convinces);
