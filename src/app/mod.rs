@@ -51,6 +51,6 @@ pub use paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, Sna
 pub use sentence::sentence;
 pub use session::Question;
 pub use settings::{Settings, SettingsError};
-pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus};
+pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference};
 pub use update::{App, MAX_SCALE};
 pub use versioned::Versioned;

@@ -1,7 +1,7 @@
 //! The background trainer as the window sees it: what it is doing, what it has found out.
 
 use crate::document::{Document, FrameId};
-use crate::proposals::{Coverage, Quality, Suspect, UsedFeatures};
+use crate::proposals::{Coverage, Quality, Suspect, TrainingSampleError, UsedFeatures};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -33,8 +33,8 @@ pub struct TrainerStatus {
     pub training_frames: usize,
     /// Those that are left out by choice, such as accepted suggestions. The rest waits for the base of its camera.
     pub withheld: usize,
-    /// Training frames that cannot be used, and why.
-    pub failed: Arc<[(usize, String)]>,
+    /// Training frames that cannot be used.
+    pub failed: Arc<[UnusableReference]>,
     /// The forest that answers.
     pub forest: Option<ForestFacts>,
     /// Frames that it has answered.
@@ -51,6 +51,15 @@ pub struct TrainerStatus {
     pub trouble: Option<String>,
     /// Why nothing is kept on disk, if so.
     pub not_kept: Option<String>,
+}
+
+/// A reference that gives no training sample.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnusableReference {
+    /// Which frame.
+    pub frame: FrameId,
+    /// Why it gives none.
+    pub error: TrainingSampleError,
 }
 
 /// What the trainer is doing.

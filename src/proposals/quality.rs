@@ -7,7 +7,7 @@
 use super::spread::spread;
 use super::{FramePictures, LearnOptions, Studied, study};
 use crate::camera::{Ptz, PtzCamera};
-use crate::document::{Camera, Clip, Document, Frame};
+use crate::document::{Camera, Clip, Document, Frame, FrameId};
 use crate::geometry::median;
 use crate::geometry::{ImagePoint, ImageSize, Mat3};
 use crate::media::ReadFrames;
@@ -60,8 +60,8 @@ pub enum LeftOutBy {
 /// A reference that was left out and asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Its place in the document.
-    pub frame: usize,
+    /// Which frame.
+    pub frame: FrameId,
     /// Where it looks, degrees.
     pub pan_deg: f64,
     /// Where it looks, degrees.
@@ -103,7 +103,7 @@ impl Quality {
 
     /// Has a forest of the references state no more than they show when they are left out.
     pub fn bound(&self, document: &Document, model: &mut ForestModel) {
-        let measured = self.asked.first().and_then(|asked| document.frames.get(asked.frame));
+        let measured = self.asked.first().and_then(|asked| document.frames.by_id(&asked.frame));
         for camera in &mut model.cameras {
             if measured.is_some_and(|frame| frame.camera.as_str() == camera.camera) {
                 camera.seen.shown = self.shown();
@@ -174,10 +174,11 @@ pub fn measure(
                 confidence: pose.confidence,
             });
             let (pan_deg, tilt_deg) = (sample.ptz.pan.degrees(), sample.ptz.tilt.degrees());
-            asked.push(LeftOut { frame: sample.frame, pan_deg, tilt_deg, found });
+            asked.push((sample.frame, LeftOut { frame: frame.id.clone(), pan_deg, tilt_deg, found }));
         }
     }
-    asked.sort_by_key(|asked| asked.frame);
+    asked.sort_by_key(|(index, _)| *index);
+    let asked: Vec<LeftOut> = asked.into_iter().map(|(_, asked)| asked).collect();
     (!asked.is_empty()).then_some(Quality { left_out_by, groups: count, asked })
 }
 

@@ -1,20 +1,21 @@
 //! References whose labels contradict others.
 
 use super::{FramePictures, Studied, TrainingSample, study};
-use crate::document::Document;
+use crate::document::{Document, FrameId};
 use crate::geometry::{Angle, AngleRange};
 use crate::media::ReadFrames;
 use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspects};
+use std::cmp::Reverse;
 use std::ops::ControlFlow;
 
 /// So many references, next to each other by pan, are compared at a time: the features of no more are held.
 const TOGETHER: usize = 100;
 
 /// A reference to look at: without it no label would contradict another.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Suspect {
-    /// Its place in the document.
-    pub frame: usize,
+    /// Which frame.
+    pub frame: FrameId,
     /// How many references contradict it.
     pub contradicted_by: usize,
     /// By how much its overlay lies off from where they say it is, at most, px at 1920 px width.
@@ -47,11 +48,12 @@ pub fn find_suspects(
             found.extend(suspects_among(document, &training_samples));
         }
     }
-    found.sort_by(|a, b| b.contradicted_by.cmp(&a.contradicted_by).then(a.frame.cmp(&b.frame)));
-    Some(found)
+    found.sort_by_key(|(index, suspect)| (Reverse(suspect.contradicted_by), *index));
+    Some(found.into_iter().map(|(_, suspect)| suspect).collect())
 }
 
-fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> Vec<Suspect> {
+/// The suspects among references, each with its place in the document.
+fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> Vec<(usize, Suspect)> {
     let pointed = training_samples.iter().filter_map(|sample| {
         let camera = document.pointed(document.frames.get(sample.frame)?)?;
         Some((sample.frame, Reference { features: &sample.features, camera }))
@@ -61,7 +63,8 @@ fn suspects_among(document: &Document, training_samples: &[TrainingSample]) -> V
     let suspect = |index: usize| {
         let mut against = found.iter().filter(|contradiction| contradiction.references.contains(&index)).peekable();
         let disagreement_px = against.peek().map_or(0.0, |greatest| greatest.disagreement_px);
-        Suspect { frame: frames[index], contradicted_by: against.count(), disagreement_px }
+        let frame = document.frames[frames[index]].id.clone();
+        (frames[index], Suspect { frame, contradicted_by: against.count(), disagreement_px })
     };
     suspects(&found).into_iter().map(suspect).collect()
 }

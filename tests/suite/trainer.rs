@@ -99,7 +99,8 @@ fn suspects(file: &Path, mislabel: impl Fn(&mut Vec<FramePtz>)) -> Vec<usize> {
     }
     let (status, _) = session(file, &document);
     assert_eq!((status.training_frames, status.trouble), (document.frames.len(), None));
-    let mut named: Vec<usize> = status.suspects.iter().map(|suspect| suspect.frame).collect();
+    let mut named: Vec<usize> =
+        status.suspects.iter().filter_map(|suspect| document.frames.position_of(&suspect.frame)).collect();
     named.sort_unstable();
     named
 }

@@ -8,9 +8,10 @@ use egui_kittest::kittest::Queryable as _;
 use std::sync::Arc;
 use std::time::Duration;
 use touchline::app::session::SidePanel;
-use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus};
+use touchline::app::{Action, Command, Doing, ForestFacts, Share, TrainerStatus, UnusableReference};
+use touchline::document::Document;
 use touchline::geometry::{Angle, AngleRange};
-use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality};
+use touchline::proposals::{Coverage, CoverageCell, FoundAgain, LeftOut, LeftOutBy, Quality, TrainingSampleError};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_panel_says_what_is_learnt_and_where_a_reference_is_missing;
@@ -18,13 +19,13 @@ pub const TESTS: &[Test] = tests![
 ];
 
 /// What a trainer would say that has learnt from six references on the left.
-fn status() -> TrainerStatus {
+fn status(document: &Document) -> TrainerStatus {
     let cell = |index: usize| {
         let (column, row) = (index % 10, index / 10);
         CoverageCell { references: if column < 5 { row as u32 } else { 0 }, field: row > 0 && (1..9).contains(&column) }
     };
     let asked = |frame: usize, found: Option<f64>| LeftOut {
-        frame,
+        frame: document.frames[frame].id.clone(),
         pan_deg: truth(frame).ptz().pan.degrees(),
         tilt_deg: -13.0,
         found: found.map(|error_px| FoundAgain { error_px, confidence: 0.97 }),
@@ -34,7 +35,8 @@ fn status() -> TrainerStatus {
         references: 8,
         training_frames: 6,
         withheld: 2,
-        failed: vec![(2, "the image changed since it was labelled".to_owned())].into(),
+        failed: [UnusableReference { frame: document.frames[2].id.clone(), error: TrainingSampleError::Changed }]
+            .into(),
         forest: Some(ForestFacts {
             generation: 3,
             references: 5,
@@ -70,13 +72,14 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     window.key(Key::F3);
     assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label("Waiting for the first reference.");
-    window.harness.state_mut().apply([Action::Trainer(Box::new(status()))]);
+    let status = status(&window.app().open().unwrap().document);
+    window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
     window.harness.run_steps(3);
     for said in [
         "Proposing cameras: 30 of 120.",
         "6 references used for training.",
         "2 references not used for training.",
-        "0002.png cannot be used: the image changed since it was labelled",
+        "0002.png cannot be used: the image changed since it was labelled: the label is kept but not used for training",
         "27 cameras proposed.",
         "No reference sees the field near pan\u{a0}40°.",
     ] {

@@ -5,12 +5,12 @@ use super::error::TrainerError;
 use super::kept_forest::{keep_forest, kept_forest};
 use super::mailbox::TrainerMailbox;
 use super::watch::Watch;
-use crate::app::{Doing, Share};
+use crate::app::{Doing, Share, UnusableReference};
 use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
     FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality, Studied,
-    Suspect, TrainingSampleError, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
+    Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -66,8 +66,8 @@ pub(super) struct Learnt {
     pub(super) model: ForestModel,
     /// The number of features it was trained with.
     pub(super) features: usize,
-    /// Training frames that cannot be used, and why.
-    pub(super) failed: Vec<(usize, TrainingSampleError)>,
+    /// Training frames that cannot be used.
+    pub(super) failed: Vec<UnusableReference>,
 }
 
 /// The accuracy of the forest, and suspicious references.
@@ -145,7 +145,9 @@ impl Backend for ForestBackend {
         };
         self.forest_refused = keep_forest(&self.place, &mut model, training_set).err().map(|error| error.to_string());
         let features = studied.training_samples.iter().map(|sample| sample.rays.len()).sum();
-        Ok(Some(Learnt { model, features, failed: studied.failed }))
+        let frame = |index: usize| document.frames[index].id.clone();
+        let failed = studied.failed.into_iter().map(|(index, error)| UnusableReference { frame: frame(index), error });
+        Ok(Some(Learnt { model, features, failed: failed.collect() }))
     }
 
     fn propose(

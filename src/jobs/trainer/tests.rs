@@ -121,11 +121,12 @@ impl Backend for StandIn {
         }
     }
 
-    fn measure(&mut self, _: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Measured> {
+    fn measure(&mut self, document: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         match self.begin(Begun::Measure) {
             Let::Well => {
                 let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 1, asked: Vec::new() };
-                let suspects = vec![Suspect { frame: 0, contradicted_by: 1, disagreement_px: 40.0 }];
+                let suspects =
+                    vec![Suspect { frame: document.frames[0].id.clone(), contradicted_by: 1, disagreement_px: 40.0 }];
                 Some(Measured { quality: Some(quality), suspects })
             }
             Let::Fail => Some(Measured { quality: None, suspects: Vec::new() }),
@@ -268,7 +269,7 @@ fn references_are_learnt_then_frames_are_proposed_then_it_is_measured() {
     );
     assert_eq!(controller.status.forest.unwrap().generation, 1);
     assert!(controller.status.quality.is_some());
-    assert_eq!(controller.status.suspects[0].frame, 0);
+    assert_eq!(controller.status.suspects[0].frame, all.frames[0].id);
     assert_eq!(controller.proposals.len(), 28);
     assert!(controller.proposals.iter().all(|proposal| proposal.generation == 1));
 }
@@ -319,6 +320,8 @@ fn a_withdrawn_reference_stops_the_training_and_what_it_taught_is_asked_for_agai
     controller.expect(&Begun::Propose(vec![3, 4]), Let::Well);
     controller.expect(&Begun::Measure, Let::Well);
 
+    controller.until_idle();
+    assert_eq!(controller.status.suspects.len(), 1);
     for index in 0..3 {
         all.frames[index].status = FrameStatus::New;
     }

@@ -139,7 +139,8 @@ impl<C: Backend> Work<C> {
             self.training_frames = TrainingFrames::of_solved(document);
             let training_set = TrainingSet::of(document, &self.training_frames.frames);
             if training_set != self.training_set {
-                self.training_set = training_set;
+                let before = std::mem::replace(&mut self.training_set, training_set);
+                self.forget_changed(&before);
                 self.changed = Instant::now();
             }
             self.answer_cache.look_at(document);
@@ -201,6 +202,18 @@ impl<C: Backend> Work<C> {
         Step::Wait(if due.is_some() { Doing::Settling } else { Doing::Nothing }, due)
     }
 
+    /// What was found out about a reference holds while it is in the training set as it was.
+    fn forget_changed(&mut self, before: &TrainingSet) {
+        let is_unchanged = |id: &FrameId| {
+            let position = self.document.frames.position_of(id);
+            let sample = position.map(|position| TrainingSet::of(&self.document, &[position]));
+            sample.is_some_and(|sample| before.contains(&sample) && self.training_set.contains(&sample))
+        };
+        let status = &mut self.status;
+        status.suspects = status.suspects.iter().filter(|suspect| is_unchanged(&suspect.frame)).cloned().collect();
+        status.failed = status.failed.iter().filter(|failed| is_unchanged(&failed.frame)).cloned().collect();
+    }
+
     /// Nothing is taught any more.
     fn forget(&mut self) {
         if self.forest.take().is_some() {
@@ -246,7 +259,7 @@ impl<C: Backend> Work<C> {
                     took: Some(took),
                     ..facts(&model)
                 };
-                self.status.failed = failed.iter().map(|(index, error)| (*index, error.to_string())).collect();
+                self.status.failed = failed.into();
                 self.status.trouble = None;
                 self.turn_until = Instant::now() + took.min(LONGEST_TURN);
                 self.take_forest(model, training_set, facts);

@@ -1,9 +1,9 @@
 //! The forest's accuracy, tested on references that were left out of the training.
 
+use super::place_and_name;
 use crate::app::Action;
 use crate::app::where_to_label::whole_degrees;
 use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
-use crate::ui::menu::file_name;
 use crate::ui::{Panel, theme};
 use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
 
@@ -16,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, quality: &Quality) {
         "A forest is trained without these references and tested on them. Errors are those of the worst point of the overlay, px at 1920 px width.",
     );
     let mut worst: Vec<&LeftOut> = quality.asked.iter().collect();
-    worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)).then(a.frame.cmp(&b.frame)));
+    worst.sort_by(|a, b| error_px(b).total_cmp(&error_px(a)));
     for asked in worst.into_iter().take(SHOWN) {
         row(panel, ui, asked);
     }
@@ -41,8 +41,7 @@ fn error_px(asked: &LeftOut) -> f64 {
 }
 
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
-    let Some(frame) = panel.app.open().and_then(|open| open.frame(asked.frame)) else { return };
-    let name = file_name(&frame.name());
+    let Some((place, name)) = place_and_name(panel, &asked.frame) else { return };
     let (says, colour): (String, Color32) = match asked.found {
         Some(found) if found.error_px <= WRONG_PX => (format!("{:.1} px", found.error_px), theme::TEXT),
         Some(found) if found.error_px.is_finite() => (format!("{:.0} px", found.error_px), theme::BAD),
@@ -51,7 +50,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     };
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name}: {says}")));
-    if response.hovered() || response.has_focus() || panel.app.session.frame == asked.frame {
+    if response.hovered() || response.has_focus() || panel.app.session.frame == place {
         ui.painter().rect_filled(rect, 4.0, theme::RAISED);
     }
     let write = |text: &str, colour: Color32, width: f32| {
@@ -76,24 +75,25 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     let confidence = asked.found.map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {
-        panel.actions.push(Action::GoTo(asked.frame));
+        panel.actions.push(Action::GoTo(place));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::FrameId;
     use crate::proposals::FoundAgain;
 
     #[test]
     fn the_summary_counts_found_and_wrong_references() {
-        let asked = |frame, error_px: Option<f64>| LeftOut {
-            frame,
+        let asked = |error_px: Option<f64>| LeftOut {
+            frame: FrameId::default(),
             pan_deg: 0.0,
             tilt_deg: -9.0,
             found: error_px.map(|error_px| FoundAgain { error_px, confidence: 0.9 }),
         };
-        let asked = vec![asked(0, Some(1.0)), asked(1, None), asked(2, Some(3.0)), asked(3, Some(250.0))];
+        let asked = vec![asked(Some(1.0)), asked(None), asked(Some(3.0)), asked(Some(250.0))];
         let quality = Quality { left_out_by: LeftOutBy::Shot, groups: 2, asked };
         assert_eq!(
             summary(&quality),

@@ -7,7 +7,8 @@ use super::menu::file_name;
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
 use crate::app::where_to_label::where_to_label;
-use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus};
+use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference};
+use crate::document::FrameId;
 use crate::geometry::thousands;
 use crate::proposals::Suspect;
 use egui::{
@@ -122,15 +123,13 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         }
     }
     for suspect in status.suspects.iter().take(FAILED_SHOWN) {
-        contradicting(panel, ui, *suspect);
+        contradicting(panel, ui, suspect);
     }
-    for (index, reason) in status.failed.iter().take(FAILED_SHOWN) {
-        let Some(name) = panel.app.open().and_then(|open| open.frame(*index)).map(crate::document::Frame::name) else {
-            continue;
-        };
-        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{} cannot be used: {reason}", file_name(&name)));
+    for UnusableReference { frame, error } in status.failed.iter().take(FAILED_SHOWN) {
+        let Some((place, name)) = place_and_name(panel, frame) else { continue };
+        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{name} cannot be used: {error}"));
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.push(Action::GoTo(*index));
+            panel.actions.push(Action::GoTo(place));
         }
     }
     if let Some(more) = status.failed.len().checked_sub(FAILED_SHOWN).filter(|more| *more > 0) {
@@ -139,8 +138,8 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 }
 
 /// A reference whose label contradicts others.
-fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: Suspect) {
-    let Some(frame) = panel.app.open().and_then(|open| open.frame(suspect.frame)) else { return };
+fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
+    let Some((place, name)) = place_and_name(panel, &suspect.frame) else { return };
     let others = match suspect.contradicted_by {
         1 => "another reference".to_owned(),
         count => format!("{count} others"),
@@ -149,11 +148,18 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: Suspect) {
         px if px.is_finite() => format!("{px:.0} px"),
         _ => "all of the picture".to_owned(),
     };
-    let text = format!("{} contradicts {others} by {off}: look at its points.", file_name(&frame.name()));
+    let text = format!("{name} contradicts {others} by {off}: look at its points.");
     remark(ui, Symbol::Warning, theme::CAUTION, &text);
     if ui.add(Button::new("Look").small()).clicked() {
-        panel.actions.push(Action::GoTo(suspect.frame));
+        panel.actions.push(Action::GoTo(place));
     }
+}
+
+/// Where a frame stands in the document, and its file's name; none where it is no longer there.
+fn place_and_name(panel: &Panel<'_>, id: &FrameId) -> Option<(usize, String)> {
+    let open = panel.app.open()?;
+    let place = open.document.frames.position_of(id)?;
+    Some((place, file_name(&open.frame(place)?.name())))
 }
 
 fn forest(ui: &mut Ui, facts: ForestFacts) {
