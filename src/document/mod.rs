@@ -51,7 +51,7 @@
 //! | `comment?` | what somebody noted |
 //! | `use_for_base?` | `false` leaves it out when a base is estimated |
 //! | `use_for_training?` | whether the forest is trained with it; read also as `teaches`; absent: accepted suggestions are not used |
-//! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round` ([`Repeat`]) |
+//! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?` ([`Click`]) |
 //! | `masks_px?` | boxes that give no features in this frame, px |

@@ -16,15 +16,18 @@ pub struct Repeat {
     pub image: ImagePoint,
     /// In which round of the document, from 1.
     pub round: u32,
+    /// When, as in RFC 3339: `2026-05-01T18:30:00Z`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<String>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
 }
 
 impl Repeat {
-    /// A blind click of a round.
+    /// A blind click of a round, without its time.
     #[must_use]
     pub fn new(landmark: LandmarkId, image: ImagePoint, round: u32) -> Self {
-        Self { landmark, image, round, extra: Extra::new() }
+        Self { landmark, image, round, at: None, extra: Extra::new() }
     }
 }

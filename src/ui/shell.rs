@@ -41,7 +41,7 @@ impl Shell {
         let wake: Wake = Arc::new(move || ctx.request_repaint());
         let pictures = Pictures::start(wake.clone())?;
         let mut shell = Self {
-            app: App::new(settings),
+            app: App::new(settings).with_clock(jiff::Timestamp::now),
             runner: Runner::new(wake.clone(), pictures.shared()),
             pictures,
             files: Files::new(wake),

@@ -58,6 +58,23 @@ impl Bench {
 }
 
 #[test]
+fn a_blind_click_keeps_its_time_where_somebody_tells_it() {
+    let mut rng = rng("a_blind_click_keeps_its_time_where_somebody_tells_it");
+    let mut bench = accepted(4, 0.8, &mut rng);
+    bench.command(Command::ChooseGold);
+    bench.command(Command::ClickAgain);
+    let click_once = |bench: &mut Bench| {
+        bench.click(ImagePoint::new(500.0, 400.0));
+        let repeats = bench.document().frames.iter().flat_map(|frame| &frame.repeats);
+        repeats.map(|repeat| repeat.at.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(click_once(&mut bench), [None]);
+    bench.command(Command::Undo);
+    bench.app = std::mem::take(&mut bench.app).with_clock(|| jiff::Timestamp::from_second(1_777_660_200).unwrap());
+    assert_eq!(click_once(&mut bench), [Some("2026-05-01T18:30:00Z".to_owned())]);
+}
+
+#[test]
 fn a_blind_round_asks_for_every_point_and_leaves_the_labels_alone() {
     let mut rng = rng("a_blind_round_asks_for_every_point_and_leaves_the_labels_alone");
     let mut bench = accepted(4, 0.8, &mut rng);

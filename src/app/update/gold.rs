@@ -158,8 +158,9 @@ impl App {
         if !self.begin_step(step) {
             return;
         }
+        let time = self.clock.map(|clock| format!("{:.0}", clock()));
         if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(asked.frame)) {
-            frame.repeats.push(Repeat::new(asked.landmark, at, number));
+            frame.repeats.push(Repeat { at: time, ..Repeat::new(asked.landmark, at, number) });
         }
         self.commit();
         if let Some(round) = self.round_mut() {

@@ -49,6 +49,8 @@ pub struct App {
     quality: Quality,
     watched: Watched,
     line_checks: LineChecks,
+    /// Tells the time of what people do; none: it is not written down.
+    clock: Option<fn() -> jiff::Timestamp>,
     /// How many changes have been worked out in the background.
     bulk_tickets: u64,
     effects: Vec<Effect>,
@@ -59,6 +61,12 @@ impl App {
     #[must_use]
     pub fn new(settings: Settings) -> Self {
         Self { settings, ..Self::default() }
+    }
+
+    /// The same application, which writes down when people click again.
+    #[must_use]
+    pub fn with_clock(self, clock: fn() -> jiff::Timestamp) -> Self {
+        Self { clock: Some(clock), ..self }
     }
 
     /// The document that is open.
