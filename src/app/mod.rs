@@ -50,7 +50,7 @@ pub use open_project::OpenProject;
 pub use paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 pub use sentence::sentence;
 pub use session::Question;
-pub use settings::{Settings, SettingsError};
+pub use settings::Settings;
 pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference};
 pub use update::{App, MAX_SCALE};
 pub use versioned::Versioned;

@@ -3,9 +3,7 @@
 use super::Keymap;
 use crate::scene::OverlayStyle;
 use serde::{Deserialize, Serialize};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// How many recent documents are remembered.
 pub const MAX_RECENT: usize = 12;
@@ -41,56 +39,13 @@ impl Default for Settings {
     }
 }
 
-/// Why settings could not be kept.
-#[derive(Debug, Error)]
-pub enum SettingsError {
-    /// The file or its folder cannot be written.
-    #[error("cannot write the settings {path}: {source}; changes last until the window closes", path = .path.display())]
-    Write {
-        /// The settings file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-}
-
 impl Settings {
-    /// Where the settings of this user live; none on a system without a home.
-    #[must_use]
-    pub fn default_path() -> Option<PathBuf> {
-        Some(directories::ProjectDirs::from("", "", "touchline")?.config_dir().join("settings.json"))
-    }
-
-    /// Reads the settings; what is missing or unreadable takes its default, and the reason is returned beside it.
-    #[must_use]
-    pub fn load(path: &Path) -> (Self, Option<String>) {
-        let text = match std::fs::read_to_string(path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return (Self::default(), None),
-            Err(error) => {
-                return (Self::default(), Some(format!("settings {}: {error}; defaults are used", path.display())));
-            }
-        };
-        match serde_json::from_str::<Self>(&text) {
-            Ok(settings) => (settings.within_limits(), None),
-            Err(error) => (Self::default(), Some(format!("settings {}: {error}; defaults are used", path.display()))),
-        }
-    }
-
-    /// Writes the settings in one piece.
+    /// The settings that a file holds; what is missing takes its default.
     ///
     /// # Errors
-    /// The file or its folder cannot be written.
-    pub fn save(&self, path: &Path) -> Result<(), SettingsError> {
-        let write = || -> std::io::Result<()> {
-            let folder = path.parent().unwrap_or(Path::new("."));
-            std::fs::create_dir_all(folder)?;
-            let mut file = tempfile::NamedTempFile::new_in(folder)?;
-            file.write_all(serde_json::to_string_pretty(self)?.as_bytes())?;
-            file.persist(path)?;
-            Ok(())
-        };
-        write().map_err(|source| SettingsError::Write { path: path.to_path_buf(), source })
+    /// The text is not JSON, or a key has a value of another kind.
+    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
+        serde_json::from_str::<Self>(text).map(Self::within_limits)
     }
 
     /// Puts a document at the head of the recent ones.
@@ -119,21 +74,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_survive_the_round_trip_and_damage_falls_back_to_defaults() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("deep").join("settings.json");
-        assert_eq!(Settings::load(&path), (Settings::default(), None));
-        let mut settings = Settings::default();
-        settings.remember(Path::new("/matches/a"));
-        settings.overlay.width = 3.5;
-        settings.save(&path).unwrap();
-        assert_eq!(Settings::load(&path), (settings, None));
-        std::fs::write(&path, "{ not json").unwrap();
-        let (defaults, reason) = Settings::load(&path);
-        assert_eq!(defaults, Settings::default());
-        assert!(reason.unwrap().contains("defaults are used"));
-        std::fs::write(&path, r#"{"overlay": {"width": -4}}"#).unwrap();
-        let (mended, _) = Settings::load(&path);
+    fn numbers_out_of_their_range_are_brought_into_it() {
+        let mended = Settings::from_json(r#"{"overlay": {"width": -4}}"#).unwrap();
         assert!((mended.overlay.width - 0.5).abs() < 1e-6);
     }
 

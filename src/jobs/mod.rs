@@ -25,6 +25,7 @@ mod pictures;
 mod queue;
 mod runner;
 mod saver;
+mod settings_file;
 mod shared_pictures;
 #[cfg(test)]
 mod stand_in;
@@ -40,6 +41,7 @@ pub use opening::{Ready, open_anything};
 pub use pictures::{PictureNews, PictureState, Pictures, picture_source};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
+pub use settings_file::{SettingsError, load_settings, save_settings, settings_path};
 pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions, TrainerReport};

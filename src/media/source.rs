@@ -6,6 +6,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::UNIX_EPOCH;
 
 /// One frame: an image file, or a frame of a video by its number among the decoded frames.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -40,6 +41,16 @@ impl FrameRef {
         match self {
             Self::Image(path) | Self::Video { path, .. } => path,
         }
+    }
+
+    /// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length and time of the file do. None
+    /// for an image, and where the file is out of reach.
+    pub(crate) fn video_identity(&self) -> Option<String> {
+        let Self::Video { path, index } = self else { return None };
+        let metadata = std::fs::metadata(path).ok()?;
+        let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
+        let path = path.canonicalize().ok()?;
+        Some(format!("{}|{}|{}|{index}", path.display(), metadata.len(), modified.as_nanos()))
     }
 }
 

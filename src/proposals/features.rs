@@ -4,13 +4,13 @@ use super::picture::check_size;
 use super::{FeatureStore, PictureError, read_picture};
 use crate::document::{Document, Frame};
 use crate::features::{FeatureKey, FeatureOptions, Features, extract};
-use crate::media::{FrameReader, FrameRef, Picture, ReadFrames, sha256_of_file};
+use crate::media::{FrameReader, Picture, ReadFrames, sha256_of_file};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 /// The pictures of a document's frames, and how features are looked for in them.
 #[derive(Clone, Copy)]
@@ -101,7 +101,7 @@ impl FramePictures<'_> {
     }
 
     fn of_video(&self, reader: &mut dyn ReadFrames, frame: &Frame) -> Found {
-        let key = frame.picture_source(self.folder).and_then(|source| video_identity(&source));
+        let key = frame.picture_source(self.folder).and_then(|source| source.video_identity());
         let key = key.map(|identity| self.key(frame, &identity));
         let before = key.as_ref().map(|key| self.before(frame, key, &frame.name(), false));
         match before {
@@ -145,13 +145,4 @@ impl FramePictures<'_> {
     fn key(&self, frame: &Frame, picture: &str) -> FeatureKey {
         FeatureKey::new(picture, &self.options, &self.document.masks_of(frame))
     }
-}
-
-/// What stands for the hash of a video's frame: hashing a match takes minutes, so path, length and time of the file do.
-fn video_identity(source: &FrameRef) -> Option<String> {
-    let FrameRef::Video { path, index } = source else { return None };
-    let metadata = std::fs::metadata(path).ok()?;
-    let modified = metadata.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
-    let path = path.canonicalize().ok()?;
-    Some(format!("{}|{}|{}|{index}", path.display(), metadata.len(), modified.as_nanos()))
 }

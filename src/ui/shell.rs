@@ -4,8 +4,8 @@ use super::files::Files;
 use super::input_queue::InputQueue;
 use super::{Panel, PictureState, Pictures, canvas, layout, theme};
 use crate::app::session::Level;
-use crate::app::{Action, App, Effect, Settings};
-use crate::jobs::{Request, Runner, Wake};
+use crate::app::{Action, App, Effect};
+use crate::jobs::{Request, Runner, Wake, load_settings, save_settings, settings_path};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -36,7 +36,7 @@ impl Shell {
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
         // Quitting goes through the application, which warns before edits are lost.
         creation.egui_ctx.options_mut(|options| options.quit_shortcuts.clear());
-        let (settings, trouble) = settings_path.as_deref().map(Settings::load).unwrap_or_default();
+        let (settings, trouble) = settings_path.as_deref().map(load_settings).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());
         let pictures = Pictures::start(wake.clone())?;
@@ -131,7 +131,7 @@ impl Shell {
 
     fn save_settings(&mut self) {
         if let Some(path) = &self.settings_path
-            && let Err(error) = self.app.settings.save(path)
+            && let Err(error) = save_settings(&self.app.settings, path)
         {
             self.app.session.notify(Level::Warning, error.to_string());
         }
@@ -207,7 +207,7 @@ pub fn run(document: Option<PathBuf>) -> eframe::Result<()> {
         "touchline",
         options,
         Box::new(|creation| {
-            let shell = Shell::new(creation, Settings::default_path(), document)?;
+            let shell = Shell::new(creation, settings_path(), document)?;
             Ok(Box::new(shell))
         }),
     )

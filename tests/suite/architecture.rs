@@ -38,13 +38,11 @@ const FILES: &[&str] = &[
     "features/cache.rs",
     "cli",
     "jobs",
-    "app/settings.rs",
     "experiments/given.rs",
     "experiments/homographies/read.rs",
     "experiments/sets/motion.rs",
     "experiments/sets/published.rs",
     "field/load.rs",
-    "proposals/features.rs",
 ];
 
 /// Modules beside each other that still use each other, as [`circles`] names them.
