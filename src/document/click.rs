@@ -43,15 +43,6 @@ impl Target {
         }
     }
 
-    /// The name of a field's landmark or line; none if the field has no such element.
-    #[must_use]
-    pub fn of_element(element: FieldElement, field: &FieldModel) -> Option<Self> {
-        match element {
-            FieldElement::Landmark(index) => field.landmarks.get(index).map(|known| Self::Landmark(known.id.clone())),
-            FieldElement::Line(index) => field.lines.get(index).map(|known| Self::Line(known.id.clone())),
-        }
-    }
-
     /// The landmark or line of a field that it names; none if the field lacks it.
     #[must_use]
     pub fn element(&self, field: &FieldModel) -> Option<FieldElement> {

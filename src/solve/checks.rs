@@ -1,7 +1,7 @@
 //! What a person should look at before trusting a solved frame, in words with numbers.
 
+use super::context::SAME_FIT;
 use super::covariance::corners;
-use super::frame::SAME_FIT;
 use super::{FrameSolution, Observation, SolveContext, Warning, WarningCode};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, Vec2, thousands};

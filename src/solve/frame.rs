@@ -1,5 +1,6 @@
 //! One frame: its clicks and a known base give pan, tilt and focal length.
 
+use super::context::SAME_FIT;
 use super::refine::{refine, squared_sigmas};
 use super::shape::ShapeJacobian;
 use super::starts::{camera_distance, scanned_starts, starts};
@@ -11,10 +12,6 @@ use super::{
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
 use nalgebra::{Matrix2, Matrix3x6};
-
-/// Two candidates whose χ² differ by less than this (times its expectation) cannot be told apart by the clicks: five
-/// sigmas, since a base is never quite right.
-pub(super) const SAME_FIT: f64 = 25.0;
 
 /// Candidates nearer to each other than this (see [`camera_distance`]) are one.
 const SAME_CAMERA: f64 = 1e-4;

@@ -8,12 +8,14 @@
 
 pub mod base;
 mod checks;
+mod context;
 mod covariance;
 mod error;
 #[cfg(test)]
 mod fixtures;
 mod frame;
 mod identity;
+mod identity_finding;
 mod least_squares;
 mod line;
 mod loss;
@@ -22,6 +24,7 @@ mod observation;
 mod one_point;
 mod plane_pose;
 mod prior;
+mod ptz_ranges;
 mod refine;
 mod residual;
 mod shape;
@@ -32,19 +35,22 @@ mod verdict;
 mod warning;
 mod world_curve;
 
+pub use context::SolveContext;
 pub use covariance::Uncertainty;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
-pub use identity::{Evidence, IdentityFinding, IdentityKind, Name, Rename, check_identity};
+pub use identity::check_identity;
+pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
 pub use loss::Loss;
 pub use motion_prior::{Motion, MotionPrior, PtzStep};
 pub use observation::Observation;
 pub use one_point::{OnePointError, pan_tilt_from_one_point, pan_tilt_from_one_ray};
 pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
 pub use prior::PtzPrior;
+pub use ptz_ranges::PtzRanges;
 pub use refine::{Refined, refine, refine_until};
 pub use shape::ObservedShape;
-pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution, PtzRanges, SolveContext};
+pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
 pub use two_point::{
     MIN_RAY_ANGLE_DEG, MIN_SEPARATION_PX, OneOrTwo, TwoPointError, focal_from_two_rays, solve_two_points,
 };

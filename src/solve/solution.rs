@@ -1,85 +1,9 @@
-//! What a solve is given beside the clicks, and what it gives back.
+//! What a solve gives back.
 
-use super::{IdentityFinding, Loss, MotionPrior, Observation, PtzPrior, PtzStep, Uncertainty, Warning, WarningCode};
+use super::{IdentityFinding, Observation, PtzStep, Uncertainty, Warning, WarningCode};
 use crate::camera::{Ptz, PtzCamera};
-use crate::geometry::{Angle, AngleRange, ImageSize, Mat3, Vec2};
+use crate::geometry::{Angle, Mat3, Vec2};
 use serde::Serialize;
-use std::ops::RangeInclusive;
-
-/// What is known of a frame beside its clicks and its camera's base.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SolveContext {
-    /// The size of the frame.
-    pub image_size: ImageSize,
-    /// What this camera can do; candidates outside are taken only if there is no other.
-    pub ranges: PtzRanges,
-    /// Solved frames just before and after, nearest first: they choose between candidates, and start the search where
-    /// the clicks alone have no closed form. They do not pull on the result.
-    pub neighbours: Vec<Ptz>,
-    /// What this camera usually does: it decides where the clicks cannot, and what is out of the usual is warned of. It
-    /// does not pull on the result.
-    pub motion: MotionPrior,
-    /// Where to start, for example the solution before a click moved; as `neighbours`, it does not pull on the result.
-    pub start: Option<Ptz>,
-    /// How strongly clicks that disagree with the others still pull (see [`Loss`]).
-    pub loss: Loss,
-    /// What is known of pan, tilt and focal length before the clicks, such as a neighbour's solution and its motion;
-    /// this does pull: three more equations.
-    pub prior: Option<PtzPrior>,
-}
-
-impl SolveContext {
-    /// Nothing is known but the frame's size.
-    #[must_use]
-    pub fn new(image_size: ImageSize) -> Self {
-        Self {
-            image_size,
-            ranges: PtzRanges::for_width(image_size.width),
-            neighbours: Vec::new(),
-            motion: MotionPrior::default(),
-            start: None,
-            loss: Loss::default(),
-            prior: None,
-        }
-    }
-}
-
-impl SolveContext {
-    /// The camera that a tie is decided by: the start, else the nearest neighbour, else the prior.
-    pub(super) fn expected(&self) -> Option<Ptz> {
-        self.start.or(self.neighbours.first().copied()).or(self.prior.map(|prior| prior.ptz))
-    }
-}
-
-/// The plausible range of pan, tilt and focal length of a camera.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PtzRanges {
-    /// Pan.
-    pub pan: AngleRange,
-    /// Tilt.
-    pub tilt: RangeInclusive<Angle>,
-    /// Focal length, px of the frame.
-    pub focal_px: RangeInclusive<f64>,
-}
-
-impl PtzRanges {
-    /// Any pan, tilt from straight down to 20° up, fields of view from 1.5° to 90° of a frame this wide.
-    #[must_use]
-    pub fn for_width(width_px: u32) -> Self {
-        let width_px = f64::from(width_px);
-        Self {
-            pan: AngleRange::FULL,
-            tilt: Angle::from_degrees(-90.0)..=Angle::from_degrees(20.0),
-            focal_px: 0.5 * width_px..=40.0 * width_px,
-        }
-    }
-
-    /// Whether all three lie within.
-    #[must_use]
-    pub fn contains(&self, ptz: &Ptz) -> bool {
-        self.pan.contains(ptz.pan) && self.tilt.contains(&ptz.tilt) && self.focal_px.contains(&ptz.focal_px)
-    }
-}
 
 /// A camera that fits the clicks of a frame, but was not chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

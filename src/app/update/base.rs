@@ -9,6 +9,7 @@ use crate::app::session::{Level, SidePanel};
 use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, describe_size};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
+use crate::solve::Name;
 use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 
@@ -143,9 +144,9 @@ fn describe(found: &EstimatedBase) -> String {
 fn mirror(frame: &mut Frame, field: &FieldModel, symmetry: Symmetry) {
     for Click { target, .. } in &mut frame.clicks {
         let element = target.as_ref().and_then(|target| target.element(field));
-        let twin = element.and_then(|element| Target::of_element(element.twin(symmetry, field)?, field));
-        if twin.is_some() {
-            *target = twin;
+        let twin = element.and_then(|element| Name::of(element.twin(symmetry, field)?, field));
+        if let Some(twin) = &twin {
+            *target = Some(Target::from(twin));
         }
     }
 }

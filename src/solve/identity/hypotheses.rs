@@ -1,11 +1,12 @@
 //! Sets of clicks with some names changed, and the cameras that fit them.
 
-use super::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
-use crate::solve::PtzStep;
 use crate::solve::frame::best_fit;
-use crate::solve::{FrameSolution, Loss, Observation, ObservedShape, SolveContext};
+use crate::solve::{
+    Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation, ObservedShape, PtzStep, Rename,
+    SolveContext,
+};
 use std::collections::BTreeSet;
 
 /// A name fits a click that lies within this many sigmas of it.
