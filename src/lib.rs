@@ -12,6 +12,7 @@
 //! | a field: landmarks and lines by name, for a venue's size | [`field::builtin`] |
 //! | a frame from two clicks and more | [`solve::solve_frame`] |
 //! | a camera's base, from many frames | [`solve::base::estimate_base`], [`calibrate::BaseProblem`] for documents |
+//! | the same without a click, from pictures alone | [`calibrate::base_without_clicks`] |
 //! | a document: reading, solving, writing | [`store::read`], [`calibrate::solve_document`], [`store::write_document`] |
 //! | a forest, and frames without clicks | [`proposals::learn`], [`relocalize::relocalize()`] |
 //! | two documents compared | [`evaluate::evaluate`], [`score`] |
@@ -32,7 +33,7 @@
 //! | 7 | `jobs` (the only detached threads), `render` (wgpu, no egui) |
 //! | 6 | `app` (the whole application without a window), `experiments` (tables and figures of what was measured) |
 //! | 5 | [`calibrate`] (document to solved document), [`proposals`] (a forest trained on references proposes cameras for the other frames, in a layer beside what people did), [`evaluate`] (two documents against each other), [`exchange`] (foreign formats), [`store`] (where a document lives), `scene` (what is drawn, as plain data), `report` (tables, figures, Markdown) |
-//! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`synthetic`] (drawn matches with exact truth) |
+//! | 4 | [`document`] (typed schema, edits, history), [`relocalize`] (the pan-tilt forest, pose from its rays), [`paint`] (painted lines in pixels: the line check, snapping), [`track`] (frames of one camera tied to each other under rotation and zoom), [`synthetic`] (drawn matches with exact truth) |
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
@@ -76,6 +77,7 @@ pub mod score;
 pub mod solve;
 pub mod store;
 pub mod synthetic;
+pub mod track;
 #[doc(hidden)]
 #[cfg(feature = "gui")]
 pub mod ui;

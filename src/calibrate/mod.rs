@@ -18,6 +18,7 @@ mod refit;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
+mod unclicked;
 mod which_camera;
 
 pub use base_change::{CameraChange, camera_change};
@@ -41,4 +42,7 @@ pub use paint::{SnapFrameError, check_frame, record_line_check, record_refusal, 
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use solve_frames::{is_by_clicks, record_outcome};
+pub use unclicked::{
+    FrameTraces, UnclickedBase, UnclickedError, UnclickedEvidence, UnclickedProgress, base_without_clicks, record_found,
+};
 pub use which_camera::AssignError;

@@ -3,6 +3,7 @@
 //! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1: done, but some
 //! frames could not be (they are named); 2: wrong usage or unreadable input, in one line.
 
+mod calibrate;
 mod check;
 mod document;
 mod evaluate;
@@ -41,6 +42,7 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
+    Calibrate(calibrate::CalibrateArgs),
     Check(check::CheckArgs),
     Evaluate(evaluate::EvaluateArgs),
     Experiment(experiment::ExperimentArgs),
@@ -89,6 +91,7 @@ pub fn run() -> Next {
         return Next::Exit(ExitCode::from(2));
     }
     let result: anyhow::Result<Outcome> = match command {
+        Command::Calibrate(args) => calibrate::calibrate(&args, messages),
         Command::Check(args) => check::check(&args, messages),
         Command::Evaluate(args) => evaluate::evaluate(&args, messages),
         Command::Experiment(args) => experiment::experiment(&args, messages),

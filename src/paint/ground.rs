@@ -37,6 +37,11 @@ impl GroundPicture {
         &self.surface
     }
 
+    /// The picture.
+    pub(super) const fn picture(&self) -> &Picture {
+        &self.picture
+    }
+
     /// The brightness.
     pub(super) const fn grey(&self) -> &GreyPicture {
         &self.grey
@@ -50,6 +55,11 @@ impl GroundPicture {
         }
         let pixel = self.picture.pixel(at.x as u32, at.y as u32);
         pixel.is_some_and(|[red, green, blue, _]| self.surface.holds([red, green, blue]))
+    }
+
+    /// The boxes that hide it, px.
+    pub(super) fn masks(&self) -> &[PixelBox] {
+        &self.masks
     }
 
     /// Whether a point lies in one of the masks.

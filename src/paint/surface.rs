@@ -15,6 +15,9 @@ const STRIDE: usize = 8;
 /// connect it to that one.
 const LEAST_COMMON: f64 = 0.03;
 
+/// The same for its most common colours alone, which hardly anything beside the field has.
+const LEAST_COMMON_BARE: f64 = 0.08;
+
 /// Darker pixels than this (sum of three channels) have no colour worth the name.
 const DARK: u32 = 36;
 
@@ -22,6 +25,8 @@ const DARK: u32 = 36;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Surface {
     of_ground: Vec<bool>,
+    /// The bins of its most common colours.
+    of_bare_ground: Vec<bool>,
     share: f64,
 }
 
@@ -57,15 +62,22 @@ impl Surface {
             }
         }
         let counts = blurred(&counts);
-        let of_ground = connected_to_the_peak(&counts);
+        let of_ground = connected_to_the_peak(&counts, LEAST_COMMON);
+        let of_bare_ground = connected_to_the_peak(&counts, LEAST_COMMON_BARE);
         let ground: f64 = counts.iter().zip(&of_ground).filter(|(_, of)| **of).map(|(count, _)| count).sum();
-        Self { of_ground, share: ground / all.max(1.0) }
+        Self { of_ground, of_bare_ground, share: ground / all.max(1.0) }
     }
 
     /// Whether a colour is one of the ground's.
     #[must_use]
     pub fn holds(&self, colour: [u8; 3]) -> bool {
         bin(colour).is_some_and(|bin| self.of_ground[bin])
+    }
+
+    /// Whether a colour is one of the ground's most common ones.
+    #[must_use]
+    pub(super) fn is_common(&self, colour: [u8; 3]) -> bool {
+        bin(colour).is_some_and(|bin| self.of_bare_ground[bin])
     }
 
     /// The share of the picture that has the ground's colours, from 0 to 1.
@@ -90,10 +102,10 @@ fn blurred(counts: &[f64]) -> Vec<f64> {
 }
 
 /// The bins that are common enough and reached from the most common one over such bins.
-fn connected_to_the_peak(counts: &[f64]) -> Vec<bool> {
+fn connected_to_the_peak(counts: &[f64], least_common: f64) -> Vec<bool> {
     let mut reached = vec![false; counts.len()];
     let Some(peak) = (0..counts.len()).max_by(|a, b| counts[*a].total_cmp(&counts[*b])) else { return reached };
-    let least = counts[peak] * LEAST_COMMON;
+    let least = counts[peak] * least_common;
     let mut open = vec![peak];
     while let Some(bin) = open.pop() {
         if reached[bin] || !(counts[bin] > least) {

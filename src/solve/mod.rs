@@ -10,6 +10,7 @@ pub mod base;
 mod checks;
 mod context;
 mod covariance;
+mod dense;
 mod error;
 #[cfg(test)]
 mod fixtures;
@@ -37,10 +38,12 @@ mod world_curve;
 
 pub use context::SolveContext;
 pub use covariance::Uncertainty;
+pub(crate) use dense::DenseEquations;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
 pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
+pub(crate) use least_squares::{BlockEquations, Equations, Minimum, Problem, Stopping, minimise};
 pub use loss::Loss;
 pub use motion_prior::{Motion, MotionPrior, PtzStep};
 pub use observation::Observation;
@@ -49,6 +52,7 @@ pub use plane_pose::{PlanePose, PlanePoseError, pose_from_plane};
 pub use prior::PtzPrior;
 pub use ptz_ranges::PtzRanges;
 pub use refine::{Refined, refine, refine_until};
+pub(crate) use residual::{Linearised, Residual};
 pub use shape::ObservedShape;
 pub use solution::{Candidate, CheckResult, ClickResidual, FrameSolution};
 pub use two_point::{

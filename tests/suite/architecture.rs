@@ -23,7 +23,7 @@ const FENCES: &[Fence] = &[
     (&["eframe"], &["ui"], "eframe stays in ui"),
     (&["rfd"], &["ui"], "dialogs stay in ui"),
     (&["wgpu"], &["render", "ui"], "wgpu stays in render and ui"),
-    (&["opencv"], &["features", "media"], "OpenCV stays behind the rooms that convert to its pixels"),
+    (&["opencv"], &["features", "media", "track"], "OpenCV stays behind the rooms that convert to its pixels"),
     (&["std", "thread"], &["jobs/worker.rs", "jobs/trainer/mod.rs"], "there is one way to start a thread"),
     (&["std", "sync", "mpsc"], &[], "orders and reports go through a worker's mailbox"),
     (&["std", "fs"], FILES, "files stay in the rooms that keep something in them"),

@@ -19,6 +19,7 @@ mod base_truth;
 mod bench;
 mod bulk_in_app;
 mod burnt_in;
+mod calibrate_command;
 mod cli_documents;
 mod contradictions;
 mod document;

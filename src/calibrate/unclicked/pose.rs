@@ -1,0 +1,202 @@
+//! Where a rig of frames stands on a field: position and rotation, fitted to paint.
+
+use super::pitch_map::{OnLine, PitchMap};
+use crate::field::FieldElement;
+use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
+use crate::geometry::{Angle, Mat3, Vec3};
+use crate::solve::{BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise};
+use nalgebra::{SVector, Vector1};
+
+/// A rig's place: `rig` is the frame whose z axis is the axis about which the camera pans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RigPose {
+    pub position_m: Vec3,
+    pub world_from_rig: Mat3,
+}
+
+impl RigPose {
+    /// A rig whose pan axis is vertical; heading as in [`crate::camera::BaseAngles`].
+    pub fn upright(position_m: Vec3, heading: Angle) -> Self {
+        let (sin, cos) = heading.sin_cos();
+        Self { position_m, world_from_rig: Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0) }
+    }
+
+    /// Where the ray of a direction (`rig`) meets the ground.
+    pub fn ground(&self, direction_in_rig: Vec3) -> Option<Vec3> {
+        let direction = self.world_from_rig * direction_in_rig;
+        let range = -self.position_m.z / direction.z;
+        (range.is_finite() && range > 0.0).then(|| self.position_m + direction * range)
+    }
+
+    /// The direction (`rig`, unit) in which a point of `world` is seen.
+    pub fn direction_in_rig(&self, point_in_world: Vec3) -> Option<Vec3> {
+        (self.world_from_rig.transpose() * (point_in_world - self.position_m)).try_normalize(1e-9)
+    }
+}
+
+/// A direction of paint with the line that it should lie on.
+struct PaintSight {
+    direction_in_rig: Vec3,
+    line: OnLine,
+}
+
+impl PaintSight {
+    /// The plane through the camera and the line, as its unit normal, and how far that was from unit.
+    fn plane(&self, at: &RigPose) -> Option<(Vec3, f64)> {
+        let across = (self.line.at - at.position_m).cross(&self.line.tangent);
+        let length = across.norm();
+        (length > 0.0).then(|| (across / length, length))
+    }
+}
+
+impl Residual<1, 0, 6> for PaintSight {
+    type State = RigPose;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        1.0
+    }
+
+    fn value(&self, at: &RigPose) -> Option<SVector<f64, 1>> {
+        let (normal, _) = self.plane(at)?;
+        Some(Vector1::new((at.world_from_rig * self.direction_in_rig).dot(&normal)))
+    }
+
+    fn linearised(&self, at: &RigPose) -> Option<Linearised<1, 0, 6>> {
+        let (normal, length) = self.plane(at)?;
+        let direction = at.world_from_rig * self.direction_in_rig;
+        let value = direction.dot(&normal);
+        // The plane's normal turns as the camera moves: by the part of the change across itself.
+        let by_position = -self.line.tangent.cross(&(direction - normal * value)) / length;
+        let by_turn = direction.cross(&normal);
+        let mut by_own = nalgebra::SMatrix::<f64, 1, 6>::zeros();
+        by_own.fixed_columns_mut::<3>(0).copy_from(&by_position.transpose());
+        by_own.fixed_columns_mut::<3>(3).copy_from(&by_turn.transpose());
+        Some(Linearised { value: Vector1::new(value), by_shared: nalgebra::SMatrix::zeros(), by_own })
+    }
+}
+
+/// A pan axis is vertical, within a 1-σ (rad).
+struct Upright(f64);
+
+impl Residual<2, 0, 6> for Upright {
+    type State = RigPose;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        self.0
+    }
+
+    fn value(&self, at: &RigPose) -> Option<SVector<f64, 2>> {
+        let up = at.world_from_rig.column(2);
+        Some(SVector::<f64, 2>::new(up[0], up[1]))
+    }
+
+    fn linearised(&self, at: &RigPose) -> Option<Linearised<2, 0, 6>> {
+        let up = at.world_from_rig.column(2).into_owned();
+        let mut by_own = nalgebra::SMatrix::<f64, 2, 6>::zeros();
+        for axis in 0..3 {
+            let mut turn = Vec3::zeros();
+            turn[axis] = 1.0;
+            let moved = turn.cross(&up);
+            by_own[(0, 3 + axis)] = moved.x;
+            by_own[(1, 3 + axis)] = moved.y;
+        }
+        Some(Linearised { value: self.value(at)?, by_shared: nalgebra::SMatrix::zeros(), by_own })
+    }
+
+    fn loss(&self, _: Loss) -> Loss {
+        Loss::Squared
+    }
+}
+
+struct OnPaint {
+    sights: Vec<PaintSight>,
+    upright: Upright,
+    loss: Loss,
+    /// What a sight counts for against the prior: directions scatter by this, rad.
+    scatter: f64,
+}
+
+struct Scaled<'a> {
+    sight: &'a PaintSight,
+    sigma: f64,
+}
+
+impl Residual<1, 0, 6> for Scaled<'_> {
+    type State = RigPose;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        self.sigma
+    }
+
+    fn value(&self, at: &RigPose) -> Option<SVector<f64, 1>> {
+        self.sight.value(at)
+    }
+
+    fn linearised(&self, at: &RigPose) -> Option<Linearised<1, 0, 6>> {
+        self.sight.linearised(at)
+    }
+}
+
+impl Problem for OnPaint {
+    type State = RigPose;
+    type Equations = BlockEquations<0, 6>;
+
+    fn equations(&self, at: &RigPose) -> BlockEquations<0, 6> {
+        let mut equations = BlockEquations::zero();
+        for sight in &self.sights {
+            equations.add(&Scaled { sight, sigma: self.scatter }, at, self.loss);
+        }
+        equations.add(&self.upright, at, self.loss);
+        equations
+    }
+
+    fn stepped(&self, from: &RigPose, step: &SVector<f64, 6>) -> RigPose {
+        let turn = from_rotation_vector(Vec3::new(step[3], step[4], step[5]));
+        RigPose {
+            position_m: from.position_m + Vec3::new(step[0], step[1], step[2]),
+            world_from_rig: nearest_rotation(&(turn * from.world_from_rig)),
+        }
+    }
+}
+
+/// How far off paint still pulls in each round, degrees.
+const ROUNDS_DEG: [f64; 6] = [1.5, 1.5, 1.0, 0.6, 0.6, 0.3];
+
+/// The pan axis is vertical within this 1-σ.
+const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
+
+/// A rig moved so that directions of paint lie on the lines of a field, each on the one nearest to it as it goes.
+pub(super) fn fitted(start: RigPose, directions_in_rig: &[Vec3], map: &PitchMap) -> RigPose {
+    let mut pose = start;
+    for reach_deg in ROUNDS_DEG {
+        let sight = |direction: &Vec3| {
+            let line = map.nearest(pose.ground(*direction)?)?;
+            let sight = PaintSight { direction_in_rig: *direction, line };
+            let off = sight.value(&pose)?[0].abs();
+            (off < 3.0 * reach_deg.to_radians()).then_some(sight)
+        };
+        let problem = OnPaint {
+            sights: directions_in_rig.iter().filter_map(sight).collect(),
+            upright: Upright(UPRIGHT_SIGMA.radians()),
+            loss: Loss::Cauchy { c: 1.0 },
+            scatter: reach_deg.to_radians(),
+        };
+        if problem.sights.len() < 12 {
+            return pose;
+        }
+        pose = minimise(&problem, pose, Stopping { max_iterations: 4, short_step: 1e-5, small_gain: 1e-5 }).state;
+    }
+    pose
+}

@@ -1,0 +1,248 @@
+//! Where a camera may stand: many places tried, the best fitted.
+
+use super::pitch_map::PitchMap;
+use super::pose::{RigPose, fitted};
+use crate::geometry::{Angle, Vec3};
+use crate::paint::SeenGround;
+use rayon::prelude::*;
+
+/// What is known of the paint: directions in the rig's frame, and where ground was seen.
+pub(super) struct Panorama {
+    /// Spread over the sphere.
+    pub directions: Vec<Vec3>,
+    pub seen: SeenGround,
+    painted: PaintedSphere,
+}
+
+/// Directions near paint: a grid over pan and tilt.
+struct PaintedSphere {
+    columns: usize,
+    rows: usize,
+    painted: Vec<bool>,
+}
+
+const CELL_DEG: f64 = 0.1;
+
+impl PaintedSphere {
+    fn of(directions: &[Vec3], reach_deg: f64) -> Self {
+        let (columns, rows) = ((360.0 / CELL_DEG) as usize, (90.0 / CELL_DEG) as usize);
+        let mut sphere = Self { columns, rows, painted: vec![false; columns * rows] };
+        let reach = (reach_deg / CELL_DEG).round() as isize;
+        for direction in directions {
+            let Some((column, row)) = sphere.cell(*direction) else { continue };
+            for dy in -reach..=reach {
+                for dx in -reach..=reach {
+                    let y = row as isize + dy;
+                    if dx * dx + dy * dy <= reach * reach && y >= 0 && y < rows as isize {
+                        let x = (column as isize + dx).rem_euclid(columns as isize);
+                        sphere.painted[y as usize * columns + x as usize] = true;
+                    }
+                }
+            }
+        }
+        sphere
+    }
+
+    fn cell(&self, direction: Vec3) -> Option<(usize, usize)> {
+        let down = (-direction.z).atan2(direction.x.hypot(direction.y)).to_degrees();
+        let pan = direction.x.atan2(direction.y).to_degrees() + 180.0;
+        (down > 0.0)
+            .then(|| ((pan / CELL_DEG) as usize % self.columns, ((down / CELL_DEG) as usize).min(self.rows - 1)))
+    }
+
+    fn holds(&self, direction: Vec3) -> bool {
+        self.cell(direction).is_some_and(|(column, row)| self.painted[row * self.columns + column])
+    }
+}
+
+impl Panorama {
+    /// `all` the directions of paint; as many are kept as a search needs.
+    pub fn of(all: &[Vec3], seen: SeenGround) -> Self {
+        const KEPT: usize = 1500;
+        const APART_DEG: f64 = 0.2;
+        let mut taken = std::collections::BTreeSet::new();
+        let spread: Vec<Vec3> = all
+            .iter()
+            .filter(|direction| {
+                let down = (-direction.z).atan2(direction.x.hypot(direction.y)).to_degrees();
+                let pan = direction.x.atan2(direction.y).to_degrees();
+                taken.insert(((down / APART_DEG).round() as i64, (pan / APART_DEG).round() as i64))
+            })
+            .copied()
+            .collect();
+        let every = spread.len().div_ceil(KEPT).max(1);
+        let directions = spread.iter().step_by(every).copied().collect();
+        let painted = PaintedSphere::of(all, 0.3);
+        Self { directions, seen, painted }
+    }
+}
+
+/// A place with what speaks for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Hypothesis {
+    pub pose: RigPose,
+    /// The share of the paint that the field's lines explain.
+    pub explained: f64,
+    /// The share of the lines that should be seen and are.
+    pub visible: f64,
+}
+
+impl Hypothesis {
+    pub fn score(&self) -> f64 {
+        self.explained * self.visible
+    }
+}
+
+/// The ranges in which a camera is looked for, m and degrees.
+const X_M: f64 = 64.0;
+const X_STEP_M: f64 = 4.0;
+const Y_M: (f64, f64) = (-110.0, -36.0);
+const Y_STEP_M: f64 = 5.0;
+const LOWEST_M: f64 = 5.0;
+const HEIGHT_RATIO: f64 = 1.14;
+const HEIGHTS: i32 = 15;
+const HEADING_DEG: f64 = 40.0;
+const HEADING_STEP_DEG: f64 = 2.0;
+
+/// How far paint may lie beside a line at the first look, as a share of its distance from the camera, and at least, m.
+const SCATTER: f64 = 0.025;
+const SCATTER_M: f64 = 0.3;
+
+/// How many of the places first tried are looked at closer, and how many are fitted.
+const LOOKED_AT: usize = 400;
+const FITTED: usize = 80;
+
+/// The best places, the most likely first.
+pub(super) fn search(panorama: &Panorama, map: &PitchMap) -> Vec<Hypothesis> {
+    let mut tries = Vec::new();
+    for height in 0..HEIGHTS {
+        let z = LOWEST_M * HEIGHT_RATIO.powi(height);
+        let mut y = Y_M.0;
+        while y <= Y_M.1 {
+            let mut x = -X_M;
+            while x <= X_M {
+                let to_middle = (-x).atan2(-y).to_degrees();
+                let mut turn = -HEADING_DEG;
+                while turn <= HEADING_DEG {
+                    tries.push((Vec3::new(x, y, z), Angle::from_degrees(to_middle + turn)));
+                    turn += HEADING_STEP_DEG;
+                }
+                x += X_STEP_M;
+            }
+            y += Y_STEP_M;
+        }
+    }
+    let few: Vec<Vec3> = panorama.directions.iter().step_by(3).copied().collect();
+    let mut scored: Vec<(f64, usize)> = tries
+        .par_iter()
+        .enumerate()
+        .map(|(index, (position_m, heading))| {
+            (explained_roughly(&RigPose::upright(*position_m, *heading), &few, map), index)
+        })
+        .collect();
+    scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
+    for (_, index) in &scored {
+        let (position_m, heading) = tries[*index];
+        let near = |other: &(Vec3, Angle)| {
+            (other.0 - position_m).norm() < 6.5 && (other.1 - heading).wrapped().degrees().abs() < 5.0
+        };
+        if !chosen.iter().any(near) {
+            chosen.push((position_m, heading));
+        }
+        if chosen.len() >= LOOKED_AT {
+            break;
+        }
+    }
+    let mut looked: Vec<Hypothesis> = chosen
+        .par_iter()
+        .map(|(position_m, heading)| {
+            let pose = RigPose::upright(*position_m, *heading);
+            let explained = explained_roughly(&pose, &panorama.directions, map);
+            Hypothesis { pose, explained, visible: visible(&pose, panorama, map, 1.2) }
+        })
+        .collect();
+    sort(&mut looked);
+    looked.truncate(FITTED);
+    let mut found: Vec<Hypothesis> = looked
+        .par_iter()
+        .map(|hypothesis| judged(fitted(hypothesis.pose, &panorama.directions, map), panorama, map))
+        .collect();
+    sort(&mut found);
+    let mut distinct: Vec<Hypothesis> = Vec::new();
+    for hypothesis in found {
+        let near = |other: &Hypothesis| (other.pose.position_m - hypothesis.pose.position_m).norm() < 3.0;
+        if !distinct.iter().any(near) {
+            distinct.push(hypothesis);
+        }
+    }
+    distinct
+}
+
+fn sort(hypotheses: &mut [Hypothesis]) {
+    hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
+}
+
+/// What speaks for a fitted place.
+pub(super) fn judged(pose: RigPose, panorama: &Panorama, map: &PitchMap) -> Hypothesis {
+    const WITHIN_DEG: f64 = 0.25;
+    let explains = |direction: &&Vec3| {
+        pose.ground(**direction).and_then(|ground| map.nearest(ground)).is_some_and(|line| {
+            let across = (line.at - pose.position_m).cross(&line.tangent);
+            let off = (pose.world_from_rig * **direction).dot(&across) / across.norm();
+            let there = (line.at - pose.position_m).normalize();
+            let along = (pose.world_from_rig * **direction - there).norm();
+            off.abs() < WITHIN_DEG.to_radians() && along < 3.0 * WITHIN_DEG.to_radians()
+        })
+    };
+    let explained =
+        panorama.directions.iter().filter(explains).count() as f64 / panorama.directions.len().max(1) as f64;
+    Hypothesis { pose, explained, visible: visible(&pose, panorama, map, 0.0) }
+}
+
+/// The share of the paint that lies near a line, more the nearer.
+fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap) -> f64 {
+    let near = |direction: &Vec3| -> f64 {
+        let Some(ground) = pose.ground(*direction) else { return 0.0 };
+        let Some(distance_m) = map.distance_m(ground.x, ground.y) else { return 0.0 };
+        let scatter_m = (SCATTER * (ground - pose.position_m).norm()).max(SCATTER_M);
+        let ratio = distance_m / scatter_m;
+        if ratio < 2.0 { (1.0 - 0.25 * ratio * ratio).powi(2) } else { 0.0 }
+    };
+    directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
+}
+
+/// The share of the lines that lie where ground was seen and near paint; weighted by how long they seem.
+fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, more_deg: f64) -> f64 {
+    const SPACING_M: f64 = 1.0;
+    let (mut all, mut seen) = (0.0, 0.0);
+    for sample in map.samples(SPACING_M) {
+        let Some(direction) = pose.direction_in_rig(sample.at) else { continue };
+        if !panorama.seen.holds(direction) {
+            continue;
+        }
+        let offset = sample.at - pose.position_m;
+        let along = sample.tangent.normalize();
+        let weight = (along - direction_of(offset) * along.dot(&direction_of(offset))).norm() / offset.norm();
+        all += weight;
+        let near =
+            if more_deg > 0.0 { near_within(panorama, direction, more_deg) } else { panorama.painted.holds(direction) };
+        if near {
+            seen += weight;
+        }
+    }
+    if all > 0.0 { seen / all } else { 0.0 }
+}
+
+fn direction_of(offset: Vec3) -> Vec3 {
+    offset / offset.norm().max(1e-9)
+}
+
+/// Whether paint lies within an angle of a direction: the direction itself and eight around it are asked.
+fn near_within(panorama: &Panorama, direction: Vec3, within_deg: f64) -> bool {
+    let side = Vec3::z().cross(&direction).normalize();
+    let up = direction.cross(&side);
+    let reach = within_deg.to_radians() / 2.0;
+    let mut steps = (-2..=2).flat_map(|a| (-2..=2).map(move |b| (f64::from(a), f64::from(b))));
+    steps.any(|(a, b)| panorama.painted.holds(direction + side * (a * reach) + up * (b * reach)))
+}

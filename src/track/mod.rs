@@ -1,0 +1,28 @@
+//! Frames of one camera tied to each other: what the same camera shows in two of its frames, turned and zoomed.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`tie_frames`], [`Tie`] | matches of two frames that one rotation and one zoom explain |
+//! | [`groups`] | the frames that hang together |
+//! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a group, from the ties alone |
+//!
+//! Nothing here knows a field: pan is counted from the middle of what the frames show, and the axis about which the camera
+//! pans is taken as vertical.
+//!
+//! Frames, signs and units: [`crate::conventions`].
+
+mod axis;
+mod cycles;
+mod error;
+mod group;
+mod homography;
+mod matches;
+mod start;
+mod tie;
+mod tie_residual;
+mod turns;
+
+pub use error::TrackError;
+pub use group::groups;
+pub use tie::{Tie, tie_frames};
+pub use turns::{TurnOptions, Turns, adjust_turns};

@@ -1,0 +1,447 @@
+//! Pan, tilt and focal length of tied frames, and the lens, from the ties alone.
+//!
+//! A camera that stands still and turns sees every thing in one direction. Rotations are found freely first; the axis
+//! perpendicular to all frames' sideways axes is the one about which the camera pans, and then only pan, tilt and focal
+//! length stay free, so that the axis follows from all matches.
+
+use super::axis::upright_from_common;
+use super::start::{steps, views};
+use super::tie_residual::{Sight, View, by_turn};
+use super::{Tie, TrackError};
+use crate::camera::{CameraBase, FocalCurve, PanTilt, Ptz, PtzCamera};
+use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
+use crate::geometry::{Angle, ImageSize, Mat3, Vec3, median};
+use crate::solve::{DenseEquations, Loss, Problem, Stopping, minimise};
+use nalgebra::{DVector, Vector1};
+
+/// What is expected of the lens beforehand, and how the frames are adjusted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurnOptions {
+    /// k₁ and its change with the focal length, expected; lengths in px at 1920 px width.
+    pub lens: FocalCurve,
+    /// 1-σ of k₁. Default .1.
+    pub k1_sigma: f64,
+    /// 1-σ of its change per 1000 px at 1920 px width. Default .1.
+    pub slope_sigma: f64,
+    /// All focal lengths are multiplied by this after the ties have found them, and everything else follows; default 1.
+    ///
+    /// Ties leave the common scale of the focal lengths the least certain.
+    pub focal_scale: f64,
+}
+
+impl Default for TurnOptions {
+    fn default() -> Self {
+        Self {
+            lens: FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21 },
+            k1_sigma: 0.1,
+            slope_sigma: 0.1,
+            focal_scale: 1.0,
+        }
+    }
+}
+
+/// Where the frames of a camera look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Turns {
+    /// Pan, tilt and focal length of each frame; pan 0 is the middle of where they look.
+    pub ptz: Vec<Ptz>,
+    /// k₁ by focal length, px of these frames.
+    pub lens: FocalCurve,
+    /// The size of the frames, px.
+    pub image_size: ImageSize,
+    /// The median distance of the matches, px at 1920 px width.
+    pub residual_px: f64,
+}
+
+impl Turns {
+    /// A frame's camera, at the origin of `world`, the pan axis along world z.
+    #[must_use]
+    pub fn camera(&self, frame: usize) -> PtzCamera {
+        let level = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let base =
+            CameraBase { distortion: self.lens, ..CameraBase::new(Vec3::zeros(), level, self.image_size.centre()) };
+        PtzCamera::new(base, self.ptz[frame])
+    }
+}
+
+/// Matches farther off than this when all is adjusted are no rotation, px at 1920 px width.
+const NOT_TURNING_PX: f64 = 6.0;
+
+/// What a match counts for that lies beyond the fold of the lens, px at 1920 px width.
+const NOWHERE_PX: f64 = 1000.0;
+
+/// The focal lengths tried for the first frame, in widths of the picture.
+const FOCAL_WIDTHS: [f64; 7] = [0.8, 1.1, 1.5, 2.1, 3.0, 4.3, 6.2];
+
+/// How far down cameras at a field look, where the ties leave it open, and its 1-σ.
+const TILT: Angle = Angle::from_degrees(-12.0);
+const TILT_SIGMA: Angle = Angle::from_degrees(15.0);
+
+/// Pan, tilt and focal length of `count` frames of one size that hang together by ties.
+///
+/// # Errors
+/// Fewer than two frames, or ties that no rotation and zoom explains.
+pub fn adjust_turns(
+    count: usize,
+    ties: &[Tie],
+    image_size: ImageSize,
+    options: &TurnOptions,
+) -> Result<Turns, TrackError> {
+    let centre = image_size.centre();
+    let along = steps(count, ties, centre);
+    if count < 2 || along.len() < count {
+        return Err(TrackError::TooFew { frames: count, ties: ties.len() });
+    }
+    let px = image_size.scale_from_1920();
+    let expected = FocalCurve {
+        at_focal_px: options.lens.at_focal_px * px,
+        per_1000_px: options.lens.per_1000_px / px,
+        ..options.lens
+    };
+    let problem = |freedom, loss_px, fixed_scale| Tied {
+        ties,
+        freedom,
+        loss: Loss::Cauchy { c: loss_px },
+        px,
+        expected,
+        sigma: [options.k1_sigma, options.slope_sigma / px],
+        fixed_scale,
+    };
+    let start = FOCAL_WIDTHS.iter().map(|widths| {
+        let focal_px = widths * f64::from(image_size.width);
+        let start = TiedState { views: views(count, &along, centre, focal_px), lens: expected };
+        minimise(&problem(Freedom::Any, 20.0, false), start, until(8))
+    });
+    let cost = |found: &crate::solve::Minimum<Tied<'_>>| crate::solve::Equations::cost(&found.equations);
+    let best = start.min_by(|a, b| cost(a).total_cmp(&cost(b)));
+    let Some(best) = best else { return Err(TrackError::TooFew { frames: count, ties: ties.len() }) };
+    let mut state = best.state;
+    for loss_px in [20.0, 6.0] {
+        state = minimise(&problem(Freedom::Any, loss_px, false), state, until(30)).state;
+    }
+    state = state.upright();
+    for loss_px in [6.0, 3.0] {
+        state = minimise(&problem(Freedom::PanTilt, loss_px, false), state, until(30)).state;
+    }
+    if options.focal_scale != 1.0 {
+        state = state.scaled(options.focal_scale);
+        for loss_px in [20.0, 4.0] {
+            state = minimise(&problem(Freedom::PanTilt, loss_px, true), state, until(30)).state;
+        }
+    }
+    let residual_px = residual_px(ties, &state) / px;
+    if !(residual_px <= NOT_TURNING_PX * options.focal_scale.max(1.0 / options.focal_scale).powi(2)) {
+        return Err(TrackError::NotTurning { frames: count, ties: ties.len(), residual_px });
+    }
+    Ok(Turns { ptz: state.ptz(), lens: state.lens, image_size, residual_px })
+}
+
+const fn until(max_iterations: usize) -> Stopping {
+    Stopping { max_iterations, short_step: 1e-7, small_gain: 1e-6 }
+}
+
+/// What of a frame's rotation is free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Freedom {
+    /// All of it.
+    Any,
+    /// Pan and tilt about the common frame's axes.
+    PanTilt,
+}
+
+impl Freedom {
+    /// Parameters of a frame: the rotation's, then the logarithm of the focal length.
+    const fn parameters(self) -> usize {
+        match self {
+            Self::Any => 4,
+            Self::PanTilt => 3,
+        }
+    }
+}
+
+struct Tied<'a> {
+    ties: &'a [Tie],
+    freedom: Freedom,
+    loss: Loss,
+    /// Px of these frames in a px at 1920 px width.
+    px: f64,
+    expected: FocalCurve,
+    /// 1-σ of k₁ and of its slope.
+    sigma: [f64; 2],
+    /// Whether the mean of the focal lengths' logarithms stays.
+    fixed_scale: bool,
+}
+
+#[derive(Clone, Debug)]
+struct TiedState {
+    views: Vec<View>,
+    lens: FocalCurve,
+}
+
+/// The parameters of the lens stand first.
+const LENS: usize = 2;
+
+impl Problem for Tied<'_> {
+    type State = TiedState;
+    type Equations = DenseEquations;
+
+    fn equations(&self, at: &TiedState) -> DenseEquations {
+        let own = self.freedom.parameters();
+        let mut equations = DenseEquations::zero(LENS + own * at.views.len());
+        for tie in self.ties {
+            let frames = [tie.first, tie.second];
+            let [one, other] = frames.map(|frame| &at.views[frame]);
+            let focal_px = (one.focal_px * other.focal_px).sqrt();
+            for (first, second) in &tie.matches {
+                let sights = (one.sight(*first, &at.lens), other.sight(*second, &at.lens));
+                let (Some(here), Some(there)) = sights else {
+                    equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
+                    continue;
+                };
+                let value = (here.direction - there.direction) * focal_px;
+                let mut by = Vec::with_capacity(LENS + 8);
+                let by_k1 = |sight: &Sight, view: &View| {
+                    let kilo_px = (view.focal_px - at.lens.at_focal_px) / 1000.0;
+                    [sight.by_k1, sight.by_k1 * kilo_px]
+                };
+                let (by_here, by_there) = (by_k1(&here, one), by_k1(&there, other));
+                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * focal_px)));
+                for (view, (frame, sign), sight) in [(one, (frames[0], 1.0), &here), (other, (frames[1], -1.0), &there)]
+                {
+                    let first = LENS + own * frame;
+                    let weight = sign * focal_px;
+                    match self.freedom {
+                        Freedom::Any => {
+                            let turn = by_turn(sight.direction) * weight;
+                            by.extend((0..3).map(|axis| (first + axis, turn.column(axis).into_owned())));
+                        }
+                        Freedom::PanTilt => {
+                            let axes = view.pan_and_tilt_axes().into_iter().enumerate();
+                            by.extend(axes.map(|(at, axis)| (first + at, axis.cross(&sight.direction) * weight)));
+                        }
+                    }
+                    // The focal length is also the measure of the distance.
+                    by.push((first + own - 1, sight.by_log_focal * weight + value * 0.5));
+                }
+                equations.add(&value, self.px, &by, self.loss);
+            }
+        }
+        self.add_priors(at, &mut equations);
+        equations
+    }
+
+    fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
+        let own = self.freedom.parameters();
+        let lens =
+            FocalCurve { value: from.lens.value + step[0], per_1000_px: from.lens.per_1000_px + step[1], ..from.lens };
+        let views = from.views.iter().enumerate().map(|(frame, view)| {
+            let first = LENS + own * frame;
+            let cam_from_common = match self.freedom {
+                Freedom::Any => {
+                    let turn = Vec3::new(step[first], step[first + 1], step[first + 2]);
+                    nearest_rotation(&(view.cam_from_common * from_rotation_vector(turn)))
+                }
+                Freedom::PanTilt => {
+                    let ray = PanTilt::from_direction(view.cam_from_common.row(2).transpose());
+                    let (pan, tilt) = (Angle::from_radians(step[first]), Angle::from_radians(step[first + 1]));
+                    q_tilt(ray.tilt + tilt) * q_pan(ray.pan + pan)
+                }
+            };
+            View { cam_from_common, focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(), ..*view }
+        });
+        TiedState { views: views.collect(), lens }
+    }
+}
+
+impl Tied<'_> {
+    /// What is known beforehand: the lens, the gauge, and loosely how far down cameras look.
+    fn add_priors(&self, at: &TiedState, equations: &mut DenseEquations) {
+        /// Holds what no measurement changes.
+        const FIXED: f64 = 1e-6;
+        /// A robust loss would let the priors go.
+        const SURE: Loss = Loss::Squared;
+        let own = self.freedom.parameters();
+        let one = Vector1::new(1.0);
+        let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
+        for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
+            equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
+        }
+        let gauge = match self.freedom {
+            Freedom::Any => 0..3,
+            Freedom::PanTilt => 0..1,
+        };
+        for parameter in gauge {
+            equations.add(&Vector1::new(0.0), FIXED, &[(LENS + parameter, one)], SURE);
+        }
+        if self.freedom == Freedom::PanTilt {
+            for (frame, view) in at.views.iter().enumerate() {
+                let tilt = PanTilt::from_direction(view.cam_from_common.row(2).transpose()).tilt;
+                let value = Vector1::new((tilt - TILT).radians());
+                equations.add(&value, TILT_SIGMA.radians(), &[(LENS + own * frame + 1, one)], SURE);
+            }
+        }
+        if self.fixed_scale {
+            let share = Vector1::new(1.0 / at.views.len() as f64);
+            let of_all: Vec<_> = (0..at.views.len()).map(|frame| (LENS + own * frame + own - 1, share)).collect();
+            equations.add(&Vector1::new(0.0), FIXED, &of_all, SURE);
+        }
+    }
+}
+
+impl TiedState {
+    /// The same with the pan axis along the common frame's y axis, and every frame without roll.
+    fn upright(mut self) -> Self {
+        let turns: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
+        if let Some(upright) = upright_from_common(&turns) {
+            for view in &mut self.views {
+                let forward = upright * view.cam_from_common.row(2).transpose();
+                let ray = PanTilt::from_direction(forward);
+                view.cam_from_common = q_tilt(ray.tilt) * q_pan(ray.pan);
+            }
+        }
+        self
+    }
+
+    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller by it.
+    fn scaled(mut self, factor: f64) -> Self {
+        let angles = |ray: PanTilt| (ray.pan.radians() / factor, ray.tilt.radians());
+        let middle = self.views.iter().map(|view| self.ray(view).tilt.radians()).sum::<f64>() / self.views.len() as f64;
+        let rays: Vec<PanTilt> = self.views.iter().map(|view| self.ray(view)).collect();
+        for (view, ray) in self.views.iter_mut().zip(rays) {
+            let (pan, tilt) = angles(ray);
+            let tilt = middle + (tilt - middle) / factor;
+            view.cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
+            view.focal_px *= factor;
+        }
+        self
+    }
+
+    #[allow(clippy::unused_self, reason = "reads as a question to the state")]
+    fn ray(&self, view: &View) -> PanTilt {
+        PanTilt::from_direction(view.cam_from_common.row(2).transpose())
+    }
+
+    fn ptz(&self) -> Vec<Ptz> {
+        let ptz = |view: &View| {
+            let PanTilt { pan, tilt } = self.ray(view);
+            Ptz { pan, tilt, focal_px: view.focal_px }
+        };
+        self.views.iter().map(ptz).collect()
+    }
+}
+
+/// The median distance of the matches, px.
+fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
+    let mut distances = Vec::new();
+    for tie in ties {
+        let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
+        let focal_px = (one.focal_px * other.focal_px).sqrt();
+        distances.extend(tie.matches.iter().filter_map(|(first, second)| {
+            let (here, there) = (one.sight(*first, &at.lens)?, other.sight(*second, &at.lens)?);
+            Some((here.direction - there.direction).norm() * focal_px)
+        }));
+    }
+    median(&mut distances).unwrap_or(f64::INFINITY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImagePoint;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    const LENS: FocalCurve = FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.15 };
+
+    fn truth() -> Turns {
+        let ptz = [
+            (-24.0, -11.0, 1700.0),
+            (-13.0, -13.0, 1850.0),
+            (-2.0, -14.0, 2000.0),
+            (8.0, -12.5, 1600.0),
+            (16.0, -12.0, 2300.0),
+            (24.0, -10.0, 1900.0),
+        ];
+        let ptz = ptz.map(|(pan, tilt, focal_px)| Ptz::from_degrees(pan, tilt, focal_px)).to_vec();
+        Turns { ptz, lens: LENS, image_size: SIZE, residual_px: 0.0 }
+    }
+
+    /// The ties of frames that see the same directions, `noise_px` off in a pattern that repeats nowhere.
+    fn ties(truth: &Turns, noise_px: f64) -> Vec<Tie> {
+        let mut ties = Vec::new();
+        for first in 0..truth.ptz.len() {
+            for second in first + 1..truth.ptz.len() {
+                let (one, other) = (truth.camera(first), truth.camera(second));
+                let mut matches = Vec::new();
+                for index in 0..160_u32 {
+                    let at =
+                        ImagePoint::new(f64::from(index % 16) * 120.0 + 60.0, f64::from(index / 16) * 108.0 + 54.0);
+                    let there = one.ray_from_image(at).ok().and_then(|ray| other.image_from_ray(ray).ok());
+                    let Some(there) = there.filter(|there| SIZE.contains(*there)) else { continue };
+                    let turn = f64::from(index * 37 + first as u32 * 11 + second as u32);
+                    let noise = crate::geometry::Vec2::new(turn.sin(), (1.7 * turn).cos()) * noise_px;
+                    matches.push((at, there.moved(noise)));
+                }
+                if matches.len() < 15 {
+                    continue;
+                }
+                let vector = |point: ImagePoint| crate::geometry::Vec2::new(point.x, point.y);
+                let pairs: Vec<_> = matches.iter().map(|(a, b)| (vector(*a), vector(*b))).collect();
+                let second_from_first = crate::geometry::homography(&pairs).unwrap();
+                ties.push(Tie { first, second, agreeing: matches.len(), matches, second_from_first });
+            }
+        }
+        ties
+    }
+
+    #[test]
+    fn exact_ties_give_back_pan_tilt_focal_length_and_lens() {
+        let truth = truth();
+        let options = TurnOptions { k1_sigma: 10.0, slope_sigma: 10.0, ..TurnOptions::default() };
+        let found = adjust_turns(6, &ties(&truth, 0.0), SIZE, &options).unwrap();
+        let middle = found.ptz[0].pan - truth.ptz[0].pan;
+        for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
+            assert!((found.pan - exact.pan - middle).degrees().abs() < 0.02, "{found:?} for {exact:?}");
+            assert!((found.tilt - exact.tilt).degrees().abs() < 0.02, "{found:?} for {exact:?}");
+            assert!((found.focal_px / exact.focal_px - 1.0).abs() < 1e-3, "{found:?} for {exact:?}");
+        }
+        assert!((found.lens.at(1900.0) - LENS.at(1900.0)).abs() < 2e-3, "{:?}", found.lens);
+        assert!(found.residual_px < 0.05, "{}", found.residual_px);
+    }
+
+    #[test]
+    fn a_few_wrong_ties_do_no_harm() {
+        let truth = truth();
+        let mut ties = ties(&truth, 0.7);
+        let away = crate::geometry::Vec2::new(400.0, -150.0);
+        let wrong = ties.iter_mut().find(|tie| tie.second == tie.first + 1).unwrap();
+        for (_, there) in &mut wrong.matches {
+            *there = there.moved(away);
+        }
+        wrong.second_from_first = Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
+        let kept = crate::track::cycles::uncontradicted(&ties, SIZE);
+        assert_eq!(kept.len(), ties.len() - 1);
+        let found = adjust_turns(6, &kept, SIZE, &TurnOptions::default()).unwrap();
+        for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
+            assert!((found.focal_px / exact.focal_px - 1.0).abs() < 0.03, "{found:?} for {exact:?}");
+        }
+    }
+
+    #[test]
+    fn asked_for_another_scale_the_ties_stretch() {
+        let options = TurnOptions { focal_scale: 1.06, ..TurnOptions::default() };
+        let (usual, longer) = (TurnOptions::default(), options);
+        let ties = ties(&truth(), 0.3);
+        let [usual, longer] = [usual, longer].map(|options| adjust_turns(6, &ties, SIZE, &options).unwrap());
+        let mean = |turns: &Turns| turns.ptz.iter().map(|ptz| ptz.focal_px.ln()).sum::<f64>() / 6.0;
+        assert!((mean(&longer) - mean(&usual) - 1.06_f64.ln()).abs() < 1e-3);
+        assert!(longer.residual_px > usual.residual_px);
+    }
+
+    #[test]
+    fn what_does_not_hang_together_is_refused() {
+        let ties = ties(&truth(), 0.0);
+        let alone = adjust_turns(7, &ties, SIZE, &TurnOptions::default());
+        assert_eq!(alone, Err(TrackError::TooFew { frames: 7, ties: ties.len() }));
+        assert!(adjust_turns(1, &[], SIZE, &TurnOptions::default()).is_err());
+    }
+}
