@@ -31,6 +31,9 @@ const MAX_BEND_ALONG: f32 = 0.6;
 /// A stroke is at least this long, px at 1920 px width, but for the pixels that its ends add.
 const MIN_LENGTH_PX: f64 = 28.0;
 
+/// In smaller pictures it is at least this long, px: the blur draws out the grain of the ground to shorter strokes.
+const GRAIN_PX: f64 = 20.0;
+
 /// A place on a stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrokePoint {
@@ -197,7 +200,7 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize) -> Vec<StrokePoint> {
             length_px[index] = length;
         }
     }
-    let least_px = MIN_LENGTH_PX * size.scale_from_1920() + 2.0;
+    let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
     let long = ridges.iter().filter(|ridge| f64::from(length_px[ridge.index]) > least_px);
     long.map(|ridge| StrokePoint { at: ridge.at, normal: ridge.normal, length_px: f64::from(length_px[ridge.index]) })
         .collect()

@@ -17,12 +17,15 @@ mod error;
 mod group;
 mod homography;
 mod matches;
+mod pairs;
 mod start;
 mod tie;
+mod tie_problem;
 mod tie_residual;
 mod turns;
 
 pub use error::TrackError;
 pub use group::groups;
-pub use tie::{Tie, tie_frames};
+pub use pairs::tie_frames;
+pub use tie::Tie;
 pub use turns::{TurnOptions, Turns, adjust_turns};

@@ -1,6 +1,6 @@
 //! A match of two frames: the directions in which both see it should be the same.
 
-use crate::camera::{FocalCurve, undistort};
+use crate::camera::{FocalCurve, PanTilt, undistort};
 use crate::geometry::rotation::skew;
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use nalgebra::{Matrix2, Matrix3x2};
@@ -41,6 +41,11 @@ impl View {
         let common_from_cam = self.cam_from_common.transpose();
         let chain: Matrix3x2<f64> = common_from_cam * across.fixed_columns::<2>(0);
         Some(Sight { direction: common_from_cam * unit, by_log_focal: chain * by_log_focal, by_k1: chain * by_k1 })
+    }
+
+    /// Where the frame looks, if the common frame is upright.
+    pub fn ray(&self) -> PanTilt {
+        PanTilt::from_direction(self.cam_from_common.row(2).transpose())
     }
 
     /// The axes about which the direction of a sight turns with pan and with tilt, `common`.

@@ -4,15 +4,12 @@
 //! perpendicular to all frames' sideways axes is the one about which the camera pans, and then only pan, tilt and focal
 //! length stay free, so that the axis follows from all matches.
 
-use super::axis::upright_from_common;
 use super::start::{steps, views};
-use super::tie_residual::{Sight, View, by_turn};
+use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
 use super::{Tie, TrackError};
-use crate::camera::{CameraBase, FocalCurve, PanTilt, Ptz, PtzCamera};
-use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
-use crate::geometry::{Angle, ImageSize, Mat3, Vec3, median};
-use crate::solve::{DenseEquations, Loss, Problem, Stopping, minimise};
-use nalgebra::{DVector, Vector1};
+use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
+use crate::geometry::{ImageSize, Mat3, Vec3};
+use crate::solve::{Loss, Stopping, minimise};
 
 /// What is expected of the lens beforehand, and how the frames are adjusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,15 +64,8 @@ impl Turns {
 /// Matches farther off than this when all is adjusted are no rotation, px at 1920 px width.
 const NOT_TURNING_PX: f64 = 6.0;
 
-/// What a match counts for that lies beyond the fold of the lens, px at 1920 px width.
-const NOWHERE_PX: f64 = 1000.0;
-
 /// The focal lengths tried for the first frame, in widths of the picture.
 const FOCAL_WIDTHS: [f64; 7] = [0.8, 1.1, 1.5, 2.1, 3.0, 4.3, 6.2];
-
-/// How far down cameras at a field look, where the ties leave it open, and its 1-σ.
-const TILT: Angle = Angle::from_degrees(-12.0);
-const TILT_SIGMA: Angle = Angle::from_degrees(15.0);
 
 /// Pan, tilt and focal length of `count` frames of one size that hang together by ties.
 ///
@@ -138,210 +128,6 @@ pub fn adjust_turns(
 
 const fn until(max_iterations: usize) -> Stopping {
     Stopping { max_iterations, short_step: 1e-7, small_gain: 1e-6 }
-}
-
-/// What of a frame's rotation is free.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Freedom {
-    /// All of it.
-    Any,
-    /// Pan and tilt about the common frame's axes.
-    PanTilt,
-}
-
-impl Freedom {
-    /// Parameters of a frame: the rotation's, then the logarithm of the focal length.
-    const fn parameters(self) -> usize {
-        match self {
-            Self::Any => 4,
-            Self::PanTilt => 3,
-        }
-    }
-}
-
-struct Tied<'a> {
-    ties: &'a [Tie],
-    freedom: Freedom,
-    loss: Loss,
-    /// Px of these frames in a px at 1920 px width.
-    px: f64,
-    expected: FocalCurve,
-    /// 1-σ of k₁ and of its slope.
-    sigma: [f64; 2],
-    /// Whether the mean of the focal lengths' logarithms stays.
-    fixed_scale: bool,
-}
-
-#[derive(Clone, Debug)]
-struct TiedState {
-    views: Vec<View>,
-    lens: FocalCurve,
-}
-
-/// The parameters of the lens stand first.
-const LENS: usize = 2;
-
-impl Problem for Tied<'_> {
-    type State = TiedState;
-    type Equations = DenseEquations;
-
-    fn equations(&self, at: &TiedState) -> DenseEquations {
-        let own = self.freedom.parameters();
-        let mut equations = DenseEquations::zero(LENS + own * at.views.len());
-        for tie in self.ties {
-            let frames = [tie.first, tie.second];
-            let [one, other] = frames.map(|frame| &at.views[frame]);
-            let focal_px = (one.focal_px * other.focal_px).sqrt();
-            for (first, second) in &tie.matches {
-                let sights = (one.sight(*first, &at.lens), other.sight(*second, &at.lens));
-                let (Some(here), Some(there)) = sights else {
-                    equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
-                    continue;
-                };
-                let value = (here.direction - there.direction) * focal_px;
-                let mut by = Vec::with_capacity(LENS + 8);
-                let by_k1 = |sight: &Sight, view: &View| {
-                    let kilo_px = (view.focal_px - at.lens.at_focal_px) / 1000.0;
-                    [sight.by_k1, sight.by_k1 * kilo_px]
-                };
-                let (by_here, by_there) = (by_k1(&here, one), by_k1(&there, other));
-                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * focal_px)));
-                for (view, (frame, sign), sight) in [(one, (frames[0], 1.0), &here), (other, (frames[1], -1.0), &there)]
-                {
-                    let first = LENS + own * frame;
-                    let weight = sign * focal_px;
-                    match self.freedom {
-                        Freedom::Any => {
-                            let turn = by_turn(sight.direction) * weight;
-                            by.extend((0..3).map(|axis| (first + axis, turn.column(axis).into_owned())));
-                        }
-                        Freedom::PanTilt => {
-                            let axes = view.pan_and_tilt_axes().into_iter().enumerate();
-                            by.extend(axes.map(|(at, axis)| (first + at, axis.cross(&sight.direction) * weight)));
-                        }
-                    }
-                    // The focal length is also the measure of the distance.
-                    by.push((first + own - 1, sight.by_log_focal * weight + value * 0.5));
-                }
-                equations.add(&value, self.px, &by, self.loss);
-            }
-        }
-        self.add_priors(at, &mut equations);
-        equations
-    }
-
-    fn stepped(&self, from: &TiedState, step: &DVector<f64>) -> TiedState {
-        let own = self.freedom.parameters();
-        let lens =
-            FocalCurve { value: from.lens.value + step[0], per_1000_px: from.lens.per_1000_px + step[1], ..from.lens };
-        let views = from.views.iter().enumerate().map(|(frame, view)| {
-            let first = LENS + own * frame;
-            let cam_from_common = match self.freedom {
-                Freedom::Any => {
-                    let turn = Vec3::new(step[first], step[first + 1], step[first + 2]);
-                    nearest_rotation(&(view.cam_from_common * from_rotation_vector(turn)))
-                }
-                Freedom::PanTilt => {
-                    let ray = PanTilt::from_direction(view.cam_from_common.row(2).transpose());
-                    let (pan, tilt) = (Angle::from_radians(step[first]), Angle::from_radians(step[first + 1]));
-                    q_tilt(ray.tilt + tilt) * q_pan(ray.pan + pan)
-                }
-            };
-            View { cam_from_common, focal_px: view.focal_px * step[first + own - 1].clamp(-0.7, 0.7).exp(), ..*view }
-        });
-        TiedState { views: views.collect(), lens }
-    }
-}
-
-impl Tied<'_> {
-    /// What is known beforehand: the lens, the gauge, and loosely how far down cameras look.
-    fn add_priors(&self, at: &TiedState, equations: &mut DenseEquations) {
-        /// Holds what no measurement changes.
-        const FIXED: f64 = 1e-6;
-        /// A robust loss would let the priors go.
-        const SURE: Loss = Loss::Squared;
-        let own = self.freedom.parameters();
-        let one = Vector1::new(1.0);
-        let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
-        for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
-            equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
-        }
-        let gauge = match self.freedom {
-            Freedom::Any => 0..3,
-            Freedom::PanTilt => 0..1,
-        };
-        for parameter in gauge {
-            equations.add(&Vector1::new(0.0), FIXED, &[(LENS + parameter, one)], SURE);
-        }
-        if self.freedom == Freedom::PanTilt {
-            for (frame, view) in at.views.iter().enumerate() {
-                let tilt = PanTilt::from_direction(view.cam_from_common.row(2).transpose()).tilt;
-                let value = Vector1::new((tilt - TILT).radians());
-                equations.add(&value, TILT_SIGMA.radians(), &[(LENS + own * frame + 1, one)], SURE);
-            }
-        }
-        if self.fixed_scale {
-            let share = Vector1::new(1.0 / at.views.len() as f64);
-            let of_all: Vec<_> = (0..at.views.len()).map(|frame| (LENS + own * frame + own - 1, share)).collect();
-            equations.add(&Vector1::new(0.0), FIXED, &of_all, SURE);
-        }
-    }
-}
-
-impl TiedState {
-    /// The same with the pan axis along the common frame's y axis, and every frame without roll.
-    fn upright(mut self) -> Self {
-        let turns: Vec<Mat3> = self.views.iter().map(|view| view.cam_from_common).collect();
-        if let Some(upright) = upright_from_common(&turns) {
-            for view in &mut self.views {
-                let forward = upright * view.cam_from_common.row(2).transpose();
-                let ray = PanTilt::from_direction(forward);
-                view.cam_from_common = q_tilt(ray.tilt) * q_pan(ray.pan);
-            }
-        }
-        self
-    }
-
-    /// The same with all focal lengths longer by a factor, and all angles from the middle smaller by it.
-    fn scaled(mut self, factor: f64) -> Self {
-        let angles = |ray: PanTilt| (ray.pan.radians() / factor, ray.tilt.radians());
-        let middle = self.views.iter().map(|view| self.ray(view).tilt.radians()).sum::<f64>() / self.views.len() as f64;
-        let rays: Vec<PanTilt> = self.views.iter().map(|view| self.ray(view)).collect();
-        for (view, ray) in self.views.iter_mut().zip(rays) {
-            let (pan, tilt) = angles(ray);
-            let tilt = middle + (tilt - middle) / factor;
-            view.cam_from_common = q_tilt(Angle::from_radians(tilt)) * q_pan(Angle::from_radians(pan));
-            view.focal_px *= factor;
-        }
-        self
-    }
-
-    #[allow(clippy::unused_self, reason = "reads as a question to the state")]
-    fn ray(&self, view: &View) -> PanTilt {
-        PanTilt::from_direction(view.cam_from_common.row(2).transpose())
-    }
-
-    fn ptz(&self) -> Vec<Ptz> {
-        let ptz = |view: &View| {
-            let PanTilt { pan, tilt } = self.ray(view);
-            Ptz { pan, tilt, focal_px: view.focal_px }
-        };
-        self.views.iter().map(ptz).collect()
-    }
-}
-
-/// The median distance of the matches, px.
-fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
-    let mut distances = Vec::new();
-    for tie in ties {
-        let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
-        let focal_px = (one.focal_px * other.focal_px).sqrt();
-        distances.extend(tie.matches.iter().filter_map(|(first, second)| {
-            let (here, there) = (one.sight(*first, &at.lens)?, other.sight(*second, &at.lens)?);
-            Some((here.direction - there.direction).norm() * focal_px)
-        }));
-    }
-    median(&mut distances).unwrap_or(f64::INFINITY)
 }
 
 #[cfg(test)]
@@ -419,7 +205,8 @@ mod tests {
         }
         wrong.second_from_first = Mat3::new(1.0, 0.0, 400.0, 0.0, 1.0, -150.0, 0.0, 0.0, 1.0) * wrong.second_from_first;
         let kept = crate::track::cycles::uncontradicted(&ties, SIZE);
-        assert_eq!(kept.len(), ties.len() - 1);
+        let names = |ties: &[Tie]| ties.iter().map(|tie| (tie.first, tie.second)).collect::<Vec<_>>();
+        assert_eq!(names(&kept), names(&ties)[1..], "the wrong tie goes, and no right one with it");
         let found = adjust_turns(6, &kept, SIZE, &TurnOptions::default()).unwrap();
         for (found, exact) in found.ptz.iter().zip(&truth.ptz) {
             assert!((found.focal_px / exact.focal_px - 1.0).abs() < 0.03, "{found:?} for {exact:?}");
