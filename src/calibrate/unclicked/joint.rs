@@ -3,8 +3,10 @@
 use super::pitch_map::PitchMap;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{FieldElement, FieldModel};
-use crate::geometry::{ImagePoint, Vec3, median};
-use crate::solve::base::{AdjustOptions, AdjustedBase, BaseModel, CrownModel, FrameClicks, LensModel, adjust_base};
+use crate::geometry::{ImagePoint, ImageSize, Vec3, median};
+use crate::solve::base::{
+    AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
+};
 use crate::solve::{Loss, Observation, ObservedShape, WorldCurve};
 
 /// How far paint may lie from the line that it is taken for, round by round, px at 1920 px width.
@@ -71,9 +73,9 @@ pub(super) fn joint(
     paint: &[FramePaint],
     start: CameraBase,
     ptz: &[Ptz],
-    width_px: u32,
+    size: ImageSize,
 ) -> Option<Joint> {
-    let scale = f64::from(width_px) / 1920.0;
+    let scale = size.scale_from_1920();
     let map = PitchMap::of(field);
     let (mut base, mut crown_m) = (start, field.crown_m);
     let mut ptz: Vec<Option<Ptz>> = ptz.iter().copied().map(Some).collect();
@@ -91,14 +93,14 @@ pub(super) fn joint(
         }
         let crown = if round < CROWN_FROM { CrownModel::Fixed(field.crown_m) } else { CrownModel::Free };
         let loss = Loss::Cauchy { c: (reach_px / 4.0 / SIGMA_PX).max(1.5) };
-        let adjusted = adjusted(field, &taken, &base, &ptz, width_px, crown, loss)?;
+        let adjusted = adjusted(&CameraClicks::centred(field, &taken, size), &base, &ptz, crown, loss)?;
         (base, crown_m, ptz) = (adjusted.base, adjusted.crown_m, adjusted.ptz);
     }
     let half = |which: usize| {
         let of_half = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| frame % 2 == which);
         let ptz: Vec<Option<Ptz>> = ptz.iter().enumerate().map(of_half).collect();
         let loss = Loss::Cauchy { c: 1.5 };
-        adjusted(field, &taken, &base, &ptz, width_px, CrownModel::Fixed(crown_m), loss)
+        adjusted(&CameraClicks::centred(field, &taken, size), &base, &ptz, CrownModel::Fixed(crown_m), loss)
             .map(|half| half.base.position_m)
     };
     let between = half(0).zip(half(1)).map(|(one, other)| one - other);
@@ -112,18 +114,16 @@ pub(super) fn joint(
 }
 
 fn adjusted(
-    field: &FieldModel,
-    taken: &[FrameClicks],
+    taken: &CameraClicks<'_>,
     base: &CameraBase,
     ptz: &[Option<Ptz>],
-    width_px: u32,
     crown: CrownModel,
     loss: Loss,
 ) -> Option<AdjustedBase> {
     let model = BaseModel { lens: LensModel::K1Focal, crown, principal_point: None };
     let options = AdjustOptions { loss, max_iterations: 15, ..AdjustOptions::default() };
     let enough = ptz.iter().flatten().count() >= MIN_FRAMES;
-    let adjusted = enough.then(|| adjust_base(field, taken, base, ptz, width_px, &model, &options))?;
+    let adjusted = enough.then(|| adjust_base(taken, base, ptz, &model, &options))?;
     (adjusted.base.is_finite() && adjusted.base.position_m.z > 0.0).then_some(adjusted)
 }
 

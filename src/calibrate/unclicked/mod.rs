@@ -131,7 +131,7 @@ pub fn base_without_clicks(
             continue;
         }
         tried += 1;
-        let Some(joint) = joint(field, &start.paint, base, &start.turns.ptz, size.width) else { continue };
+        let Some(joint) = joint(field, &start.paint, base, &start.turns.ptz, size) else { continue };
         let evidence = evidence::of(field, &joint, &start.paint, &tied.strokes);
         found.push((joint, evidence));
     }
