@@ -52,8 +52,10 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
     let text = |name: &str| fs::read_to_string(place.path().join(name).join("project.json")).unwrap();
     assert_eq!(text("found"), text("again"), "same input, same bytes");
 
-    let other = touchline(place.path(), "calibrate match/images -o other --field basketball");
+    let other = touchline(place.path(), "calibrate match/images -o other --field basketball_fiba");
     assert_eq!((other.code, other.stderr.trim_end().lines().count()), (2, 1), "{}", other.stderr);
+    let refusals = ["not certain", "no place for the camera"];
+    assert!(refusals.iter().any(|refusal| other.stderr.contains(refusal)), "{}", other.stderr);
     assert!(!place.path().join("other").exists(), "nothing is left behind");
 }
 
