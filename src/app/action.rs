@@ -4,6 +4,7 @@ use super::base::EstimateFailure;
 use super::bulk::{BulkFailure, BulkOrder};
 use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
+use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
@@ -488,8 +489,8 @@ pub enum CameraChoice {
 /// A document that has just been opened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Opened {
-    /// The document.
-    pub document: Document,
+    /// The document, made ready.
+    pub(super) prepared: Prepared,
     /// The steps of earlier sessions that can be undone and redone.
     pub history: History<Document>,
     /// Its folder: what relative paths start from.
@@ -505,13 +506,20 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// A writable document without notices; its folder is the file's.
+    /// A writable document without notices; its folder is the file's. All frames are looked at: to be made where a document is
+    /// opened in the background.
     #[must_use]
     pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        let history = History::default();
-        Self { document, history, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
+        let (prepared, history) = (Prepared::of(document), History::default());
+        Self { prepared, history, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
+    }
+
+    /// The document.
+    #[must_use]
+    pub const fn document(&self) -> &Document {
+        self.prepared.document()
     }
 }
 

@@ -21,6 +21,7 @@ mod line_checks;
 pub mod naming;
 mod open_project;
 mod paint_orders;
+mod prepared;
 mod progress;
 pub mod quality;
 pub mod reclick;

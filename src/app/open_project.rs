@@ -2,6 +2,7 @@
 
 use super::Versioned;
 use super::derived::{Derived, FrameCounts};
+use super::prepared::Prepared;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
 use crate::field::{FieldError, FieldModel};
@@ -37,16 +38,22 @@ impl OpenProject {
     /// A document to which nothing has been done yet, its file and its folder, and why it can only be looked at, if so.
     #[must_use]
     pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
+        Self::of(Prepared::of(document), file, folder, read_only)
+    }
+
+    /// The same, for a document that has been made ready.
+    pub(super) fn of(prepared: Prepared, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {
+        let Prepared { layers, derived } = prepared;
         Self {
-            journalled: Layered::of(document.clone()),
-            document: Versioned::new(document),
+            document: Versioned::new(layers.shown().clone()),
+            journalled: layers,
             history: History::default(),
             folder,
             file,
             read_only,
             revision: 0,
             forest_generation: 0,
-            derived: Derived::default(),
+            derived,
         }
     }
 

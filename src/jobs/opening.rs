@@ -126,15 +126,10 @@ fn open_document(path: &Path, held: Option<&Location>, mut notices: Vec<(Level, 
         Access::Writable(store) => (Some(store), None),
         Access::ReadOnly(reason) => (None, Some(reason.to_string())),
     };
-    let opened = Opened {
-        document,
-        history,
-        folder: location.folder().to_path_buf(),
-        file: location.file().to_path_buf(),
-        read_only,
-        notices,
-        orphans: orphans(&location),
-    };
+    let mut opened = Opened::new(document, location.file());
+    opened.folder = location.folder().to_path_buf();
+    (opened.history, opened.read_only, opened.notices) = (history, read_only, notices);
+    opened.orphans = orphans(&location);
     Ok(Ready { opened, store })
 }
 
@@ -153,7 +148,7 @@ mod tests {
         std::fs::create_dir(&frames).unwrap();
         image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
         let ready = open(&frames).unwrap();
-        assert_eq!(ready.opened.document.frames[0].name(), "../first half/1.png");
+        assert_eq!(ready.opened.document().frames[0].name(), "../first half/1.png");
         assert!(ready.opened.file.ends_with("first half.touchline/project.json"), "{:?}", ready.opened.file);
         assert!(ready.opened.notices.iter().any(|(_, text)| text.starts_with("The project is kept in")));
         drop(ready);

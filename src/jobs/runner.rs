@@ -288,7 +288,7 @@ impl Runner {
 
     fn start_saver(&mut self, ready: Ready) -> Result<Action, JobError> {
         if let Some(store) = ready.store {
-            let (document, history) = (ready.opened.document.clone(), ready.opened.history.clone());
+            let (document, history) = (ready.opened.document().clone(), ready.opened.history.clone());
             let held = store.location().clone();
             let saver = Saver::start(store, document, history, SaverOptions::default(), self.wake.clone());
             self.saver = Some(saver.map_err(|source| JobError::NoThread { what: "saving".to_owned(), source })?);

@@ -141,6 +141,18 @@ fn opening(bencher: Bencher, state: State) {
     });
 }
 
+/// The part of opening that keeps the window waiting: the application takes in what a job has made ready.
+#[divan::bench(args = STATES, sample_count = 5)]
+fn taking_in(bencher: Bencher, state: State) {
+    let opened = Opened::new(document(state), "/match/project.json");
+    bencher.with_inputs(|| (App::new(Settings::default()), Box::new(opened.clone()))).bench_local_values(
+        |(mut app, opened)| {
+            app.update(Action::Opened(opened));
+            app
+        },
+    );
+}
+
 /// What calibrating looks up: derived anew, and brought up to date after one frame has changed.
 #[divan::bench(args = STATES, sample_count = 20)]
 fn lookup_anew(bencher: Bencher, state: State) {

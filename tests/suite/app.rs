@@ -319,11 +319,10 @@ fn without_a_base_clicks_are_kept_and_the_way_out_is_told() {
 #[test]
 fn a_document_to_look_at_only_stays_as_it_is() {
     let mut bench = Bench::new(document(2, true));
-    bench.act(Action::Opened(Box::new(Opened {
-        read_only: Some("another program has it open".into()),
-        notices: vec![(Level::Warning, "3 edits recovered.".into())],
-        ..Opened::new(document(2, true), "/nowhere/project.json")
-    })));
+    let mut opened = Opened::new(document(2, true), "/nowhere/project.json");
+    opened.read_only = Some("another program has it open".into());
+    opened.notices = vec![(Level::Warning, "3 edits recovered.".into())];
+    bench.act(Action::Opened(Box::new(opened)));
     bench.effects.clear();
     bench.click(ImagePoint::new(500.0, 500.0));
     bench.act(Action::SetComment("no".into()));

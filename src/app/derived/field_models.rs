@@ -7,7 +7,7 @@ use crate::field::{FieldError, FieldModel};
 use std::sync::Arc;
 
 /// The fields that were asked for, with the click noise that the document uses.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FieldModels {
     click_noise: Option<ClickNoise>,
     models: Vec<(FieldSpec, Result<Arc<FieldModel>, FieldError>)>,

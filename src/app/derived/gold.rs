@@ -16,7 +16,7 @@ pub struct GoldWork {
 }
 
 /// The same, and what the click noise was derived from.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Gold {
     pub(super) work: GoldWork,
     /// The edition of the repeats, and the fields that they were clicked on.

@@ -10,7 +10,7 @@ pub(super) trait Follows: Default {
 }
 
 /// A value and the version of the document that it follows from.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Memo<T> {
     value: T,
     version: Option<u64>,

@@ -23,7 +23,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What follows from a document.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Derived {
     lookup: Memo<FrameLookup>,
     counts: Memo<FrameCounts>,

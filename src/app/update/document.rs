@@ -52,8 +52,8 @@ impl App {
         self.tell_orphans();
         self.settings.remember(&opened.file);
         self.effects.push(Effect::SaveSettings);
-        let Opened { document, history, folder, file, read_only, .. } = opened;
-        let mut open = OpenProject::new(document, file, folder, read_only);
+        let Opened { prepared, history, folder, file, read_only, .. } = opened;
+        let mut open = OpenProject::of(prepared, file, folder, read_only);
         open.history = history;
         // Go on where work is left.
         let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame));
