@@ -13,8 +13,8 @@ const LOOKED_THROUGH: usize = 64;
 /// As many are judged in one order: a report every second or so.
 const IN_ORDER: usize = 4;
 
-/// If so many cameras are contradicted and none is supported, the lines of the pictures are not those of the field.
-const NO_WITNESS: usize = 4;
+/// If this many cameras are contradicted and none is supported, the lines in the pictures are not those of the field.
+const CONTRADICTED_ALONE: usize = 4;
 
 /// What the paint says about a camera, as the window shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,7 +97,7 @@ impl LineChecks {
             Some(evidence) => PaintSays::recorded(evidence),
             None => PaintSays::of(&self.fresh(open, frame)?),
         };
-        let verdict = if self.is_witness() { says.verdict } else { LineVerdict::CannotSay };
+        let verdict = if self.is_informative() { says.verdict } else { LineVerdict::CannotSay };
         Some(PaintSays { verdict, ..says })
     }
 
@@ -107,8 +107,8 @@ impl LineChecks {
         (Some(known.camera) == open.document.pointed(frame)).then_some(known.check).flatten()
     }
 
-    const fn is_witness(&self) -> bool {
-        self.contradicted < NO_WITNESS || self.supported > 0
+    const fn is_informative(&self) -> bool {
+        self.contradicted < CONTRADICTED_ALONE || self.supported > 0
     }
 
     /// Keeps what was found about a camera, in place of what was known of its frame.
@@ -201,18 +201,18 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_contradict_every_camera_are_no_witness_until_one_is_supported() {
+    fn lines_that_contradict_every_camera_are_ignored_until_one_is_supported() {
         let mut checks = LineChecks::default();
-        for frame in 0..NO_WITNESS {
-            assert!(checks.is_witness(), "{frame}");
+        for frame in 0..CONTRADICTED_ALONE {
+            assert!(checks.is_informative(), "{frame}");
             checks.keep(checked(frame, 0.0));
         }
-        assert!(!checks.is_witness());
+        assert!(!checks.is_informative());
         checks.keep(checked(0, 0.0));
-        assert!(!checks.is_witness(), "the same frame again");
+        assert!(!checks.is_informative(), "the same frame again");
         checks.keep(checked(1, 1.0));
-        assert!(checks.is_witness() && (checks.contradicted, checks.supported) == (NO_WITNESS - 1, 1));
+        assert!(checks.is_informative() && (checks.contradicted, checks.supported) == (CONTRADICTED_ALONE - 1, 1));
         checks.keep(CheckedLines { check: None, ..checked(1, 1.0) });
-        assert_eq!((checks.contradicted, checks.supported), (NO_WITNESS - 1, 0));
+        assert_eq!((checks.contradicted, checks.supported), (CONTRADICTED_ALONE - 1, 0));
     }
 }

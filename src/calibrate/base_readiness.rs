@@ -3,10 +3,10 @@
 use crate::document::Frame;
 use std::ops::{AddAssign, SubAssign};
 
-/// So many landmarks on the ground determine a camera of which nothing else is known.
+/// This many landmarks on the ground determine a camera of which nothing else is known.
 pub const LANDMARKS_ALONE: usize = 4;
 
-/// So many wide frames, left, centre and right, tell where a camera stands.
+/// This many wide frames, left, centre and right, determine where a camera stands.
 pub const WIDE_FRAMES: usize = 3;
 
 /// How much the frames of a camera say about its base.

@@ -64,9 +64,9 @@ pub enum BulkError {
 /// How many frames have been solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BulkProgress {
-    /// So many are.
+    /// How many are done.
     pub done: usize,
-    /// So many will be.
+    /// How many there are in all.
     pub of: usize,
 }
 

@@ -5,7 +5,7 @@ use crate::field::LandmarkId;
 use crate::geometry::Angle;
 use std::collections::BTreeSet;
 
-/// So many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
+/// How many gold frames are chosen: with three landmarks each, one round is enough to tell the noise.
 const CHOSEN: usize = 6;
 
 /// References to be gold, spread over pan and landmarks, by their places: each next one is the one that asks for most
@@ -42,7 +42,7 @@ pub fn choose_gold(document: &Document) -> Vec<usize> {
     chosen
 }
 
-/// Whether [`choose_gold`] chooses any, where so many frames are gold and so many others could be: see [`Frame::why_not_gold`].
+/// Whether [`choose_gold`] chooses any, given how many frames are gold and how many others could be: see [`Frame::why_not_gold`].
 #[must_use]
 pub const fn can_choose_gold(gold: usize, others: usize) -> bool {
     gold < CHOSEN && others > 0

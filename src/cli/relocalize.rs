@@ -9,7 +9,7 @@ use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
 use crate::proposals::{
-    Coverage, FramePictures, LineWitness, TrainingFrames, adopt_bases, is_open, label_advice, propose,
+    Coverage, FramePictures, LineEvidence, TrainingFrames, adopt_bases, is_open, label_advice, propose,
 };
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
@@ -77,7 +77,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     tell_refusal(&store, messages);
     let mut proposals = proposals.unwrap_or_default();
     let at = document.at(&folder);
-    LineWitness::of(at, &mut reader)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
+    LineEvidence::of(at, &mut reader)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
     let mut answered = 0;
     for proposal in proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };

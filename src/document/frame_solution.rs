@@ -3,7 +3,7 @@
 use super::{BetterName, Click, Frame, FramePtz, Proposed, Solution, SolutionSource, SolutionWarning, Target};
 use crate::solve::{FrameSolution, judge};
 
-/// So many equations determine a camera without a proposal.
+/// This many equations determine a camera without a proposal.
 pub(crate) const ENOUGH_EQUATIONS: usize = 3;
 
 impl Frame {

@@ -26,7 +26,7 @@ const ALONG: f32 = 0.7;
 /// Standing edges are joined by cells of this side, px of the reduced picture.
 const CELL: usize = 6;
 
-/// A cell counts with so many standing edges, and a graphic has so many.
+/// A cell counts from this many standing edges on, and a graphic has at least this many.
 const IN_CELL: usize = 2;
 const IN_GRAPHIC: usize = 12;
 
@@ -40,7 +40,7 @@ const STILL: f32 = 0.3;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedPicture {
     size: ImageSize,
-    /// One px of the reduced picture is so many px.
+    /// How many px of the picture one px of the reduced picture is.
     step: usize,
     width: usize,
     height: usize,

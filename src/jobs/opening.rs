@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// More frames than this are thinned out: a match of 90 minutes has 135,000.
 const MOST_FRAMES: usize = 20_000;
-/// Progress is told each time so many frames have been read.
+/// Progress is reported each time this many frames have been read.
 const REPORT_EVERY: usize = 50;
 /// The field of a project that is made by opening frames.
 const DEFAULT_FIELD: &str = "soccer";

@@ -20,7 +20,7 @@ const HALF_PX: f64 = 4.0;
 /// A verdict is given where it is right with this probability.
 const SUPPORTS: f64 = 0.9;
 
-/// So many neighbouring samples are in the same half.
+/// How many neighbouring samples are in the same half.
 const BLOCK: usize = 6;
 
 /// What a picture's paint says about a camera.
@@ -70,7 +70,7 @@ impl LineCheck {
 }
 
 impl LineVerdict {
-    /// What a score of so many open samples says.
+    /// What the score of this many open samples says.
     #[must_use]
     pub fn of(score: f64, open: usize) -> Self {
         match score {

@@ -12,7 +12,7 @@ const MIN_SHARE: f64 = 0.3;
 /// Places of a frame that are asked of the other frames, at most.
 const ASKED: usize = 2500;
 
-/// Other frames that a place is asked of, at most.
+/// How many other frames a place is looked up in, at most.
 const MAX_FRAMES: usize = 60;
 
 /// The side of the cells of [`SeenGround`], degrees.

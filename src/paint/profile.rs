@@ -55,7 +55,7 @@ impl Profile {
         self.grey[index]
     }
 
-    /// The mean brightness from so many places after a place to so many after it, both included, as far as there are any.
+    /// The mean brightness of the places from the first offset after a place to the last, both included, as far as there are any.
     pub fn mean(&self, index: usize, from: isize, to: isize) -> f64 {
         let last = self.grey.len() - 1;
         let from = index.saturating_add_signed(from).min(last);

@@ -78,7 +78,7 @@ const ELSEWHERE_PX: f64 = 10.0;
 /// Cameras nearer to each other are one, px at 1920 px width.
 const SAME_PX: f64 = 4.0;
 
-/// The uncertainty is reckoned from so many of the samples at most.
+/// The uncertainty is computed from at most this many of the samples.
 const UNCERTAINTY_SAMPLES: usize = 120;
 
 /// Pulls a camera onto the painted lines, from `start` and tied to `clicks` by their σ.

@@ -8,7 +8,7 @@ const BINS: usize = 64;
 /// The shares of red and green that the bins cover; colours outside fall into the outermost bin.
 const SHARES: (f64, f64) = (0.12, 0.60);
 
-/// Every so many-th column and row is looked at.
+/// One column and one row in this many is looked at.
 const STRIDE: usize = 8;
 
 /// A colour belongs to the ground if it is at least this common, as a share of the most common one, and its neighbours

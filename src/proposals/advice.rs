@@ -236,7 +236,7 @@ mod tests {
         document
     }
 
-    /// A map of 10 columns from -50° to 50° with so many references in each.
+    /// A map of 10 columns from -50° to 50° with this many references in each.
     fn seen(references: [u32; 10]) -> Coverage {
         Coverage {
             camera: "main".into(),

@@ -18,7 +18,7 @@ impl ExpectedWrong {
     /// Among answers of these confidences, each right or wrong by itself: the Poisson binomial distribution, exactly.
     #[must_use]
     pub fn among(confidences: impl IntoIterator<Item = f64>) -> Self {
-        // How probable it is that so many of the answers so far are wrong.
+        // How probable each number of wrong answers is among those so far.
         let mut of_count = vec![1.0];
         let mut mean = 0.0;
         for confidence in confidences {

@@ -36,7 +36,7 @@ pub struct FrameFeatures {
     pub changed: bool,
 }
 
-/// Frames taken at a time: so many pictures of a video lie in memory at most.
+/// Frames taken at a time: at most this many pictures of a video lie in memory.
 const BATCH: usize = 16;
 
 /// A picture on its way: found before, or what is needed to look.

@@ -7,7 +7,7 @@
 //! | [`find_burnt_in`], [`FoundMask`] | graphics found burnt into a document's pictures, labelled or not |
 //! | [`propose`], [`Proposal`], [`Proposal::record`] | the forest asked for a frame; what it answers; a frame with the answer |
 //! | `Layered` | what the forest suggests, beside what people did; a document as a reader sees it |
-//! | [`LineWitness`] | what the painted lines say about an answer |
+//! | [`LineEvidence`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
 //! | `TrainingSet` | what a forest was trained on |
 //! | [`measure`], [`Quality`] | references left out and asked for |
@@ -29,7 +29,7 @@ mod find_burnt_in;
 mod label;
 mod layer;
 mod learning;
-mod line_witness;
+mod line_evidence;
 mod order;
 mod picture;
 mod proposal;
@@ -54,7 +54,7 @@ pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
 pub(crate) use layer::Layered;
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
-pub use line_witness::LineWitness;
+pub use line_evidence::LineEvidence;
 pub(crate) use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
 pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings, is_open};

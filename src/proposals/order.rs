@@ -2,7 +2,7 @@
 
 use crate::document::{Document, shots};
 
-/// So many frames on either side of the current one come before anything else.
+/// This many frames on either side of the current one come before anything else.
 const NEAR: usize = 8;
 
 /// A shot longer than this counts as several, and so does a recording that nobody cut into shots.

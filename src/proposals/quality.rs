@@ -20,16 +20,16 @@ use std::ops::ControlFlow;
 /// Where there is only one shot, references this close in time are left out together, s.
 const TOGETHER_S: f64 = 5.0;
 
-/// So many forests are trained to measure one: the groups left out are spread over all.
+/// How many forests are trained to measure one: the groups left out are spread over all.
 const MOST_GROUPS: usize = 8;
 
-/// So many references of a shot are asked for.
+/// How many references of a shot are wanted.
 const MOST_OF_A_SHOT: usize = 4;
 
-/// So many references take part, spread over all.
+/// At most this many references take part, spread over all.
 const MOST_REFERENCES: usize = 1000;
 
-/// So many references' features are held while their samples are collected.
+/// How many references' features are held while their samples are collected.
 const BATCH: usize = 32;
 
 /// An overlay that is off by more is wrong, px at 1920 px width.

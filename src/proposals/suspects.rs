@@ -8,7 +8,7 @@ use crate::relocalize::{ContradictionOptions, Reference, contradictions, suspect
 use std::cmp::Reverse;
 use std::ops::ControlFlow;
 
-/// So many references, next to each other by pan, are compared at a time: the features of no more are held.
+/// How many references, next to each other by pan, are compared at a time: the features of no more are held.
 const TOGETHER: usize = 100;
 
 /// A reference to look at: without it no label would contradict another.

@@ -60,10 +60,10 @@ const MIN_CONFIDENCE: f64 = 0.9;
 /// The squared distance of descriptors that may show one place, of descriptors of unit length.
 const MAX_SQUARED_DISTANCE: f32 = 0.2;
 
-/// So many references that share nothing with those beside them are compared with all others.
+/// At most this many references that share nothing with those beside them are compared with all others.
 const MOST_ALONE: usize = 16;
 
-/// So many others far from where a label says it looks have to contradict it.
+/// At least this many others, far from where a label says that it looks, have to contradict it.
 const MANY: usize = 2;
 
 /// The references whose labels contradict each other, the greatest disagreement first.

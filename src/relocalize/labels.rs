@@ -16,7 +16,7 @@ use crate::solve::{Observation, Uncertainty};
 /// References that an answer may rest on: those nearest to it.
 const NEAREST: usize = 12;
 
-/// Features by which the references' shares are told.
+/// Features from which the references' shares are computed.
 const FEATURES: usize = 64;
 
 /// 1-σ of a person's click, px at 1920 px width, where nothing is known of a label.

@@ -24,7 +24,7 @@ impl RayMatches {
         Self::default()
     }
 
-    /// No features yet, with room for so many.
+    /// No features yet, with room for this many.
     #[must_use]
     pub fn with_capacity(features: usize) -> Self {
         Self {

@@ -23,7 +23,7 @@ pub struct Motion {
     pub from: Ptz,
     /// How many frames lie between, at least 1.
     pub frames: u64,
-    /// What nine of ten moves over so many frames stay within.
+    /// The bound that nine of ten moves over this many frames stay within.
     pub usual: PtzStep,
 }
 

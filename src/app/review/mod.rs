@@ -66,7 +66,7 @@ pub struct BulkAccept {
 pub struct Review {
     /// The frames of the list, in the chosen order as far as it is not held.
     pub rows: Vec<ReviewRow>,
-    /// So many of the last rows have come since the list is held.
+    /// How many of the last rows were added since the list was held.
     pub late: usize,
     /// Suggested frames of shots that the list shows by another one.
     pub hidden: Vec<ReviewRow>,

@@ -246,7 +246,7 @@ impl<'a> Reader<'a> {
         Ok((name, value))
     }
 
-    /// So many `MATRIX` elements.
+    /// How many `MATRIX` elements there are.
     fn matrices(&mut self, count: usize, depth: u32) -> Result<Vec<MatValue>, MatError> {
         // Each takes eight bytes at least.
         let left = (self.bytes.len().saturating_sub(self.at)) / 8;

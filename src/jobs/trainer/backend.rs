@@ -9,7 +9,7 @@ use crate::app::{Doing, Share, UnusableReference};
 use crate::document::Document;
 use crate::media::FrameReader;
 use crate::proposals::{
-    FeatureStore, FramePictures, LearnError, LearnOptions, LineWitness, NoProposal, Proposal, Quality, Studied,
+    FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal, Quality, Studied,
     Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
@@ -160,7 +160,7 @@ impl Backend for ForestBackend {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
         let at = document.at(&self.folder);
         // A field that is not valid is named where the document is opened.
-        let witness = LineWitness::of(at, &mut self.reader).ok();
+        let evidence = LineEvidence::of(at, &mut self.reader).ok();
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {
@@ -175,9 +175,9 @@ impl Backend for ForestBackend {
                 }))
             });
             let mut proposals = proposals.unwrap_or_default();
-            if let Some(witness) = &witness {
+            if let Some(evidence) = &evidence {
                 let min_confidence = self.relocalizing.pose.min_confidence;
-                witness.judge(at, &mut self.reader, &mut proposals, min_confidence);
+                evidence.judge(at, &mut self.reader, &mut proposals, min_confidence);
             }
             made.append(&mut proposals);
         }

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// Frames that are asked for at a time; orders are looked at in between.
 const BATCH: usize = 4;
 
-/// Proposals are reported at the latest when there are so many.
+/// Proposals are reported at the latest when this many are waiting.
 const GATHER_MOST: usize = 64;
 
 /// After a training proposals have their turn, but no longer than this.

@@ -26,7 +26,7 @@
 //! | 3 trees, leaves of 32, 3 leaves in all (the default) | .614 | 1.0 |
 //! | 5 trees, leaves of 32, 5 leaves in all | .638 | 2.4 |
 //!
-//! Now descriptors are looked up in groups, and outliers are told by sketches of a quarter of their bytes: 0.7 ms for the
+//! Now descriptors are looked up in groups, and outliers are recognised by sketches of a quarter of their bytes: 0.7 ms for the
 //! default and .604 of the rays, 1.2 ms and .633 for 5 trees. Of what a leaf holds, .12 are within the gate; left to compare
 //! with one in a hundred of these lost: .15 by sketches of two by two cells that are allowed half of the gate, .16 by those
 //! of rows of four cells, .22 by a bit for each byte. A bound that loses none leaves .41 by two by two cells, .54 by rows,

@@ -8,7 +8,7 @@ pub enum SplitRule {
     /// Among the bytes that vary most, in the widest gap between values that leaves each side its share: samples near a
     /// threshold, which noise sends to the wrong side, are the fewest there. It looks at descriptors alone.
     WidestGap,
-    /// The published rule: among any bytes, at so many random thresholds each, where the unit rays of the two sides deviate
+    /// The published rule: among any bytes, at this many random thresholds each, where the unit rays of the two sides deviate
     /// least from their means in sum of squares.
     RayDeviation {
         /// Thresholds tried for each byte.

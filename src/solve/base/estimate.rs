@@ -199,7 +199,7 @@ pub fn estimate_base_watched(
     })
 }
 
-/// So often the pinhole is adjusted before models are compared.
+/// How often the pinhole is adjusted before models are compared.
 const STARTING_ROUNDS: usize = 2;
 
 /// Clicks this far off (median, px at 1920 px width) are explained by no camera.

@@ -19,7 +19,7 @@ pub struct ModelScore {
     pub median_px: f64,
     /// The 90 % quantile of it, px.
     pub p90_px: f64,
-    /// Root mean square with far-off clicks (wrong names) clipped, px: what the choice goes by.
+    /// Root mean square with far-off clicks (wrong names) clipped, px: the choice is made by it.
     pub clipped_rms_px: f64,
     /// How many clicks were held out, each once.
     pub clicks: usize,

@@ -15,7 +15,7 @@ use touchline::features::FeatureOptions;
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::media::FrameReader;
 use touchline::proposals::{
-    Answer, FeatureStore, FramePictures, LearnOptions, LineWitness, Proposal, WorkFolder, learn, propose, study,
+    Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, Proposal, WorkFolder, learn, propose, study,
 };
 use touchline::relocalize::{PoseOptions, RelocalizeOptions};
 use touchline::solve::Uncertainty;
@@ -106,7 +106,7 @@ impl Match {
         }
         let at = self.document.at(&self.folder);
         let mut reader = FrameReader::new();
-        let witness = LineWitness::of(at, &mut reader).unwrap();
+        let evidence = LineEvidence::of(at, &mut reader).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
             let going_on = || ControlFlow::Continue(());
@@ -118,7 +118,7 @@ impl Match {
                 ControlFlow::Continue(propose(&self.document, index, found, (&model, 0), options))
             });
             let mut proposals = proposals.unwrap();
-            witness.judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
+            evidence.judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
             all.extend(proposals.into_iter().map(|proposal| self.against_clicks(proposal)));
         }
         all

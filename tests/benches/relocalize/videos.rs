@@ -12,7 +12,7 @@ use touchline::features::FeatureOptions;
 use touchline::media::{FrameReader, FrameSource};
 use touchline::paint::LineVerdict;
 use touchline::proposals::{
-    Answer, FeatureStore, FramePictures, LearnOptions, LineWitness, TrainingFrames, WorkFolder, learn,
+    Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, WorkFolder, learn,
     overlay_error_px, propose, study,
 };
 use touchline::relocalize::RelocalizeOptions;
@@ -59,7 +59,7 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         ControlFlow::Continue(propose(&document, index, found, (&model, 0), &options))
     });
     let mut proposals = proposals.unwrap();
-    LineWitness::of(at, &mut reader).unwrap().judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
+    LineEvidence::of(at, &mut reader).unwrap().judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
     let answers: Vec<Option<&Answer>> = proposals.iter().map(|proposal| proposal.outcome.as_ref().ok()).collect();
     row(&document, name, &answers);
     let mut proposed = document.clone();

@@ -1,4 +1,4 @@
-//! The painted lines as a witness: what they say about a proposed camera enters its confidence.
+//! What the painted lines say about a proposed camera, and how that enters its confidence.
 
 use super::{Answer, NoProposal, Proposal, read_picture};
 use crate::camera::PtzCamera;
@@ -14,21 +14,21 @@ const REFERENCES: usize = 5;
 /// However sure the features are, the paint decides: of the logarithm of their odds at most this counts.
 const FEATURES_AT_MOST: f64 = 1.0;
 
-/// Without references, the paint is no witness if it supports fewer than this share of the answers,
+/// Without references, the paint is ignored if it supports fewer than this share of the answers,
 const LEAST_SUPPORTED: f64 = 0.1;
 
-/// of at least so many.
+/// of at least this many.
 const ENOUGH_ANSWERS: usize = 10;
 
 /// What the painted lines of a document's pictures may say.
 #[derive(Clone, Debug)]
-pub struct LineWitness {
+pub struct LineEvidence {
     fields: Fields,
     /// Whether the paint bears out references; none where there is none to ask.
     proven: Option<bool>,
 }
 
-impl LineWitness {
+impl LineEvidence {
     /// Asks the paint about some references first: where it bears none of them out, the field's lines are not those of the
     /// pictures, or cannot be seen, and it is not asked further.
     ///
@@ -36,7 +36,7 @@ impl LineWitness {
     /// A field of the document is not valid.
     pub fn of(at: DocumentAt<'_>, reader: &mut dyn ReadFrames) -> Result<Self, FieldError> {
         let fields = Fields::of(at)?;
-        let mut witness = Self { fields, proven: None };
+        let mut evidence = Self { fields, proven: None };
         let solved = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
         let references: Vec<&Frame> = at.document.frames.iter().map(|frame| &**frame).filter(solved).collect();
         for frame in references.iter().step_by(references.len().div_ceil(REFERENCES).max(1)) {
@@ -44,13 +44,13 @@ impl LineWitness {
             else {
                 continue;
             };
-            let check = witness.check(at, frame, &camera, &picture);
+            let check = evidence.check(at, frame, &camera, &picture);
             if can_say(&check) {
                 let supports = check.verdict() == LineVerdict::Supports;
-                witness.proven = Some(witness.proven.unwrap_or(false) || supports);
+                evidence.proven = Some(evidence.proven.unwrap_or(false) || supports);
             }
         }
-        Ok(witness)
+        Ok(evidence)
     }
 
     fn check(&self, at: DocumentAt<'_>, frame: &Frame, camera: &PtzCamera, picture: &Picture) -> LineCheck {
@@ -135,7 +135,7 @@ mod tests {
     use crate::geometry::Mat3;
     use crate::relocalize::{Evidence, FromReference};
 
-    /// An answer of features that are good to so many px.
+    /// An answer from features that are good to this many px.
     fn answer(features_sigma_px: f64, score: f64, open: usize) -> Answer {
         let evidence = Evidence {
             breadth_px: 100.0,
