@@ -53,6 +53,7 @@ pub enum Command {
     MendNames,
     SwitchRoot,
     Snap,
+    SearchLines,
     ZoomIn,
     ZoomOut,
     ZoomToFit,
@@ -197,6 +198,7 @@ rows! {
     MendNames, "mend_names", Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
+    SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
@@ -317,6 +319,7 @@ impl Command {
             | Self::MendNames
             | Self::SwitchRoot
             | Self::Snap
+            | Self::SearchLines
             | Self::ZoomToClick
             | Self::HideOverlay
             | Self::OverlayStyle

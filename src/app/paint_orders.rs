@@ -1,18 +1,18 @@
 //! What the painted lines of the open document's pictures are asked in the background.
 
-use crate::calibrate::{SnapFrameError, check_frame, snap_frame};
+use crate::calibrate::{FindFrameError, SnapFrameError, check_frame, find_frame, snap_frame};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Document, FrameId};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::paint::{LineCheck, SnapOptions, Snapped};
+use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped};
 use crate::proposals::{PictureError, read_picture};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// A frame's camera is to be pulled onto the painted lines.
+/// A frame's camera is to be pulled onto the painted lines, or found by them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SnapOrder {
     /// Which order: the report says it again.
@@ -25,6 +25,8 @@ pub struct SnapOrder {
     pub frame: usize,
     /// The field that it shows.
     pub field: Arc<FieldModel>,
+    /// Whether its camera is searched by the lines alone: it has none.
+    pub from_nothing: bool,
 }
 
 /// A camera on the painted lines.
@@ -45,6 +47,9 @@ pub enum SnapFailure {
     /// The paint does not decide.
     #[error(transparent)]
     Frame(#[from] SnapFrameError),
+    /// The paint alone does not give a camera.
+    #[error(transparent)]
+    Find(#[from] FindFrameError),
     /// An internal error of this program.
     #[error("internal error (please report it): {message}")]
     Panicked {
@@ -54,13 +59,22 @@ pub enum SnapFailure {
 }
 
 impl SnapOrder {
-    /// Pulls the camera onto the paint.
+    /// Pulls the camera onto the paint, or finds it; `watch` may end a search.
     ///
     /// # Errors
     /// The picture cannot be had, or the paint does not decide.
-    pub fn carry_out(&self, reader: &mut dyn ReadFrames) -> Result<Box<SnappedFrame>, SnapFailure> {
+    pub fn carry_out(
+        &self,
+        reader: &mut dyn ReadFrames,
+        watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+    ) -> Result<Box<SnappedFrame>, SnapFailure> {
         let frame = self.document.frames.get(self.frame).ok_or(SnapFrameError::Unsolved)?;
         let picture = read_picture(reader, frame, &self.folder)?;
+        if self.from_nothing {
+            let options = FindOptions::default();
+            let (base, found) = find_frame(&self.document, frame, &self.field, &picture, &options, &|_| watch())?;
+            return Ok(Box::new(SnappedFrame { base, snapped: found.snapped }));
+        }
         let options = SnapOptions::default();
         let (base, snapped) = snap_frame(&self.document, frame, &self.field, &picture, &options)?;
         Ok(Box::new(SnappedFrame { base, snapped }))

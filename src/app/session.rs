@@ -102,6 +102,8 @@ pub struct Snapping {
     pub ticket: u64,
     /// The frame as it was then.
     pub frame: Shared<Frame>,
+    /// Whether its camera is searched by the lines alone.
+    pub from_nothing: bool,
 }
 
 /// A frame that was to be accepted although its verdict is wrong.

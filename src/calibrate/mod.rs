@@ -38,7 +38,10 @@ pub use frame_lookup::FrameLookup;
 pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
-pub use paint::{SnapFrameError, check_frame, record_line_check, record_refusal, record_snapped, snap_frame};
+pub use paint::{
+    FindFrameError, SnapFrameError, check_frame, find_frame, record_found, record_line_check, record_not_found,
+    record_refusal, record_snapped, snap_frame,
+};
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use solve_frames::{is_by_clicks, record_outcome};

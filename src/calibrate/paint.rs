@@ -2,10 +2,15 @@
 
 use super::observations;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{Document, Frame, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning};
+use crate::document::{
+    Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+};
 use crate::field::FieldModel;
 use crate::media::Picture;
-use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapError, SnapOptions, Snapped, check_lines, snap};
+use crate::paint::{
+    FindError, FindOptions, Found, GroundPicture, LineCheck, LineVerdict, SnapError, SnapOptions, Snapped, WatchFind,
+    check_lines, find_camera, snap,
+};
 use crate::solve::ObservationError;
 use thiserror::Error;
 
@@ -14,6 +19,9 @@ pub const LINE_CHECK: &str = "line_check";
 
 /// The code of a warning that a camera was not pulled onto the paint.
 pub const NOT_SNAPPED: &str = "not_snapped";
+
+/// The code of a warning that no camera was found by the paint alone.
+pub const NOT_FOUND: &str = "not_found_by_paint";
 
 /// Why a frame is not snapped.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -52,6 +60,47 @@ pub fn snap_frame(
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
     let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
     Ok((*camera.base(), snapped))
+}
+
+/// Why no camera is found for a frame by its paint alone.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum FindFrameError {
+    /// Where the camera stands is not known.
+    #[error("its camera has no base yet: refine the base first")]
+    NoBase,
+    /// A click names something that the field lacks.
+    #[error(transparent)]
+    Observation(#[from] ObservationError),
+    /// The paint does not decide.
+    #[error(transparent)]
+    Paint(#[from] FindError),
+}
+
+/// A camera for a frame that has none, by the paint of its picture and the clicks that it has; `watch` is told of the progress
+/// and may end it.
+///
+/// # Errors
+/// The frame's camera has no base, a click names something that the field lacks, or the paint does not decide.
+pub fn find_frame(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &FindOptions,
+    watch: WatchFind<'_>,
+) -> Result<(CameraBase, Found), FindFrameError> {
+    let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame)).ok_or(FindFrameError::NoBase)?;
+    let clicks = observations(frame, field)?;
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    Ok((base, find_camera(&ground, field, &base, &clicks, options, watch)?))
+}
+
+/// Writes a found camera into its frame, which becomes a suggestion if nobody has looked at it.
+pub fn record_found(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
+    record_snapped(frame, base, found);
+    if frame.status == FrameStatus::New {
+        frame.status = FrameStatus::Suggested;
+    }
 }
 
 impl From<&LineCheck> for PaintEvidence {
@@ -97,9 +146,18 @@ fn record_ptz(frame: &mut Frame, ptz: Ptz, k1: f64) {
 
 /// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
 pub fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
+    warn_once(frame, NOT_SNAPPED, format!("not snapped to the painted lines: {reason}"));
+}
+
+/// Writes into a frame why no camera was found for it.
+pub fn record_not_found(frame: &mut Frame, reason: &FindFrameError) {
+    warn_once(frame, NOT_FOUND, format!("not found by the painted lines: {reason}"));
+}
+
+fn warn_once(frame: &mut Frame, code: &str, message: String) {
     let solution = frame.solution.get_or_insert_default();
-    solution.warnings.retain(|warning| warning.code != NOT_SNAPPED);
-    solution.warnings.push(SolutionWarning::new(NOT_SNAPPED, format!("not snapped to the painted lines: {reason}")));
+    solution.warnings.retain(|warning| warning.code != code);
+    solution.warnings.push(SolutionWarning::new(code, message));
 }
 
 /// Writes into a frame what the paint says about its camera, with a warning where the paint speaks against it.
@@ -122,5 +180,5 @@ fn against(check: &LineCheck) -> String {
 }
 
 fn drop_paint_warnings(solution: &mut Solution) {
-    solution.warnings.retain(|warning| warning.code != NOT_SNAPPED && warning.code != LINE_CHECK);
+    solution.warnings.retain(|warning| ![NOT_SNAPPED, NOT_FOUND, LINE_CHECK].contains(&warning.code.as_str()));
 }

@@ -3,11 +3,13 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{record_refusal, record_snapped, snap_frame};
-use crate::document::{Fields, FrameStatus};
-use crate::media::FrameReader;
-use crate::paint::SnapOptions;
+use crate::calibrate::{find_frame, record_found, record_not_found, record_refusal, record_snapped, snap_frame};
+use crate::document::{Document, Fields, FrameStatus};
+use crate::field::FieldModel;
+use crate::media::{FrameReader, Picture};
+use crate::paint::{FindOptions, SnapOptions};
 use crate::proposals::read_picture;
+use std::ops::ControlFlow;
 
 /// Pulls solved frames onto the painted markings; statuses stay as they are.
 #[derive(clap::Args, Debug)]
@@ -19,6 +21,10 @@ pub struct SnapArgs {
     /// Paint is looked for this far from where a frame's camera predicts it, px at 1920 px width.
     #[arg(long, value_name = "PX", default_value_t = SnapOptions::default().reach_px, value_parser = reach)]
     reach: f64,
+    /// Also search the painted lines of frames that have no camera: for wide views of a camera whose base is known. What is found
+    /// is a suggestion.
+    #[arg(long)]
+    from_nothing: bool,
 }
 
 fn reach(text: &str) -> Result<f64, String> {
@@ -40,41 +46,96 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let options = SnapOptions { reach_px: args.reach, ..SnapOptions::default() };
     let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Snapping");
-    let (mut snapped, mut failed, mut passed) = (0_usize, 0_usize, 0_usize);
+    let mut counts = Counts::default();
     for index in 0..document.frames.len() {
         bar.inc(1);
         let frame = &*document.frames[index];
-        if frame.ptz.is_none() || frame.status == FrameStatus::Rejected {
-            passed += 1;
+        let is_solved = frame.ptz.is_some();
+        if frame.status == FrameStatus::Rejected || !(is_solved || args.from_nothing) {
+            counts.passed += 1;
             continue;
         }
         let name = frame.name();
         let picture = match read_picture(&mut reader, frame, location.folder()) {
             Ok(picture) => picture,
             Err(error) => {
-                failed += 1;
+                counts.failed += 1;
                 messages.frame_failed(&name, &error.to_string());
                 continue;
             }
         };
         let field = fields.of_frame(&document, frame);
-        match snap_frame(&document, frame, field, &picture, &options) {
-            Ok((base, found)) => {
-                snapped += 1;
-                record_snapped(&mut document.frames[index], &base, &found);
-            }
+        let ended = if is_solved {
+            snap_one(&mut document, index, field, &picture, &options)
+        } else {
+            find_one(&mut document, index, field, &picture, &options)
+        };
+        match ended {
+            Ok(()) if is_solved => counts.snapped += 1,
+            Ok(()) => counts.found += 1,
             Err(reason) => {
-                failed += 1;
-                messages.frame_failed(&name, &reason.to_string());
-                record_refusal(&mut document.frames[index], &reason);
+                counts.failed += 1;
+                messages.frame_failed(&name, &reason);
             }
         }
     }
     bar.finish_and_clear();
     document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
+    let Counts { snapped, found, failed, passed } = counts;
+    let found = if args.from_nothing { format!("{found} found from nothing, ") } else { String::new() };
     messages.note(&format!(
-        "{snapped} frames snapped, {failed} not, {passed} left unchanged (without a camera, or rejected)"
+        "{snapped} frames snapped, {found}{failed} not, {passed} left unchanged (without a camera, or rejected)"
     ));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// How many frames ended in which way.
+#[derive(Default)]
+struct Counts {
+    snapped: usize,
+    found: usize,
+    failed: usize,
+    passed: usize,
+}
+
+/// Snaps a frame and writes into it what came of it.
+fn snap_one(
+    document: &mut Document,
+    index: usize,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &SnapOptions,
+) -> Result<(), String> {
+    match snap_frame(document, &document.frames[index], field, picture, options) {
+        Ok((base, snapped)) => {
+            record_snapped(&mut document.frames[index], &base, &snapped);
+            Ok(())
+        }
+        Err(reason) => {
+            record_refusal(&mut document.frames[index], &reason);
+            Err(reason.to_string())
+        }
+    }
+}
+
+/// Finds the camera of a frame that has none and writes into it what came of it.
+fn find_one(
+    document: &mut Document,
+    index: usize,
+    field: &FieldModel,
+    picture: &Picture,
+    options: &SnapOptions,
+) -> Result<(), String> {
+    let options = FindOptions { snap: *options, ..FindOptions::default() };
+    match find_frame(document, &document.frames[index], field, picture, &options, &|_| ControlFlow::Continue(())) {
+        Ok((base, found)) => {
+            record_found(&mut document.frames[index], &base, &found.snapped);
+            Ok(())
+        }
+        Err(reason) => {
+            record_not_found(&mut document.frames[index], &reason);
+            Err(reason.to_string())
+        }
+    }
 }

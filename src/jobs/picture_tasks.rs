@@ -20,9 +20,13 @@ pub(super) fn burnt_in(
     Action::BurntIn { file: search.file.clone(), found }
 }
 
-/// Pulls a frame's camera onto the painted lines.
-pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures) -> Action {
-    let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
+/// Pulls a frame's camera onto the painted lines, or finds it by them.
+pub(super) fn snapped(
+    order: &SnapOrder,
+    pictures: SharedPictures,
+    watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+) -> Action {
+    let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::Snapped { ticket: order.ticket, result }
 }
 

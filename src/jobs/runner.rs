@@ -141,7 +141,9 @@ impl Runner {
             }
             Effect::Snap(order) => {
                 let pictures = self.pictures.clone();
-                self.begin("snap", Kind::Snap(order.ticket), move |_| Ok(Outcome::Action(snapped(&order, pictures))));
+                self.begin("snap", Kind::Snap(order.ticket), move |watch| {
+                    Ok(Outcome::Action(snapped(&order, pictures, &|| watch.goes_on())))
+                });
             }
             Effect::CheckLines(order) => {
                 let pictures = self.pictures.clone();

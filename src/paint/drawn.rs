@@ -77,7 +77,8 @@ fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
 }
 
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
-    // Stripes of light and dark grass, 5 m wide.
-    let light = if (at.x / 5.0).floor() as i64 % 2 == 0 { 1.0 } else { 1.2 };
+    // Stripes of light and dark grass, 5 m wide; around the field it is not mown in stripes.
+    let striped = at.y.abs() < field.width_m / 2.0 + 4.0;
+    let light = if striped && (at.x / 5.0).floor() as i64 % 2 == 0 { 1.0 } else { 1.2 };
     if from_paint_m(field, at) <= 0.0 { [225.0, 230.0, 220.0] } else { [62.0 * light, 110.0 * light, 42.0 * light] }
 }

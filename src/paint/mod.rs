@@ -6,14 +6,20 @@
 //! | [`Sightings`] | the ridges of paint that a picture shows where a camera predicts a line |
 //! | [`check_lines`], [`LineCheck`] | a camera judged by the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length pulled onto the paint, or the reason why not |
+//! | [`find_camera`], [`Found`] | a camera found in one picture by its lines alone, its base known |
+//! | [`Strokes`] | painted strokes of a picture, found without any camera |
 //! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner or crossing that it names |
 //!
 //! Everything works on one picture and a known base; nothing is drawn by chance.
 
+mod agreement;
 mod check;
+mod directions;
 #[cfg(test)]
 mod drawn;
 mod error;
+mod evidence;
+mod find;
 mod ground;
 mod ground_area;
 mod persistent;
@@ -28,8 +34,10 @@ mod strokes;
 mod surface;
 mod unexplained;
 
+pub use agreement::Agreement;
 pub use check::{LineCheck, LineVerdict, check_lines};
 pub use error::SnapError;
+pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};
 pub use ground::GroundPicture;
 pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
 pub use point::{PointSnapOptions, SnappedPoint, snap_point};

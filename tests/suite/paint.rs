@@ -4,7 +4,7 @@ use crate::program::touchline;
 use std::fs;
 use std::path::Path;
 use touchline::camera::{Ptz, PtzCamera};
-use touchline::document::{Document, FramePtz, SolutionSource, document_from_bytes, document_to_string};
+use touchline::document::{Document, FramePtz, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
 
@@ -91,4 +91,42 @@ fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     assert_eq!(frame.ptz, Some(before));
     let warnings = &frame.solution.as_ref().unwrap().warnings;
     assert!(warnings.iter().any(|warning| warning.code == "not_snapped"), "{warnings:?}");
+}
+
+#[test]
+fn frames_without_a_camera_are_found_from_nothing_on_request() {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 1 --seed 11 --size 960x540 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.path().join("match");
+    let truth = document(&folder.join("truth.json"));
+    let mut bare = truth.clone();
+    for frame in &mut bare.frames {
+        frame.clicks.clear();
+        frame.ptz = None;
+        frame.solution = None;
+        frame.status = FrameStatus::New;
+    }
+    fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
+    let ran = touchline(&folder, "snap bare.json --from-nothing -o found.json");
+    let found = document(&folder.join("found.json"));
+    let field = truth.field.model(&folder).unwrap();
+    let mut solved = 0;
+    for (was, is) in truth.frames.iter().zip(&found.frames) {
+        let Some(camera) = found.pointed(is) else {
+            let warnings = &is.solution.as_ref().unwrap().warnings;
+            assert!(warnings.iter().any(|warning| warning.code == "not_found_by_paint"), "{warnings:?}");
+            assert_eq!(is.status, FrameStatus::New);
+            continue;
+        };
+        solved += 1;
+        let apart = apart_px(&field, &truth.pointed(was).unwrap(), &camera, was.image_size);
+        let solution = is.solution.as_ref().unwrap();
+        assert!(apart < 1.0, "{}: {apart} px, {solution:?}", was.name());
+        assert_eq!((is.status, solution.source), (FrameStatus::Suggested, Some(SolutionSource::Markings)));
+        assert!(solution.confidence.is_some_and(|confidence| confidence > 0.9));
+    }
+    assert!(solved > 0, "{}", ran.stderr);
+    assert_eq!(ran.code, i32::from(solved < truth.frames.len()), "{}", ran.stderr);
+    assert!(ran.stderr.contains(&format!("{solved} found from nothing")), "{}", ran.stderr);
 }

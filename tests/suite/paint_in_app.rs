@@ -99,6 +99,32 @@ fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
 }
 
 #[test]
+fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_is_refused_in_words() {
+    let (place, _) = project();
+    let file = place.path().join("project").join("project.json");
+    let mut document = document_from_bytes(&std::fs::read(&file).unwrap()).unwrap();
+    let turf = place.path().join("turf.png");
+    image::RgbImage::from_pixel(960, 540, image::Rgb([62, 110, 42])).save(&turf).unwrap();
+    let bare = &mut document.frames[1];
+    bare.image = Some(turf.to_string_lossy().into_owned());
+    (bare.ptz, bare.solution, bare.status) = (None, None, FrameStatus::New);
+    std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
+    let mut headless = Headless::new();
+    headless.act(Action::Open(place.path().join("project")));
+    headless.wait_until("opening", |app| app.open().is_some());
+    assert_eq!(headless.app.why_not(Command::SearchLines), Some("This frame has a camera: snap it."));
+    headless.act(Action::GoTo(1));
+    headless.wait_for_picture();
+    assert!(headless.app.why_not(Command::Snap).is_some());
+    assert_eq!(headless.app.why_not(Command::SearchLines), None);
+    headless.act(Action::Command(Command::SearchLines));
+    assert!(headless.app.why_not(Command::SearchLines).is_some(), "one at a time");
+    let refused = "No camera found: the picture shows 0 px of painted lines";
+    headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.starts_with(refused)));
+    assert_eq!((frame(&headless.app).ptz.as_ref(), frame(&headless.app).status), (None, FrameStatus::New));
+}
+
+#[test]
 fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let (place, _) = project();
     let mut headless = Headless::new();

@@ -96,6 +96,7 @@ impl App {
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::Snap => self.why_not_snap(),
+            C::SearchLines => self.why_not_search_lines(),
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
         }
@@ -195,7 +196,8 @@ impl App {
             }
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
-            C::Snap => self.snap(),
+            C::Snap => self.snap(false),
+            C::SearchLines => self.snap(true),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),

@@ -6,7 +6,7 @@ use crate::app::camera_watch::WatchPanicked;
 use crate::app::line_checks::PaintSays;
 use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 use crate::app::session::{Level, Mode, Snapping};
-use crate::calibrate::{record_line_check, record_snapped};
+use crate::calibrate::{record_found, record_line_check, record_snapped};
 use crate::camera::PtzCamera;
 use crate::document::{Frame, FrameStatus};
 use crate::paint::LineVerdict;
@@ -15,6 +15,23 @@ use crate::solve::{Judgement, Verdict};
 impl App {
     /// Why the shown frame cannot be snapped now; none if it can.
     pub(super) fn why_not_snap(&self) -> Option<&'static str> {
+        self.why_no_paint_order().or_else(|| {
+            self.current.camera.is_none().then_some("There is no camera to snap yet: click two points first.")
+        })
+    }
+
+    /// Why the shown frame's camera cannot be searched by the painted lines now; none if it can.
+    pub(super) fn why_not_search_lines(&self) -> Option<&'static str> {
+        let frame = self.frame()?;
+        let document = &self.open.as_ref()?.document;
+        let base = document.camera_of(frame).and_then(|camera| camera.base_for(frame));
+        self.why_no_paint_order()
+            .or_else(|| self.current.camera.is_some().then_some("This frame has a camera: snap it."))
+            .or_else(|| base.is_none().then_some("Its camera has no base yet."))
+    }
+
+    /// Why the painted lines of the shown frame cannot be looked for now.
+    fn why_no_paint_order(&self) -> Option<&'static str> {
         let frame = self.frame()?;
         if self.open.as_ref().is_some_and(|open| open.read_only.is_some()) {
             return Some("The document is read-only.");
@@ -22,27 +39,25 @@ impl App {
         if frame.status == FrameStatus::Rejected {
             return Some("This frame is marked as not calibratable.");
         }
-        if self.session.snapping.is_some() {
-            return Some("The lines are being looked for.");
-        }
-        self.current.camera.is_none().then_some("There is no camera to snap yet: click two points first.")
+        self.session.snapping.is_some().then_some("The lines are being looked for.")
     }
 
-    /// Has the shown frame's camera pulled onto the painted lines.
-    pub(super) fn snap(&mut self) {
+    /// Has the shown frame's camera pulled onto the painted lines, or found by them alone.
+    pub(super) fn snap(&mut self, from_nothing: bool) {
         let Some(field) = self.current.field().cloned() else { return };
         self.commit_open_step();
         let Some(open) = &self.open else { return };
         let Some(frame) = open.document.frames.get(self.session.frame) else { return };
         self.session.snap_tickets += 1;
         let ticket = self.session.snap_tickets;
-        self.session.snapping = Some(Snapping { ticket, frame: frame.clone() });
+        self.session.snapping = Some(Snapping { ticket, frame: frame.clone(), from_nothing });
         self.effects.push(Effect::Snap(Box::new(SnapOrder {
             ticket,
             document: (*open.document).clone(),
             folder: open.folder.clone(),
             frame: self.session.frame,
             field,
+            from_nothing,
         })));
     }
 
@@ -53,7 +68,8 @@ impl App {
             Ok(found) => found,
             Err(failure) => {
                 let level = if matches!(failure, SnapFailure::Panicked { .. }) { Level::Error } else { Level::Warning };
-                self.session.notify(level, format!("Not snapped: {failure}."));
+                let what = if asked.from_nothing { "No camera found" } else { "Not snapped" };
+                self.session.notify(level, format!("{what}: {failure}."));
                 return;
             }
         };
@@ -66,17 +82,22 @@ impl App {
             return;
         };
         let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
-        if !self.begin_step(self.step_at("Snap to the painted lines", position)) {
+        let step = if asked.from_nothing { "Search the painted lines" } else { "Snap to the painted lines" };
+        if !self.begin_step(self.step_at(step, position)) {
             return;
         }
         if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
-            record_snapped(frame, &found.base, &found.snapped);
+            let record = if asked.from_nothing { record_found } else { record_snapped };
+            record(frame, &found.base, &found.snapped);
         }
         self.commit();
         if let Some(before) = before {
             let text = describe_snap(&before, &found, &asked.frame);
             self.session.before_snap.insert(asked.frame.id.clone(), before);
             self.session.notify(Level::Info, text);
+        } else if asked.from_nothing {
+            let samples = found.snapped.samples;
+            self.session.notify(Level::Info, format!("Found by {samples} places of paint. Look before you accept it."));
         }
     }
 

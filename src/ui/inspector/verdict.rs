@@ -40,6 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not recognise it");
                 said(ui, &format!("No proposal: {reason}."));
+                search_lines(panel, ui);
             }
             (None, _) if app.frame().is_some_and(|frame| frame.ptz.is_some()) => {
                 said(ui, "From the document. This frame has no points to check it with.");
@@ -94,6 +95,16 @@ fn paint(app: &App, ui: &mut Ui) {
 
 fn said(ui: &mut Ui, text: &str) {
     ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+}
+
+/// The button that searches the painted lines, where that may find a camera.
+fn search_lines(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let command = Command::SearchLines;
+    if panel.app.why_not(command).is_none()
+        && ui.button(command.name()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked()
+    {
+        panel.actions.push(Action::Command(command));
+    }
 }
 
 /// An error as one calm line.
