@@ -39,8 +39,8 @@ pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use paint::{
-    FindFrameError, SnapFrameError, check_frame, find_frame, record_found, record_line_check, record_not_found,
-    record_refusal, record_snapped, snap_frame,
+    FindFrameError, SnapFrameError, check_frame, find_frame, record_found_by_paint, record_line_check,
+    record_not_found_by_paint, record_refusal, record_snapped, snap_frame,
 };
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};

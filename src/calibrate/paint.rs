@@ -96,7 +96,7 @@ pub fn find_frame(
 }
 
 /// Writes a found camera into its frame, which becomes a suggestion if nobody has looked at it.
-pub fn record_found(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
+pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
     record_snapped(frame, base, found);
     if frame.status == FrameStatus::New {
         frame.status = FrameStatus::Suggested;
@@ -150,7 +150,7 @@ pub fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
 }
 
 /// Writes into a frame why no camera was found for it.
-pub fn record_not_found(frame: &mut Frame, reason: &FindFrameError) {
+pub fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
     warn_once(frame, NOT_FOUND, format!("not found by the painted lines: {reason}"));
 }
 

@@ -3,7 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{find_frame, record_found, record_not_found, record_refusal, record_snapped, snap_frame};
+use crate::calibrate::{
+    find_frame, record_found_by_paint, record_not_found_by_paint, record_refusal, record_snapped, snap_frame,
+};
 use crate::document::{Document, Fields, FrameStatus};
 use crate::field::FieldModel;
 use crate::media::{FrameReader, Picture};
@@ -130,11 +132,11 @@ fn find_one(
     let options = FindOptions { snap: *options, ..FindOptions::default() };
     match find_frame(document, &document.frames[index], field, picture, &options, &|_| ControlFlow::Continue(())) {
         Ok((base, found)) => {
-            record_found(&mut document.frames[index], &base, &found.snapped);
+            record_found_by_paint(&mut document.frames[index], &base, &found.snapped);
             Ok(())
         }
         Err(reason) => {
-            record_not_found(&mut document.frames[index], &reason);
+            record_not_found_by_paint(&mut document.frames[index], &reason);
             Err(reason.to_string())
         }
     }

@@ -105,7 +105,7 @@ mod tests {
     fn the_right_camera_agrees_both_ways_and_wrong_ones_do_not() {
         let (strokes, field) = (Strokes::of(&GroundPicture::new(&PICTURE, &[])), soccer());
         let right = Agreement::of(&strokes, &field, &truth());
-        assert!(right.explained > 0.7 && right.seen > 0.85, "{right:?}");
+        assert!(right.explained > 0.55 && right.seen > 0.85, "{right:?}");
         for (pan_deg, tilt_deg, focal_px) in [(5.0, -14.0, 1500.0), (4.0, -15.0, 1500.0), (4.0, -14.0, 1700.0)] {
             let wrong = Agreement::of(&strokes, &field, &camera(pan_deg, tilt_deg, focal_px));
             assert!(wrong.both() < 0.3 * right.both(), "{wrong:?}");

@@ -6,7 +6,7 @@ use crate::app::camera_watch::WatchPanicked;
 use crate::app::line_checks::PaintSays;
 use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 use crate::app::session::{Level, Mode, Snapping};
-use crate::calibrate::{record_found, record_line_check, record_snapped};
+use crate::calibrate::{record_found_by_paint, record_line_check, record_snapped};
 use crate::camera::PtzCamera;
 use crate::document::{Frame, FrameStatus};
 use crate::paint::LineVerdict;
@@ -87,7 +87,7 @@ impl App {
             return;
         }
         if let Some(frame) = self.open.as_mut().and_then(|open| open.document.frames.get_mut(position)) {
-            let record = if asked.from_nothing { record_found } else { record_snapped };
+            let record = if asked.from_nothing { record_found_by_paint } else { record_snapped };
             record(frame, &found.base, &found.snapped);
         }
         self.commit();
