@@ -1,7 +1,7 @@
 //! The painted lines of a frame's picture: its camera pulled onto them, or judged by them.
 
 use super::observations;
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, Ptz, PtzCamera, Radial};
 use crate::document::{
     Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
 };
@@ -122,7 +122,7 @@ impl From<&LineCheck> for PaintEvidence {
 /// Writes a snapped camera into its frame. What the clicks gave warnings of stays; the status stays.
 pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     let camera = PtzCamera::new(*base, snapped.ptz);
-    record_ptz(frame, snapped.ptz, camera.k1());
+    record_ptz(frame, snapped.ptz, camera.lens());
     let mut solution = frame.solution.take().unwrap_or_default();
     drop_paint_warnings(&mut solution);
     frame.solution = Some(Solution {
@@ -137,11 +137,12 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     });
 }
 
-fn record_ptz(frame: &mut Frame, ptz: Ptz, k1: f64) {
+fn record_ptz(frame: &mut Frame, ptz: Ptz, lens: Radial) {
     let before = frame.ptz.take();
-    let k1 = (k1 != 0.0 || before.as_ref().is_some_and(|before| before.k1.is_some())).then_some(k1);
+    let recorded = before.as_ref().is_some_and(|before| before.k1.is_some());
+    let lens = (!lens.is_none() || recorded).then_some(lens);
     let extra = before.map(|before| before.extra).unwrap_or_default();
-    frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, k1) });
+    frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
 }
 
 /// Writes into a frame why its camera was not pulled onto the paint; the camera stays.

@@ -26,9 +26,9 @@ impl Document {
         let Some(base) = self.camera_of(frame).and_then(Camera::base) else { return };
         let Some((ptz, off_px)) = refitted(&known, &base, frame.image_size) else { return };
         let Some(frame) = self.frames.get_mut(index) else { return };
-        let k1 = Some(base.distortion.at(ptz.focal_px)).filter(|k1| *k1 != 0.0);
+        let lens = Some(base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
         let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-        frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, k1) });
+        frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
         tell(frame, off_px);
     }
 }

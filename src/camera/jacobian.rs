@@ -1,9 +1,8 @@
 //! Derivatives of the projection, analytic.
 
-use super::distortion::fold_radius_squared;
 use super::{MIN_DEPTH, ProjectError, PtzCamera};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
-use nalgebra::{Matrix2, Matrix2x3, Matrix2x6};
+use nalgebra::{Matrix2x3, Matrix2x6};
 
 /// An image point and its derivatives.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +16,7 @@ pub struct ProjectionJacobian {
     pub by_base: Matrix2x6<f64>,
     /// By the world point (px/m).
     pub by_world: Matrix2x3<f64>,
-    /// By k₁ alone (px).
+    /// By k₁ (px); k₂ follows it where it is tied to it.
     pub by_k1: Vec2,
 }
 
@@ -76,7 +75,7 @@ impl PtzCamera {
         Matrix2x3::from_columns(&[by_pan, by_tilt, by_focal])
     }
 
-    /// The image of a point in `cam`; its derivatives by that point, by the focal length at fixed k₁, and by k₁.
+    /// The image of a point in `cam`; its derivatives by that point, by the focal length at fixed k₁, and by k₁ with the k₂ tied to it.
     ///
     /// # Errors
     /// Behind the camera, or beyond the fold of the distortion model.
@@ -90,21 +89,21 @@ impl PtzCamera {
         if !(p.z > MIN_DEPTH * distance) {
             return Err(ProjectError::BehindCamera { depth: if distance > 0.0 { p.z / distance } else { 0.0 } });
         }
-        let (focal_px, k1) = (self.ptz().focal_px, self.k1());
+        let (focal_px, lens) = (self.ptz().focal_px, self.lens());
         let ideal = Vec2::new(p.x / p.z, p.y / p.z);
         let radius_squared = ideal.norm_squared();
-        if radius_squared >= fold_radius_squared(k1) {
-            return Err(ProjectError::BeyondFold { k1 });
+        if radius_squared >= lens.fold_radius_squared() {
+            return Err(ProjectError::BeyondFold { k1: lens.k1 });
         }
-        let stretch = 1.0 + k1 * radius_squared;
+        let stretch = lens.stretch(radius_squared);
         let distorted = ideal * stretch;
-        let by_ideal = Matrix2::identity() * stretch + ideal * ideal.transpose() * (2.0 * k1);
+        let by_ideal = lens.by_ideal(ideal);
         let ideal_by_cam = Matrix2x3::new(1.0, 0.0, -ideal.x, 0.0, 1.0, -ideal.y) / p.z;
         Ok((
             self.base().principal_point.moved(distorted * focal_px),
             by_ideal * ideal_by_cam * focal_px,
             distorted,
-            ideal * (radius_squared * focal_px),
+            ideal * (self.base().distortion.stretch_by_k1(focal_px, radius_squared) * focal_px),
         ))
     }
 }
@@ -116,14 +115,14 @@ mod tests {
     use crate::geometry::Angle;
     use crate::geometry::rotation::from_rotation_vector;
 
-    fn camera() -> PtzCamera {
+    fn camera(k2_per_k1_squared: f64) -> PtzCamera {
         let angles = BaseAngles {
             heading: Angle::from_degrees(5.0),
             pitch: Angle::from_degrees(-1.0),
             roll: Angle::from_degrees(0.7),
         };
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.06, per_1000_px: 0.21 },
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.16, per_1000_px: 0.21, k2_per_k1_squared },
             ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
         };
         PtzCamera::new(base, Ptz::from_degrees(-14.0, -13.0, 2310.0))
@@ -135,8 +134,9 @@ mod tests {
 
     #[test]
     fn every_group_of_parameters_agrees_with_central_differences() {
-        let camera = camera();
-        for world in [Vec3::new(-10.0, 8.0, 0.0), Vec3::new(-25.0, -20.0, 2.44), Vec3::new(4.0, 30.0, 0.0)] {
+        let worlds = [Vec3::new(-10.0, 8.0, 0.0), Vec3::new(-25.0, -20.0, 2.44), Vec3::new(4.0, 30.0, 0.0)];
+        let cameras = [0.0, 0.5, 2.0].map(camera);
+        for (camera, world) in cameras.iter().flat_map(|camera| worlds.map(|world| (camera, world))) {
             let at = camera.image_from_world_jacobian(world).unwrap();
             assert!(at.point.distance_px(camera.image_from_world(world).unwrap()) < 1e-9);
             let (base, ptz) = (*camera.base(), camera.ptz());

@@ -12,7 +12,7 @@ mod ray;
 
 pub use base::{BaseAngles, BaseSigma, CameraBase};
 pub(crate) use distortion::undistort;
-pub use distortion::{FocalCurve, UndistortError};
+pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::ProjectionJacobian;
 pub(crate) use projection::MIN_DEPTH;
 pub use projection::{ProjectError, PtzCamera};

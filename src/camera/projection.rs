@@ -1,7 +1,7 @@
 //! From the world to the picture and back, exactly.
 
-use super::distortion::{UndistortError, distort, fold_radius_squared, undistort};
-use super::{CameraBase, PanTilt, Ptz};
+use super::distortion::{UndistortError, distort, undistort};
+use super::{CameraBase, PanTilt, Ptz, Radial};
 use crate::geometry::rotation::{q_pan, q_tilt};
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
 use thiserror::Error;
@@ -32,18 +32,18 @@ pub enum ProjectError {
 pub struct PtzCamera {
     base: CameraBase,
     ptz: Ptz,
-    k1: f64,
+    lens: Radial,
     cam_from_base: Mat3,
     cam_from_world: Mat3,
 }
 
 impl PtzCamera {
-    /// A base, pointed; k₁ follows from the base's curve at this focal length.
+    /// A base, pointed; the lens follows from the base's curve at this focal length.
     #[must_use]
     pub fn new(base: CameraBase, ptz: Ptz) -> Self {
         let cam_from_base = q_tilt(ptz.tilt) * q_pan(ptz.pan);
         let cam_from_world = cam_from_base * base.base_from_world;
-        Self { base, ptz, k1: base.distortion.at(ptz.focal_px), cam_from_base, cam_from_world }
+        Self { base, ptz, lens: base.distortion.radial_at(ptz.focal_px), cam_from_base, cam_from_world }
     }
 
     /// The base.
@@ -60,8 +60,14 @@ impl PtzCamera {
 
     /// The radial distortion in use.
     #[must_use]
+    pub const fn lens(&self) -> Radial {
+        self.lens
+    }
+
+    /// Its first coefficient.
+    #[must_use]
     pub const fn k1(&self) -> f64 {
-        self.k1
+        self.lens.k1
     }
 
     /// `Q_tilt` · `Q_pan`.
@@ -93,17 +99,17 @@ impl PtzCamera {
             return Err(ProjectError::BehindCamera { depth: if distance > 0.0 { p.z / distance } else { 0.0 } });
         }
         let ideal = Vec2::new(p.x / p.z, p.y / p.z);
-        if ideal.norm_squared() >= fold_radius_squared(self.k1) {
-            return Err(ProjectError::BeyondFold { k1: self.k1 });
+        if ideal.norm_squared() >= self.lens.fold_radius_squared() {
+            return Err(ProjectError::BeyondFold { k1: self.lens.k1 });
         }
-        Ok(self.base.principal_point.moved(distort(ideal, self.k1) * self.ptz.focal_px))
+        Ok(self.base.principal_point.moved(distort(ideal, self.lens) * self.ptz.focal_px))
     }
 
     /// The ideal radius on the plane z = 1 of `cam` beyond which the distortion model folds and nothing has an image;
-    /// infinite without a barrel distortion.
+    /// infinite where it does not fold.
     #[must_use]
     pub fn fold_radius(&self) -> f64 {
-        fold_radius_squared(self.k1).sqrt()
+        self.lens.fold_radius_squared().sqrt()
     }
 
     /// The image of a world point, px.
@@ -127,7 +133,7 @@ impl PtzCamera {
     /// # Errors
     /// The point lies beyond the fold of the distortion model.
     pub fn cam_plane_from_image(&self, point: ImagePoint) -> Result<Vec2, UndistortError> {
-        undistort(point.offset_from(self.base.principal_point) / self.ptz.focal_px, self.k1)
+        undistort(point.offset_from(self.base.principal_point) / self.ptz.focal_px, self.lens)
     }
 
     /// The unit direction in `cam` that an image point shows.
@@ -173,7 +179,7 @@ mod tests {
 
     fn base(k1: f64) -> CameraBase {
         CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: 0.0 },
+            distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: 0.0, ..FocalCurve::NONE },
             ..CameraBase::new(
                 Vec3::new(2.0, -60.0, 18.0),
                 BaseAngles::default().base_from_world(),

@@ -43,6 +43,8 @@ enum Distortion {
     K1,
     /// k₁ linear in the focal length.
     K1Focal,
+    /// The same with k₂ = 2 k₁², which folds at no focal length.
+    K1FocalK2,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +78,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             Distortion::None => Some(LensModel::Pinhole),
             Distortion::K1 => Some(LensModel::K1),
             Distortion::K1Focal => Some(LensModel::K1Focal),
+            Distortion::K1FocalK2 => Some(LensModel::K1FocalK2),
         },
         crown: match args.crown {
             Crown::Auto => None,
@@ -154,6 +157,7 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
             score.model, score.median_px, score.p90_px
         ));
     }
+    messages.note(&format!("{name}: {}: {}", found.model, found.reason));
     let before = found.previous_median_px.map_or_else(String::new, |before| format!(", {before:.2} px before"));
     messages.note(&format!(
         "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",

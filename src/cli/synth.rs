@@ -142,7 +142,7 @@ impl Order {
         let shoot = ShootOptions {
             step_s: 4.7,
             focal_px_at_1280: [1200.0, 3200.0],
-            distortion_at_1280: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.08 },
+            distortion_at_1280: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.08, ..FocalCurve::NONE },
             noise_levels: 0.7,
             jpeg_quality: 76,
             ..Preset::Paper.shoot()
@@ -225,7 +225,7 @@ fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Ca
 fn true_frame(frame: &Frame, camera: &PtzCamera, step: &PathStep, drawn: &RenderedFrame) -> Frame {
     let mut frame = frame.clone();
     frame.status = FrameStatus::Reference;
-    frame.ptz = Some(FramePtz::new(camera.ptz(), Some(camera.k1())));
+    frame.ptz = Some(FramePtz::new(camera.ptz(), Some(camera.lens())));
     frame.masks = drawn.movers.iter().map(|mover| mover.area).collect();
     let movers: Vec<Value> = drawn.movers.iter().map(|mover| json!(mover_name(mover.mover))).collect();
     frame.extra.insert("truth".to_owned(), json!({ "time_s": step.time_s, "masks": movers }));

@@ -59,6 +59,9 @@ pub struct Distortion {
     /// k₁ by focal length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub k1: Option<K1Curve>,
+    /// k₂ = this · k₁², at every focal length; absent: k₂ is zero. From 0.45 on the lens folds nowhere.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub k2_per_k1_squared: Option<f64>,
     /// Unknown keys, further coefficients among them.
     #[serde(flatten)]
     pub extra: Extra,
@@ -128,11 +131,17 @@ impl Camera {
         }
     }
 
-    /// k₁ by focal length, where the camera has a curve.
+    /// The lens by focal length, where the camera has a curve.
     #[must_use]
     pub fn curve(&self) -> Option<FocalCurve> {
-        let k1 = self.distortion.as_ref()?.k1.as_ref()?;
-        Some(FocalCurve { at_focal_px: k1.at_focal_px, value: k1.value, per_1000_px: k1.per_1000_px })
+        let distortion = self.distortion.as_ref()?;
+        let k1 = distortion.k1.as_ref()?;
+        Some(FocalCurve {
+            at_focal_px: k1.at_focal_px,
+            value: k1.value,
+            per_1000_px: k1.per_1000_px,
+            k2_per_k1_squared: distortion.k2_per_k1_squared.unwrap_or(0.0),
+        })
     }
 
     /// The base, where position and rotation are known; the rotation is orthogonalised.
@@ -179,7 +188,9 @@ impl Camera {
         }
         self.principal_point = base.principal_point;
         if self.curve().unwrap_or(FocalCurve::NONE) != base.distortion {
-            let k1 = self.distortion.get_or_insert_default().k1.get_or_insert_default();
+            let distortion = self.distortion.get_or_insert_default();
+            distortion.k2_per_k1_squared = Some(base.distortion.k2_per_k1_squared).filter(|share| *share != 0.0);
+            let k1 = distortion.k1.get_or_insert_default();
             k1.at_focal_px = base.distortion.at_focal_px;
             k1.value = base.distortion.value;
             k1.per_1000_px = base.distortion.per_1000_px;

@@ -22,13 +22,14 @@ impl Frame {
 
     /// Takes over what a solve found.
     pub fn record(&mut self, solved: &FrameSolution) {
-        let k1 = (solved.k1 != 0.0 || self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some())).then_some(solved.k1);
+        let recorded = self.ptz.as_ref().is_some_and(|ptz| ptz.k1.is_some());
+        let lens = (!solved.lens.is_none() || recorded).then_some(solved.lens);
         let proposed = self.proposed();
         let by_clicks = self.clicks_decide();
         let source =
             proposed.as_ref().filter(|_| !by_clicks).map_or(SolutionSource::Clicks, |proposed| proposed.source);
         let ptz_extra = self.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, k1) });
+        self.ptz = Some(FramePtz { extra: ptz_extra, ..FramePtz::new(solved.ptz, lens) });
         let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
         self.solution = Some(Solution {
             covariance: Some(solved.covariance),

@@ -29,7 +29,7 @@
 //! | `id` | the name that frames refer to |
 //! | `image_size_px`, `principal_point_px` | of its pictures, px |
 //! | `position_m?`, `base_from_world?` | its base; absent: not known yet |
-//! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]) |
+//! | `distortion?` | `k1`: `at_focal_px`, `value`, `per_1000_px` ([`K1Curve`]); `k2_per_k1_squared?`: k₂ = this · k₁² ([`Distortion`]) |
 //! | `sigma?` | prior 1-σ of the base: `position_m`, `rotation_deg` ([`CameraSigma`]) |
 //! | `masks_px?` | boxes `[x, y, width, height]` that give no features in any frame, px |
 //! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
@@ -55,7 +55,7 @@
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
 //! | `clicks` | `landmark` or `line`, `image_px`, `check?` ([`Click`]) |
 //! | `masks_px?` | boxes that give no features in this frame, px |
-//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`; absent: unsolved ([`FramePtz`]) |
+//! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
 //! | `solution?` | below |
 //!
 //! A solution ([`Solution`]):

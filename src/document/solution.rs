@@ -1,7 +1,7 @@
 //! What a solve says about a frame.
 
 use super::{Extra, Target, adapters};
-use crate::camera::Ptz;
+use crate::camera::{Ptz, Radial};
 use crate::geometry::Mat3;
 use crate::solve::{IdentityFinding, Name, Verdict, WarningCode};
 use serde::{Deserialize, Serialize};
@@ -21,22 +21,32 @@ pub struct FramePtz {
     /// The k₁ that was used. It is input only where the camera has no curve.
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub k1: Option<f64>,
+    /// The k₂ that was used, where it is not zero: a record, never an input.
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    pub k2: Option<f64>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
 }
 
 impl FramePtz {
-    /// The record of a solved frame.
+    /// The record of a solved frame and of the lens that was used.
     #[must_use]
-    pub fn new(ptz: Ptz, k1: Option<f64>) -> Self {
+    pub fn new(ptz: Ptz, lens: Option<Radial>) -> Self {
         Self {
             pan_deg: ptz.pan.wrapped().degrees(),
             tilt_deg: ptz.tilt.wrapped().degrees(),
             focal_px: ptz.focal_px,
-            k1,
+            k1: lens.map(|lens| lens.k1),
+            k2: lens.map(|lens| lens.k2).filter(|k2| *k2 != 0.0),
             extra: Extra::new(),
         }
+    }
+
+    /// The lens that was used, where it is recorded.
+    #[must_use]
+    pub fn lens(&self) -> Option<Radial> {
+        Some(Radial { k1: self.k1?, k2: self.k2.unwrap_or(0.0) })
     }
 
     /// The same as the mathematics has it.

@@ -31,7 +31,7 @@ struct Knot {
 impl<'a> Flattener<'a> {
     pub fn new(field: &'a FieldModel, camera: &PtzCamera, window: &'a Window, tolerance_px: f64) -> Self {
         let radius_squared = window.ideal_radius * window.ideal_radius;
-        let stretch = (1.0 + 3.0 * camera.k1() * radius_squared).max(1.0);
+        let stretch = camera.lens().slope(radius_squared).max(1.0);
         Self {
             field,
             window,

@@ -71,9 +71,10 @@ impl Pen<'_> {
             Vec2::new(p.x / p.z, p.y / p.z)
         };
         let (start, end) = (ideal(span.start), ideal(span.end));
-        // Straight before distortion: uniform steps, as many as its curvature of at most 6 |k₁| r f asks for.
-        let bend_px = 6.0 * self.camera.k1().abs() * start.norm().max(end.norm()) * self.camera.ptz().focal_px / 8.0
-            * (end - start).norm_squared();
+        // Straight before distortion: uniform steps, as many as its curvature of at most (6 |k₁| r + 20 |k₂| r³) f asks for.
+        let (lens, radius) = (self.camera.lens(), start.norm().max(end.norm()));
+        let curvature = radius * (6.0 * lens.k1.abs() + 20.0 * lens.k2.abs() * radius * radius);
+        let bend_px = curvature * self.camera.ptz().focal_px / 8.0 * (end - start).norm_squared();
         let steps = (bend_px / self.tolerance_px).sqrt().ceil().clamp(1.0, 4096.0);
         let image = |ideal: Vec2| self.camera.image_from_cam(Vec3::new(ideal.x, ideal.y, 1.0));
         let Ok(mut from) = image(start) else { return };

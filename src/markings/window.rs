@@ -26,7 +26,10 @@ pub struct Window {
 impl Window {
     /// The window of a camera's picture; none where the camera has NaN or infinite parameters.
     pub fn new(camera: &PtzCamera, size: ImageSize, margin_px: f64) -> Option<Self> {
-        if !(camera.ptz().is_finite() && camera.base().is_finite() && camera.k1().is_finite() && margin_px.is_finite())
+        if !(camera.ptz().is_finite()
+            && camera.base().is_finite()
+            && camera.base().distortion.is_finite()
+            && margin_px.is_finite())
         {
             return None;
         }
@@ -35,14 +38,15 @@ impl Window {
         if !(min.x < max.x && min.y < max.y) {
             return None;
         }
-        // k₁ scales a radius by a factor that is monotonic in it, so the extremes of an edge are its two ends and its
-        // point nearest to the principal point.
+        // The lens scales a radius by a factor that depends on it alone, so the extremes of an edge are its two ends, its point
+        // nearest to the principal point, and the points where that factor is least.
         let principal = camera.base().principal_point;
         let (near_x, near_y) = (principal.x.clamp(min.x, max.x), principal.y.clamp(min.y, max.y));
         let on_edges = [min.y, near_y, max.y]
             .into_iter()
             .flat_map(|y| [ImagePoint::new(min.x, y), ImagePoint::new(max.x, y)])
-            .chain([min.y, max.y].map(|y| ImagePoint::new(near_x, y)));
+            .chain([min.y, max.y].map(|y| ImagePoint::new(near_x, y)))
+            .chain(most_shrunk(camera, min, max));
         let fold = camera.fold_radius() * FOLD_SHARE;
         let mut window =
             Self { min, max, ideal_min: Vec2::repeat(0.0), ideal_max: Vec2::repeat(0.0), ideal_radius: 0.0 };
@@ -63,25 +67,42 @@ impl Window {
     }
 }
 
+/// The points on a box's edges at the radius at which the lens shrinks most; none where there is no such radius.
+fn most_shrunk(camera: &PtzCamera, min: ImagePoint, max: ImagePoint) -> impl Iterator<Item = ImagePoint> {
+    let (lens, principal) = (camera.lens(), camera.base().principal_point);
+    let squared = lens.narrowest_radius_squared();
+    let radius_px = squared.map_or(f64::NAN, |squared| squared.sqrt() * lens.stretch(squared) * camera.ptz().focal_px);
+    // NaN where the circle does not reach the edge; it lies in no range.
+    let half_chord = move |offset: f64| (radius_px * radius_px - offset * offset).sqrt();
+    let upright = [min.x, max.x].into_iter().flat_map(move |x| {
+        let half = half_chord(x - principal.x);
+        [principal.y - half, principal.y + half].map(|y| ImagePoint::new(x, y))
+    });
+    let level = [min.y, max.y].into_iter().flat_map(move |y| {
+        let half = half_chord(y - principal.y);
+        [principal.x - half, principal.x + half].map(|x| ImagePoint::new(x, y))
+    });
+    upright.chain(level).filter(move |p| (min.x..=max.x).contains(&p.x) && (min.y..=max.y).contains(&p.y))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
     use crate::geometry::Vec3;
 
-    fn camera(k1: f64, focal_px: f64) -> PtzCamera {
+    fn camera(distortion: FocalCurve, focal_px: f64) -> PtzCamera {
         let base =
             CameraBase::new(Vec3::zeros(), BaseAngles::default().base_from_world(), ImagePoint::new(960.0, 540.0));
-        PtzCamera::new(
-            CameraBase { distortion: FocalCurve::constant(k1), ..base },
-            Ptz::from_degrees(0.0, 0.0, focal_px),
-        )
+        PtzCamera::new(CameraBase { distortion, ..base }, Ptz::from_degrees(0.0, 0.0, focal_px))
     }
 
     #[test]
     fn the_window_holds_every_point_of_the_picture() {
-        for (k1, focal_px) in [(0.0, 2000.0), (-0.1, 1500.0), (0.3, 1500.0), (-0.4, 900.0)] {
-            let camera = camera(k1, focal_px);
+        let without_k2 = [(0.0, 2000.0), (-0.1, 1500.0), (0.3, 1500.0), (-0.4, 900.0)];
+        let with_k2 = [(-0.25, 900.0, 2.0), (-0.25, 900.0, 0.5), (0.3, 1500.0, 2.0)];
+        for (k1, focal_px, k2_per_k1_squared) in without_k2.map(|(k1, px)| (k1, px, 0.0)).into_iter().chain(with_k2) {
+            let camera = camera(FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) }, focal_px);
             let window = Window::new(&camera, ImageSize::new(1920, 1080), 4.0).unwrap();
             for step in 0..4000 {
                 let (x, y) = (f64::from(step % 80) * 24.3, f64::from(step / 80) * 22.0);
@@ -97,8 +118,8 @@ mod tests {
 
     #[test]
     fn a_camera_of_nan_has_no_window() {
-        assert_eq!(Window::new(&camera(f64::NAN, 2000.0), ImageSize::new(1920, 1080), 4.0), None);
-        assert_eq!(Window::new(&camera(0.0, f64::NAN), ImageSize::new(1920, 1080), 4.0), None);
-        assert_eq!(Window::new(&camera(0.0, 2000.0), ImageSize::new(0, 0), 0.0), None);
+        assert_eq!(Window::new(&camera(FocalCurve::constant(f64::NAN), 2000.0), ImageSize::new(1920, 1080), 4.0), None);
+        assert_eq!(Window::new(&camera(FocalCurve::NONE, f64::NAN), ImageSize::new(1920, 1080), 4.0), None);
+        assert_eq!(Window::new(&camera(FocalCurve::NONE, 2000.0), ImageSize::new(0, 0), 0.0), None);
     }
 }

@@ -32,7 +32,7 @@ pub fn soccer() -> FieldModel {
 /// A camera on the stand, with a lens that bends.
 pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     let base = CameraBase {
-        distortion: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.2 },
+        distortion: FocalCurve { at_focal_px: 1500.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE },
         ..CameraBase::new(Vec3::new(1.0, -62.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre())
     };
     PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))

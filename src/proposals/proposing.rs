@@ -33,9 +33,9 @@ pub fn propose(
 }
 
 fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
-    let k1 = Some(base.distortion.at(pose.ptz.focal_px)).filter(|k1| *k1 != 0.0);
+    let lens = Some(base.distortion.radial_at(pose.ptz.focal_px)).filter(|lens| !lens.is_none());
     Answer {
-        ptz: FramePtz::new(pose.ptz, k1),
+        ptz: FramePtz::new(pose.ptz, lens),
         covariance: pose.covariance,
         rms_px: pose.rms_px,
         worst_corner_sigma_px: pose.worst_corner_sigma_px,

@@ -97,7 +97,7 @@ impl RayMatches {
     /// The squared distance of a feature from its nearest candidate in a camera, px², and that candidate's direction; none
     /// where no candidate has an image.
     pub(super) fn nearest(&self, camera: &PtzCamera, feature: usize) -> Option<(f64, Vec3)> {
-        let (rotation, ptz, k1) = (camera.cam_from_base(), camera.ptz(), camera.k1());
+        let (rotation, ptz, lens) = (camera.cam_from_base(), camera.ptz(), camera.lens());
         let offset = self.points[feature].offset_from(camera.base().principal_point) / ptz.focal_px;
         let fold_squared = camera.fold_radius().powi(2);
         let mut best = None::<(f64, Vec3)>;
@@ -111,7 +111,7 @@ impl RayMatches {
             if radius_squared >= fold_squared {
                 continue;
             }
-            let stretch = 1.0 + k1 * radius_squared;
+            let stretch = lens.stretch(radius_squared);
             let (dx, dy) = (x * stretch - offset.x, y * stretch - offset.y);
             let squared = (dx * dx + dy * dy) * ptz.focal_px * ptz.focal_px;
             if best.is_none_or(|(least, _)| squared < least) {

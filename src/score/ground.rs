@@ -44,20 +44,19 @@ pub fn seen_field(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Ve
     if ideal.len() < 3 {
         return Vec::new();
     }
-    let ideal = if camera.k1() == 0.0 { vec![ideal] } else { shared(&[ideal], &[border]) };
+    let ideal = if camera.lens().is_none() { vec![ideal] } else { shared(&[ideal], &[border]) };
     let on_ground = |ring: &Ring| ring.iter().map(|point| ground_from_ideal(camera, *point)).collect::<Option<Ring>>();
     ideal.iter().filter_map(on_ground).collect()
 }
 
 /// The picture's border on the plane z = 1 of `cam`, before distortion: its corners, or points along its bent edges.
 fn ideal_border(camera: &PtzCamera, size: ImageSize) -> Ring {
-    let steps = if camera.k1() == 0.0 { 1 } else { POINTS_PER_EDGE };
+    let steps = if camera.lens().is_none() { 1 } else { POINTS_PER_EDGE };
     let corners = size.corners();
     let principal = camera.base().principal_point;
     let focal_px = camera.ptz().focal_px;
-    // A radius r of the ideal plane comes to lie at r (1 + k₁ r²).
     let fold = camera.fold_radius() * FOLD_SHARE;
-    let fold_px = fold * (1.0 + camera.k1() * fold * fold) * focal_px;
+    let fold_px = fold * camera.lens().stretch(fold * fold) * focal_px;
     let mut border = Ring::new();
     for (i, from) in corners.iter().enumerate() {
         let along = corners[(i + 1) % corners.len()].offset_from(*from);

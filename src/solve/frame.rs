@@ -57,7 +57,7 @@ pub fn solve_frame(
     let uncertainty = Uncertainty::of(&camera, &seen, context.prior.as_ref())?;
     let mut solution = FrameSolution {
         ptz: chosen.ptz,
-        k1: camera.k1(),
+        lens: camera.lens(),
         covariance: uncertainty.ptz_covariance_deg(),
         rms_px: chosen.rms_px,
         redundancy: equations - 3,

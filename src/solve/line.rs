@@ -129,14 +129,18 @@ impl<'a> CurveProjection<'a> {
         let q = self.cam_from_world * (curve.at - self.camera.base().position_m);
         let at = self.camera.image_from_cam(q).ok()?;
         let (q1, q2) = (self.cam_from_world * curve.first, self.cam_from_world * curve.second);
-        // Ideal point i = (q_x, q_y) / q_z and its derivatives, then d = i (1 + k₁ i·i).
+        // Ideal point i = (q_x, q_y) / q_z and its derivatives, then d = i (1 + k₁ i·i + k₂ (i·i)²).
         let ideal = q.xy() / q.z;
         let ideal1 = (q1.xy() - ideal * q1.z) / q.z;
         let ideal2 = (q2.xy() - ideal * q2.z - ideal1 * (2.0 * q1.z)) / q.z;
-        let k1 = self.camera.k1();
-        let stretch = 1.0 + k1 * ideal.norm_squared();
-        let stretch1 = 2.0 * k1 * ideal.dot(&ideal1);
-        let stretch2 = 2.0 * k1 * (ideal1.norm_squared() + ideal.dot(&ideal2));
+        let lens = self.camera.lens();
+        let squared = ideal.norm_squared();
+        let squared1 = 2.0 * ideal.dot(&ideal1);
+        let squared2 = 2.0 * (ideal1.norm_squared() + ideal.dot(&ideal2));
+        let by_squared = lens.k1 + 2.0 * lens.k2 * squared;
+        let stretch = lens.stretch(squared);
+        let stretch1 = by_squared * squared1;
+        let stretch2 = by_squared * squared2 + 2.0 * lens.k2 * squared1 * squared1;
         let focal_px = self.camera.ptz().focal_px;
         let first = (ideal1 * stretch + ideal * stretch1) * focal_px;
         let second = (ideal2 * stretch + ideal1 * (2.0 * stretch1) + ideal * stretch2) * focal_px;

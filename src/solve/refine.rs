@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn clicks_and_priors_change_with_pan_tilt_and_focal_length_as_their_jacobians_say() {
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2 },
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, ..FocalCurve::NONE },
             ..CameraBase::new(
                 Vec3::new(3.0, -62.0, 17.0),
                 BaseAngles { roll: Angle::from_degrees(0.7), ..BaseAngles::default() }.base_from_world(),

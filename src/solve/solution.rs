@@ -1,7 +1,7 @@
 //! What a solve gives back.
 
 use super::{IdentityFinding, Observation, PtzStep, Uncertainty, Warning, WarningCode};
-use crate::camera::{Ptz, PtzCamera};
+use crate::camera::{Ptz, PtzCamera, Radial};
 use crate::geometry::{Angle, Mat3, Vec2};
 use serde::Serialize;
 
@@ -62,8 +62,9 @@ pub struct CheckResult {
 pub struct FrameSolution {
     /// The result.
     pub ptz: Ptz,
-    /// k₁ at this focal length.
-    pub k1: f64,
+    /// The lens at this focal length.
+    #[serde(flatten)]
+    pub lens: Radial,
     /// Covariance in the order pan (deg), tilt (deg), focal length (px), as documents hold it.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,

@@ -192,8 +192,8 @@ struct LensPair<'a> {
 impl LensPair<'_> {
     /// The pixels' ideal points on the plane z = 1 at a focal length; none beyond the fold of the lens model.
     fn ideal_at(&self, focal_px: f64) -> Option<[Vec2; 2]> {
-        let k1 = self.base.distortion.at(focal_px);
-        let ideal = |pixel: ImagePoint| undistort(pixel.offset_from(self.base.principal_point) / focal_px, k1).ok();
+        let lens = self.base.distortion.radial_at(focal_px);
+        let ideal = |pixel: ImagePoint| undistort(pixel.offset_from(self.base.principal_point) / focal_px, lens).ok();
         Some([ideal(self.pixels[0])?, ideal(self.pixels[1])?])
     }
 
@@ -236,7 +236,7 @@ impl LensPair<'_> {
                 })
                 .collect();
             let bottoms: Vec<(f64, f64)> =
-                dips.into_iter().filter_map(|at| self.bottom(samples[at - 1].0, samples[at + 1].0)).collect();
+                dips.into_iter().filter_map(|at| self.bottom(samples[at - 1], samples[at + 1].0)).collect();
             samples.extend(bottoms);
             samples.sort_by(|a, b| a.0.total_cmp(&b.0));
             found.extend(samples.windows(2).filter(|pair| pair[0].1 * pair[1].1 <= 0.0).filter_map(|pair| {
@@ -271,14 +271,15 @@ impl LensPair<'_> {
         stretches
     }
 
-    /// The smallest |excess angle| between two log focal lengths (golden section).
-    fn bottom(&self, mut low: f64, mut high: f64) -> Option<(f64, f64)> {
+    /// The smallest |excess angle| between two log focal lengths at which it has one sign (golden section), or a place where
+    /// it has the other.
+    fn bottom(&self, (mut low, outside): (f64, f64), mut high: f64) -> Option<(f64, f64)> {
         const SHARE: f64 = 0.618_033_988_749_895;
         for _ in 0..40 {
             let (a, b) = (high - SHARE * (high - low), low + SHARE * (high - low));
             let (at_a, at_b) = (self.excess_angle(a)?, self.excess_angle(b)?);
-            if at_a.signum() != at_b.signum() {
-                return Some((a, at_a));
+            if let Some(across) = [(a, at_a), (b, at_b)].into_iter().find(|at| at.1 * outside < 0.0) {
+                return Some(across);
             }
             if at_a.abs() < at_b.abs() { high = b } else { low = a }
         }

@@ -179,7 +179,12 @@ impl Preset {
             Self::Hard => ShootOptions {
                 daylight: Daylight::LowSun,
                 focal_px_at_1280: [1000.0, 4200.0],
-                distortion_at_1280: FocalCurve { at_focal_px: 1333.0, value: -0.02, per_1000_px: 0.14 },
+                distortion_at_1280: FocalCurve {
+                    at_focal_px: 1333.0,
+                    value: -0.02,
+                    per_1000_px: 0.14,
+                    ..FocalCurve::NONE
+                },
                 shutter_s: 1.0 / 60.0,
                 defocus_px_at_1280: 1.6,
                 exposure_sigma_ev: 0.25,
@@ -204,6 +209,7 @@ impl ShootOptions {
                 at_focal_px: curve.at_focal_px * scale,
                 value: curve.value,
                 per_1000_px: curve.per_1000_px / scale,
+                ..curve
             },
             ..CameraBase::new(
                 Vec3::new(1.5, -66.0, 18.0),

@@ -85,14 +85,14 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// The inverse of the lens's derivative: radially 1 / (1 + 3 k₁ r²), across 1 / (1 + k₁ r²).
+    /// The inverse of the lens's derivative: radially one over its slope, across one over its stretch.
     fn ideal_per_px(&self, ideal: Vec2) -> (Vec2, Vec2) {
-        let (per_px, k1) = (1.0 / self.camera.ptz().focal_px, self.camera.k1());
+        let (per_px, lens) = (1.0 / self.camera.ptz().focal_px, self.camera.lens());
         let squared = ideal.norm_squared();
-        if k1 == 0.0 || squared == 0.0 {
+        if lens.is_none() || squared == 0.0 {
             return (Vec2::new(per_px, 0.0), Vec2::new(0.0, per_px));
         }
-        let (radial, across) = (per_px / (1.0 + 3.0 * k1 * squared), per_px / (1.0 + k1 * squared));
+        let (radial, across) = (per_px / lens.slope(squared), per_px / lens.stretch(squared));
         let twist = (radial - across) / squared;
         let (xx, xy, yy) = (ideal.x * ideal.x, ideal.x * ideal.y, ideal.y * ideal.y);
         (Vec2::new(across + twist * xx, twist * xy), Vec2::new(twist * xy, across + twist * yy))
@@ -107,9 +107,9 @@ mod tests {
     #[test]
     fn differentials_agree_with_the_neighbouring_rays() {
         let level = BaseAngles::default().base_from_world();
-        for k1 in [0.0, -0.1, 0.2] {
+        for (k1, k2_per_k1_squared) in [(0.0, 0.0), (-0.1, 0.0), (0.2, 0.0), (-0.2, 0.5), (0.2, 2.0)] {
             let base = CameraBase {
-                distortion: FocalCurve::constant(k1),
+                distortion: FocalCurve { k2_per_k1_squared, ..FocalCurve::constant(k1) },
                 ..CameraBase::new(Vec3::new(1.0, -62.0, 17.0), level, ImagePoint::new(640.0, 360.0))
             };
             let camera = PtzCamera::new(base, Ptz::from_degrees(20.0, -11.0, 1500.0));

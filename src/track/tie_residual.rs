@@ -3,7 +3,7 @@
 use crate::camera::{FocalCurve, PanTilt, undistort};
 use crate::geometry::rotation::skew;
 use crate::geometry::{ImagePoint, Mat3, Vec2, Vec3};
-use nalgebra::{Matrix2, Matrix3x2};
+use nalgebra::Matrix3x2;
 
 /// A frame of a camera that turns and zooms about one place.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +26,12 @@ pub(super) struct Sight {
 impl View {
     /// Where a point of the picture lies in the common frame; none beyond the fold of the lens.
     pub fn sight(&self, at: ImagePoint, lens: &FocalCurve) -> Option<Sight> {
-        let k1 = lens.at(self.focal_px);
+        let radial = lens.radial_at(self.focal_px);
         let distorted = at.offset_from(self.principal_point) / self.focal_px;
-        let ideal: Vec2 = undistort(distorted, k1).ok()?;
+        let ideal: Vec2 = undistort(distorted, radial).ok()?;
         let radius_squared = ideal.norm_squared();
-        let by_ideal = Matrix2::identity() * (1.0 + k1 * radius_squared) + ideal * ideal.transpose() * (2.0 * k1);
-        let ideal_by = by_ideal.try_inverse()?;
-        let by_k1 = -(ideal_by * ideal) * radius_squared;
+        let ideal_by = radial.by_ideal(ideal).try_inverse()?;
+        let by_k1 = -(ideal_by * ideal) * lens.stretch_by_k1(self.focal_px, radius_squared);
         let by_log_focal = -(ideal_by * distorted) + by_k1 * (lens.slope_per_px() * self.focal_px);
         let in_cam = Vec3::new(ideal.x, ideal.y, 1.0);
         let length = in_cam.norm();
@@ -72,7 +71,7 @@ mod tests {
 
     #[test]
     fn a_sight_changes_as_its_derivatives_say() {
-        let lens = FocalCurve { at_focal_px: 2000.0, value: -0.07, per_1000_px: 0.21 };
+        let lens = FocalCurve { at_focal_px: 2000.0, value: -0.07, per_1000_px: 0.21, ..FocalCurve::NONE };
         let at = ImagePoint::new(1700.0, 130.0);
         let here = view(0.3, -0.2, 0.0).sight(at, &lens).unwrap();
         let numeric = |of: &dyn Fn(f64) -> Sight| (of(1e-6).direction - of(-1e-6).direction) / 2e-6;

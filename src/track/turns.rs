@@ -29,7 +29,7 @@ pub struct TurnOptions {
 impl Default for TurnOptions {
     fn default() -> Self {
         Self {
-            lens: FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21 },
+            lens: FocalCurve { at_focal_px: 2000.0, value: -0.02, per_1000_px: 0.21, ..FocalCurve::NONE },
             k1_sigma: 0.1,
             slope_sigma: 0.1,
             focal_scale: 1.0,
@@ -136,7 +136,7 @@ mod tests {
     use crate::geometry::ImagePoint;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
-    const LENS: FocalCurve = FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.15 };
+    const LENS: FocalCurve = FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.15, ..FocalCurve::NONE };
 
     fn truth() -> Turns {
         let ptz = [

@@ -4,7 +4,7 @@
 use divan::Bencher;
 use std::path::PathBuf;
 use tempfile::TempDir;
-use touchline::camera::Ptz;
+use touchline::camera::{Ptz, Radial};
 use touchline::document::{
     Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, History, Solution, Step,
     document_from_bytes, document_to_string,
@@ -50,7 +50,7 @@ fn document_of(frames: usize) -> Document {
         frame.sha256 = Some(format!("{index:064x}"));
         frame.status = FrameStatus::Reference;
         let ptz = Ptz::from_degrees(index as f64 * 0.003_217, -11.233_71, 2400.0 + index as f64 / 7.0);
-        frame.ptz = Some(FramePtz::new(ptz, Some(0.066_123)));
+        frame.ptz = Some(FramePtz::new(ptz, Some(Radial::k1(0.066_123))));
         frame.solution = Some(Solution {
             covariance: Some(Mat3::from_fn(|row, column| ((row + column) as f64).sin() / 1e3)),
             rms_px: Some(1.234_567),

@@ -123,7 +123,7 @@ fn the_rendered_lines_lie_where_the_formulas_put_them() {
     };
     for view @ (pan, tilt, focal, k1, wanted) in VIEWS {
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: focal, value: k1, per_1000_px: 0.0 },
+            distortion: FocalCurve { at_focal_px: focal, value: k1, per_1000_px: 0.0, ..FocalCurve::NONE },
             ..CameraBase::new(
                 Vec3::from(POSITION),
                 BaseAngles { heading: Angle::ZERO, ..BaseAngles::default() }.base_from_world(),

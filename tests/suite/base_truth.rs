@@ -100,7 +100,7 @@ fn z_scores(found: &CameraBase, truth: &CameraBase) -> Vec3 {
 fn the_position_is_as_good_as_its_sigma_says() {
     let mut rng = seeded::rng("the_position_is_as_good_as_its_sigma_says");
     let field = field(0.12);
-    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2 });
+    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE });
     let options = prescribed(LensModel::K1Focal, CrownModel::Free);
     for count in [5, 10, 30] {
         let (mut squares, trials) = (0.0, 6);
@@ -179,7 +179,7 @@ fn spoil(frames: &mut [FrameClicks], rng: &mut Pcg64Mcg) -> (Vec<(usize, usize)>
 fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
     let field = field(0.1);
-    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 });
+    let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2, ..FocalCurve::NONE });
     let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
     let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &BaseOptions::default()).unwrap();

@@ -165,6 +165,7 @@ fn frame() -> impl Strategy<Value = Frame> {
         frame.masks = vec![PixelBox { x: n[0], y: n[1].round(), width: n[2], height: n[3] }];
         frame.ptz = some[1].then(|| FramePtz {
             k1: some[2].then_some(n[4]),
+            k2: some[1].then_some(0.01),
             extra: touchline::document::Extra::new(),
             pan_deg: -angle,
             tilt_deg: -angle / 3.0,

@@ -16,7 +16,7 @@ const SIZE: ImageSize = ImageSize::new(1920, 1080);
 fn truth() -> CameraBase {
     let angles = BaseAngles { pitch: Angle::from_degrees(-0.5), ..BaseAngles::default() };
     CameraBase {
-        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2 },
+        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2, ..FocalCurve::NONE },
         ..CameraBase::new(Vec3::new(1.5, -64.0, 18.0), angles.base_from_world(), SIZE.centre())
     }
 }

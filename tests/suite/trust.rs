@@ -21,7 +21,7 @@ fn field() -> FieldModel {
 
 fn nominal_base() -> CameraBase {
     CameraBase {
-        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2 },
+        distortion: FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE },
         ..CameraBase::new(
             Vec3::new(2.0, -64.0, 18.0),
             BaseAngles { pitch: touchline::geometry::Angle::from_degrees(-0.6), ..BaseAngles::default() }

@@ -29,6 +29,7 @@ fn random_camera(rng: &mut Pcg64Mcg) -> PtzCamera {
             at_focal_px: 2000.0,
             value: rng.random_range(-0.08..0.05),
             per_1000_px: rng.random_range(0.0..0.25),
+            ..FocalCurve::NONE
         };
     }
     let ptz = Ptz::from_degrees(
@@ -85,6 +86,38 @@ fn the_truth_comes_back_from_any_two_exact_clicks() {
         }
     }
     assert!(refused < 20, "{refused} pairs less than 2 px apart");
+}
+
+/// Exact clicks anywhere in the picture of a camera whose k₁ follows the usual curve down to 900 px; k₁ alone folds inside
+/// the picture below 1223 px. Refused are only landmarks more than a right angle apart, as without a lens.
+#[test]
+fn a_lens_without_a_fold_refuses_no_exact_clicks() {
+    let mut rng = seeded::rng("a_lens_without_a_fold_refuses_no_exact_clicks");
+    let context = SolveContext::new(SIZE);
+    let (mut asked, mut ambiguous) = (0, 0);
+    while asked < 6_000 {
+        let drawn = random_camera(&mut rng);
+        let distortion = FocalCurve {
+            at_focal_px: 2000.0,
+            value: -0.02,
+            per_1000_px: 0.21,
+            k2_per_k1_squared: FocalCurve::WITHOUT_FOLD,
+        };
+        let focal_px = rng.random_range(900.0f64.ln()..6000.0f64.ln()).exp();
+        let camera = PtzCamera::new(CameraBase { distortion, ..*drawn.base() }, Ptz { focal_px, ..drawn.ptz() });
+        let pixels = [random_pixel(&mut rng), random_pixel(&mut rng)];
+        let rays = pixels.map(|pixel| camera.world_direction_from_image(pixel).expect("no fold"));
+        if pixels[0].distance_px(pixels[1]) < 2.0 || rays[0].dot(&rays[1]) < 1e-3 {
+            continue;
+        }
+        asked += 1;
+        let clicks = exact_clicks(&camera, &pixels);
+        match solve_frame(camera.base(), &clicks, &context) {
+            Ok(solution) => ambiguous += u32::from(!is_truth(&solution.ptz, &camera.ptz())),
+            Err(error) => panic!("pair {asked}: {error}\n for {camera:?}\n {clicks:?}"),
+        }
+    }
+    assert!(ambiguous <= 6, "{ambiguous} pairs got another camera that fits as well");
 }
 
 #[test]

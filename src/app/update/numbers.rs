@@ -34,13 +34,13 @@ impl App {
         self.within_edit(step, |app| {
             let base = app.current.base;
             let Some(frame) = app.frame_mut() else { return };
-            let k1 = match (base, &frame.ptz) {
-                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => Some(PtzCamera::new(base, ptz).k1()),
-                (_, Some(before)) => before.k1,
+            let lens = match (base, &frame.ptz) {
+                (Some(base), _) if base.distortion.slope_per_px() != 0.0 => Some(PtzCamera::new(base, ptz).lens()),
+                (_, Some(before)) => before.lens(),
                 _ => None,
             };
             let extra = frame.ptz.take().map(|ptz| ptz.extra).unwrap_or_default();
-            frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, k1) });
+            frame.ptz = Some(FramePtz { extra, ..FramePtz::new(ptz, lens) });
             frame.solution = Some(Solution { source: Some(SolutionSource::Manual), ..Solution::default() });
             if frame.status != FrameStatus::Rejected {
                 frame.status = FrameStatus::Draft;

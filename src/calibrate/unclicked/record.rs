@@ -14,8 +14,8 @@ pub fn record_found(document: &mut Document, camera: &CameraId, frames: &[usize]
     }
     for (&index, ptz) in frames.iter().zip(&found.ptz) {
         let (Some(frame), Some(ptz)) = (document.frames.get_mut(index), ptz) else { continue };
-        let k1 = found.base.distortion.at(ptz.focal_px);
-        frame.ptz = Some(FramePtz::new(*ptz, (k1 != 0.0).then_some(k1)));
+        let lens = Some(found.base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
+        frame.ptz = Some(FramePtz::new(*ptz, lens));
         frame.status = FrameStatus::Suggested;
         frame.solution = Some(Solution { source: Some(SolutionSource::Markings), ..Solution::default() });
     }

@@ -128,8 +128,13 @@ pub(super) fn starting(field: &FieldModel, start: &CameraBase, image_width_px: u
     let value = start.distortion.at(at_focal_px);
     let distortion = match model.lens {
         LensModel::Pinhole => FocalCurve { at_focal_px, ..FocalCurve::NONE },
-        LensModel::K1 => FocalCurve { at_focal_px, value, per_1000_px: 0.0 },
-        LensModel::K1Focal => FocalCurve { at_focal_px, value, per_1000_px: start.distortion.per_1000_px },
+        LensModel::K1 => FocalCurve { at_focal_px, value, ..FocalCurve::NONE },
+        LensModel::K1Focal | LensModel::K1FocalK2 => FocalCurve {
+            at_focal_px,
+            value,
+            per_1000_px: start.distortion.per_1000_px,
+            k2_per_k1_squared: if model.lens.never_folds() { FocalCurve::WITHOUT_FOLD } else { 0.0 },
+        },
     };
     let height_m = model.crown.fixed_m().unwrap_or(field.crown_m);
     Shared::new(CameraBase { distortion, ..*start }, Crown { height_m, ..field.crown() })
@@ -151,7 +156,7 @@ impl BasePriors {
         if model.lens != LensModel::Pinhole {
             found.push(prior(Expected::K1(self.k1.0), self.k1.1));
         }
-        if model.lens == LensModel::K1Focal {
+        if model.lens.follows_focal() {
             found.push(prior(Expected::Slope(self.k1_slope.0 / per_1920), self.k1_slope.1 / per_1920));
         }
         if model.crown == CrownModel::Free {

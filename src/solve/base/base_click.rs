@@ -138,7 +138,7 @@ mod tests {
         let angles =
             BaseAngles { roll: Angle::from_degrees(0.7), pitch: Angle::from_degrees(-1.0), ..BaseAngles::default() };
         CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2 },
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, k2_per_k1_squared: 1.5 },
             ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
         }
     }

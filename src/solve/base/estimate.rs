@@ -7,7 +7,7 @@ use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
     AdjustOptions, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks, LensModel,
-    MirroredFrame, ModelScore, WatchBase,
+    MirroredFrame, ModelReason, ModelScore, WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -82,6 +82,8 @@ pub struct BaseEstimate {
     pub crown_m: f64,
     /// What was left free.
     pub model: BaseModel,
+    /// Why.
+    pub reason: ModelReason,
     /// The models compared on clicks that they had not seen; one only where it was prescribed.
     pub scores: Vec<ModelScore>,
     /// Covariance of the position, m².
@@ -153,7 +155,7 @@ pub fn estimate_base_watched(
         return Err(BaseError::Stopped);
     }
     let solved_frames = ptz.iter().flatten().count();
-    let model = choose(&scores, solved_frames).unwrap_or(pinhole);
+    let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole, ModelReason::Prescribed));
 
     let adjusted = adjust_base(clicks, &base, &ptz, &model, &options.adjust);
     let mut base = adjusted.base;
@@ -188,6 +190,7 @@ pub fn estimate_base_watched(
         base,
         crown_m: adjusted.crown_m,
         model,
+        reason,
         scores,
         position_covariance: adjusted.position_covariance,
         frames: frame_fits,
@@ -215,7 +218,7 @@ const MIN_CROWNED_WIDTH_M: f64 = 40.0;
 fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions) -> Vec<BaseModel> {
     let lenses = match options.lens {
         Some(lens) => vec![lens],
-        None => vec![LensModel::Pinhole, LensModel::K1, LensModel::K1Focal],
+        None => vec![LensModel::Pinhole, LensModel::K1, LensModel::K1FocalK2, LensModel::K1Focal],
     };
     let crowns = match options.crown {
         Some(crown) => vec![crown],

@@ -25,7 +25,7 @@ pub use disputes::{DisputedClick, MirroredFrame};
 pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_base_watched};
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel};
-pub use model_choice::ModelScore;
+pub use model_choice::{ModelReason, ModelScore};
 pub use progress::{BaseProgress, WatchBase};
 pub use start::{BaseStart, start_base};
 

@@ -15,6 +15,20 @@ pub enum LensModel {
     K1,
     /// k₁ linear in the focal length, the slope with a prior.
     K1Focal,
+    /// The same with k₂ tied to k₁ so that the lens folds nowhere: k₂ = 2 k₁².
+    K1FocalK2,
+}
+
+impl LensModel {
+    /// Whether k₁ changes with the focal length.
+    pub(super) const fn follows_focal(self) -> bool {
+        matches!(self, Self::K1Focal | Self::K1FocalK2)
+    }
+
+    /// Whether every point before the camera has an image, however strong the distortion.
+    pub(super) const fn never_folds(self) -> bool {
+        matches!(self, Self::Pinhole | Self::K1FocalK2)
+    }
 }
 
 /// How the pitch is shaped.
@@ -57,6 +71,7 @@ impl fmt::Display for BaseModel {
             LensModel::Pinhole => "pinhole",
             LensModel::K1 => "one k1",
             LensModel::K1Focal => "k1 linear in f",
+            LensModel::K1FocalK2 => "k1 linear in f, k2 = 2 k1²",
         };
         let crown = if self.crown == CrownModel::Free { ", crowned pitch" } else { "" };
         let centre = if self.principal_point.is_some() { ", principal point" } else { "" };

@@ -9,6 +9,7 @@ use crate::geometry::Vec3;
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::fmt;
 
 /// How a model does on clicks that it has not seen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -38,6 +39,46 @@ const CLEARLY_BETTER: f64 = 0.05;
 
 /// With fewer frames clicks are held out instead of frames.
 const MIN_FRAMES: usize = 6;
+
+/// Why a model was chosen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum ModelReason {
+    /// No other was allowed.
+    Prescribed,
+    /// It is the best at frames held out.
+    HeldOut,
+    /// The frames are few: the usual lens and pitch hold, as far as the clicks agree.
+    UsualCamera {
+        /// How many frames have a camera.
+        frames: usize,
+    },
+    /// The frames are few, but their clicks contradict the usual lens or pitch.
+    UnlikeUsual {
+        /// How many frames have a camera.
+        frames: usize,
+    },
+}
+
+impl fmt::Display for ModelReason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Prescribed => f.pad("the only one allowed"),
+            Self::HeldOut => f.pad("the best at points held out, or as good and simpler"),
+            Self::UsualCamera { frames } => write!(
+                f,
+                "{frames} of the {MIN_FRAMES} frames that it takes to compare models; lens and pitch are held near what is usual \
+                 for such cameras"
+            ),
+            Self::UnlikeUsual { frames } => write!(
+                f,
+                "{frames} of the {MIN_FRAMES} frames that it takes to compare models, but their points fit it better than the usual \
+                 lens and pitch"
+            ),
+        }
+    }
+}
 
 /// What cross-validation needs beside the model.
 pub(super) struct CrossValidation<'a> {
@@ -161,25 +202,27 @@ fn jackknife(folds: &[Fold]) -> Vec3 {
 /// Groups into which frames or clicks are dealt.
 pub(super) const FOLDS: usize = 5;
 
-/// The best model. With many frames richer ones (later in the list) only where they are worth it; with few frames their
+/// The best model, and why. With many frames richer ones (later in the list) only where they are worth it; with few frames their
 /// priors know more than the clicks, so simpler ones only where they are clearly better.
-pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<BaseModel> {
-    let worthwhile =
-        |score: &ModelScore, best: &ModelScore, share: f64| score.clipped_rms_px < best.clipped_rms_px * (1.0 - share);
-    if solved_frames < MIN_FRAMES {
-        let mut best = *scores.last()?;
-        for score in scores.iter().rev() {
-            if worthwhile(score, &best, CLEARLY_BETTER) {
-                best = *score;
-            }
-        }
-        return Some(best.model);
+pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(BaseModel, ModelReason)> {
+    if let [only] = scores {
+        return Some((only.model, ModelReason::Prescribed));
     }
-    let mut best = *scores.first()?;
-    for score in &scores[1..] {
-        if worthwhile(score, &best, WORTHWHILE) {
-            best = *score;
-        }
+    let frames = solved_frames;
+    if frames >= MIN_FRAMES {
+        return Some((better_by(WORTHWHILE, *scores.first()?, scores.iter()), ModelReason::HeldOut));
     }
-    Some(best.model)
+    let usual = scores.last()?;
+    let chosen = better_by(CLEARLY_BETTER, *usual, scores.iter().rev());
+    let as_usual = chosen == usual.model;
+    let reason = if as_usual { ModelReason::UsualCamera { frames } } else { ModelReason::UnlikeUsual { frames } };
+    Some((chosen, reason))
+}
+
+/// A model, unless others in turn are better by this share.
+fn better_by<'a>(share: f64, start: ModelScore, others: impl Iterator<Item = &'a ModelScore>) -> BaseModel {
+    let better = |best: ModelScore, other: &ModelScore| {
+        if other.clipped_rms_px < best.clipped_rms_px * (1.0 - share) { *other } else { best }
+    };
+    others.fold(start, better).model
 }

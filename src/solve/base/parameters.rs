@@ -66,7 +66,7 @@ pub(super) fn free_parameters<const SHARED: usize>(model: &BaseModel) -> [bool; 
     let mut free = [false; SHARED];
     free[..K1].fill(true);
     free[K1] = model.lens != LensModel::Pinhole;
-    free[SLOPE] = model.lens == LensModel::K1Focal;
+    free[SLOPE] = model.lens.follows_focal();
     free[CROWN] = model.crown == CrownModel::Free;
     free[PRINCIPAL_POINT..SIZE].fill(model.principal_point.is_some());
     free

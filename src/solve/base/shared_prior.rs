@@ -129,7 +129,7 @@ mod tests {
         let angles =
             BaseAngles { roll: Angle::from_degrees(2.0), pitch: Angle::from_degrees(-3.0), ..BaseAngles::default() };
         let base = CameraBase {
-            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2 },
+            distortion: FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.2, ..FocalCurve::NONE },
             ..CameraBase::new(Vec3::new(3.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(955.0, 543.0))
         };
         let shared = Shared {

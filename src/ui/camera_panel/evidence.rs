@@ -45,6 +45,8 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         }
     });
+    let reason = format!("Chosen: {}.", found.estimate.reason);
+    ui.add(Label::new(RichText::new(reason).small().color(theme::WEAK)).wrap());
 }
 
 /// Each frame's median as a bar, the worst first.

@@ -168,6 +168,13 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let tip = "How much k1 changes per 1000 px of focal length.";
     let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, "");
     row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
+    if let Some(share) = camera.distortion.as_ref().and_then(|lens| lens.k2_per_k1_squared) {
+        let tip = "k2 is this times k1², at every focal length. From 0.45 on the lens folds nowhere.";
+        let share = number("k2 per k1²", tip, share, 0.005, 3, "");
+        row(panel, ui, camera, "k2 per k1²", share, |changed, value| {
+            changed.distortion.get_or_insert_default().k2_per_k1_squared = Some(value);
+        });
+    }
 }
 
 /// The camera's k1 curve, created if it has none.

@@ -102,8 +102,8 @@ fn evidence(ui: &mut Ui, solved: &FrameSolution) {
             _ => "no evidence: two points always fit".to_owned(),
         };
         pair(ui, "Fit", fit, "The distances of the points from their projections.");
-        if solved.k1 != 0.0 {
-            pair(ui, "k1", format!("{:.4}", solved.k1), "Radial distortion at this focal length.");
+        if !solved.lens.is_none() {
+            pair(ui, "k1", format!("{:.4}", solved.lens.k1), "Radial distortion at this focal length.");
         }
     });
     ui.add_space(theme::SPACE);
