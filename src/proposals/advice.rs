@@ -1,20 +1,14 @@
 //! Where a person labels next: the one place that every panel, the status row and the command line ask.
 //!
-//! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer. A label helps the frames whose
-//! views overlap with its own, and most where few references look: of several at one place each tells less than the one
-//! before. Where a frame without an answer looks, its neighbours in the shot tell; where these do not, a label in the shot
-//! with most such frames helps.
+//! Every label helps the frames whose views overlap with its own, and most where few references look: of several at one place
+//! each tells less than the one before. Where nothing tells where the frames of a shot look, a label in the shot with most such
+//! frames helps.
 
 use super::Coverage;
-use crate::document::{CameraId, Document, Frame, FrameStatus, shots};
+use super::label_needs::{LabelNeeds, Needing};
+use crate::document::{CameraId, Document};
 use crate::geometry::{Angle, AngleRange};
 use std::collections::BTreeMap;
-
-/// An answer that is right with this probability needs no further reference.
-pub const SURE: f64 = 0.9;
-
-/// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
-const BESIDE: usize = 2;
 
 /// Places for a label are this far apart in pan, degrees.
 const STEP_DEG: f64 = 1.0;
@@ -27,7 +21,7 @@ const BLIND_OVERLAP: f64 = 0.5;
 pub struct LabelAdvice {
     /// Frames without an answer.
     pub unanswered: usize,
-    /// Suggestions that the forest is not sure of: see [`SURE`].
+    /// Suggestions that the forest is not sure of: see [`SURE`](super::SURE).
     pub uncertain: usize,
     /// The frame to label next; none where every frame has its answer, or none of the others has a picture.
     pub next: Option<LabelNext>,
@@ -48,122 +42,36 @@ pub struct LabelNext {
     pub missing_pan_deg: Option<f64>,
 }
 
-/// A frame that needs a label somewhere near where it looks.
-#[derive(Clone, Copy)]
-struct Needing {
-    frame: usize,
-    pan: Angle,
-    half_view: Angle,
-    /// From 0 to 1: how unsure its answer is.
-    need: f64,
-}
-
-/// How a solved frame looks.
-#[derive(Clone, Copy)]
-struct Look {
-    frame: usize,
-    pan: Angle,
-    half_view: Angle,
-}
-
 /// Looks through a document for frames that the forest cannot answer. `coverage` has where the references of its cameras look;
 /// of a camera that it lacks nothing is known.
 #[must_use]
 pub fn label_advice(document: &Document, coverage: &[Coverage]) -> LabelAdvice {
-    let mut advice = LabelAdvice::default();
-    for frame in &document.frames {
-        advice.unanswered += usize::from(frame.is_unanswered());
-        advice.uncertain += usize::from(is_uncertain(frame));
-    }
-    if (advice.unanswered, advice.uncertain) == (0, 0) {
-        return advice;
-    }
-    let mut seen: BTreeMap<&CameraId, Vec<Needing>> = BTreeMap::new();
-    let mut blind: Vec<usize> = Vec::new();
-    for shot in shots(document) {
-        let looks: Vec<Look> = shot.iter().filter_map(|&index| look(document, index)).collect();
-        let mut unknown = Vec::new();
-        for index in shot {
-            let frame = &*document.frames[index];
-            let found = if can_be_labelled(frame) {
-                between(&looks, index).map(|look| (look, 1.0))
-            } else {
-                doubt(frame).and_then(|doubt| Some((look(document, index)?, doubt)))
-            };
-            match found {
-                Some((Look { pan, half_view, .. }, need)) => {
-                    seen.entry(&frame.camera).or_default().push(Needing { frame: index, pan, half_view, need });
-                }
-                None if can_be_labelled(frame) => unknown.push(index),
-                None => {}
-            }
+    LabelAdvice::of(&LabelNeeds::of(document), coverage)
+}
+
+impl LabelAdvice {
+    /// What a person does about frames that need a label.
+    pub(crate) fn of(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
+        let of_camera = |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
+        let places = needs.needing().filter_map(|(camera, needing)| best_place(&needing, of_camera(camera)));
+        // Of places as good as each other that of the first camera by name: nothing depends on the order of the frames.
+        let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
+        let blind = needs.unknown();
+        let blind_gain = BLIND_OVERLAP * blind.len() as f64;
+        let mut next = match place {
+            Some((gain, next)) if gain >= blind_gain => Some(next),
+            _ => blind.get(blind.len() / 2).map(|&frame| LabelNext {
+                frame,
+                pan_deg: None,
+                shared_by: blind.len(),
+                missing_pan_deg: None,
+            }),
+        };
+        if let Some(next) = &mut next {
+            let coverage = needs.camera_of(next.frame).and_then(of_camera);
+            next.missing_pan_deg = coverage.and_then(|coverage| coverage.missing_pan_deg);
         }
-        if unknown.len() > blind.len() {
-            blind = unknown;
-        }
-    }
-    let of_camera = |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
-    let places = seen.iter().filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
-    // Of places as good as each other that of the first camera by name: nothing depends on the order of the frames.
-    let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
-    let blind_gain = BLIND_OVERLAP * blind.len() as f64;
-    advice.next = match place {
-        Some((gain, next)) if gain >= blind_gain => Some(next),
-        _ => blind.get(blind.len() / 2).map(|&frame| LabelNext {
-            frame,
-            pan_deg: None,
-            shared_by: blind.len(),
-            missing_pan_deg: None,
-        }),
-    };
-    if let Some(next) = &mut advice.next {
-        let coverage = of_camera(&document.frames[next.frame].camera);
-        next.missing_pan_deg = coverage.and_then(|coverage| coverage.missing_pan_deg);
-    }
-    advice
-}
-
-/// Whether it has no answer and its picture can be read.
-fn can_be_labelled(frame: &Frame) -> bool {
-    let mut warnings = frame.solution.iter().flat_map(|solution| &solution.warnings);
-    frame.is_unanswered() && warnings.all(|warning| warning.code != "picture")
-}
-
-/// Whether the forest is not sure of a frame's suggestion: see [`SURE`].
-#[must_use]
-pub fn is_uncertain(frame: &Frame) -> bool {
-    doubt(frame).is_some()
-}
-
-/// The probability that its suggestion is wrong; none where that is sure, or nobody says.
-fn doubt(frame: &Frame) -> Option<f64> {
-    let confidence = frame.solution.as_ref().filter(|_| frame.status == FrameStatus::Suggested)?.confidence?;
-    (confidence < SURE).then_some(1.0 - confidence.max(0.0))
-}
-
-/// How a solved frame looks.
-fn look(document: &Document, index: usize) -> Option<Look> {
-    let frame = &*document.frames[index];
-    let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-    let half_view = Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
-    Some(Look { frame: index, pan: ptz.ptz().pan.wrapped(), half_view })
-}
-
-/// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
-fn between(looks: &[Look], index: usize) -> Option<Look> {
-    let next = looks.partition_point(|look| look.frame < index);
-    let before = next.checked_sub(1).and_then(|before| looks.get(before));
-    match (before, looks.get(next)) {
-        (Some(from), Some(to)) => {
-            let share = (index - from.frame) as f64 / (to.frame - from.frame) as f64;
-            Some(Look {
-                frame: index,
-                pan: (from.pan + to.pan.turn_from(from.pan) * share).wrapped(),
-                half_view: from.half_view + (to.half_view - from.half_view) * share,
-            })
-        }
-        (Some(beside), None) | (None, Some(beside)) => (beside.frame.abs_diff(index) <= BESIDE).then_some(*beside),
-        (None, None) => None,
+        Self { unanswered: needs.unanswered, uncertain: needs.uncertain, next }
     }
 }
 
@@ -173,11 +81,12 @@ fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, 
     let step = |pan: Angle| (pan.degrees() / STEP_DEG).round() as i64;
     let mut steps: BTreeMap<i64, f64> = BTreeMap::new();
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
-    for Needing { pan, half_view, need, .. } in needing {
-        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(AngleRange::around(*pan, *half_view)));
+    for Needing { look, need, .. } in needing {
+        let view = || AngleRange::around(look.pan, look.half_view);
+        let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(view()));
         let Some(weight) = novelty.map(|novelty| novelty * need) else { continue };
-        *steps.entry(step(*pan)).or_default() += weight;
-        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
+        *steps.entry(step(look.pan)).or_default() += weight;
+        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * look.half_view.degrees());
     }
     let view_deg = (2.0 * half_view_deg / whole).max(STEP_DEG);
     let direction = |step: i64| Angle::from_degrees(step as f64 * STEP_DEG);
@@ -188,14 +97,14 @@ fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, 
     // Of equals the one with the least pan.
     let gains = steps.keys().map(|&at| (gain(at), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.pan) == at).collect();
+    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.look.pan) == at).collect();
     here.sort_by(|a, b| b.need.total_cmp(&a.need).then(a.frame.cmp(&b.frame)));
     let most = here.iter().take_while(|needing| needing.need == here[0].need).count();
     let chosen = here[most / 2];
-    let shares = |other: &&Needing| other.pan.turn_from(chosen.pan).abs().degrees() <= view_deg / 2.0;
+    let shares = |other: &&Needing| other.look.pan.turn_from(chosen.look.pan).abs().degrees() <= view_deg / 2.0;
     let next = LabelNext {
         frame: chosen.frame,
-        pan_deg: Some(chosen.pan.degrees()),
+        pan_deg: Some(chosen.look.pan.degrees()),
         shared_by: needing.iter().filter(shares).count(),
         missing_pan_deg: None,
     };
@@ -206,9 +115,9 @@ fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, 
 mod tests {
     use super::*;
     use crate::camera::Ptz;
-    use crate::document::{Clip, FieldSpec, FramePtz, Solution, SolutionSource, SolutionWarning};
+    use crate::document::{Clip, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
     use crate::geometry::ImageSize;
-    use crate::proposals::CoverageCell;
+    use crate::proposals::{CoverageCell, SURE};
 
     const SURELY: f64 = 0.99;
 

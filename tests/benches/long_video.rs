@@ -28,9 +28,11 @@ enum State {
     Begun,
     /// Every 200th frame is clicked, and a camera is suggested for every other.
     Suggested,
+    /// Every 200th frame is clicked, solved and accepted, and the forest was asked in vain for every other.
+    Unanswered,
 }
 
-const STATES: [State; 4] = [State::Solved, State::Clicked, State::Begun, State::Suggested];
+const STATES: [State; 5] = [State::Solved, State::Clicked, State::Begun, State::Suggested, State::Unanswered];
 
 fn main() {
     divan::main();
@@ -53,14 +55,15 @@ fn document(state: State) -> Document {
         let pointed = PtzCamera::new(base, ptz(index));
         let video = VideoFrame::new("match.mp4", index as u64, Some(0.04 * index as f64));
         let mut frame = Frame::from_video(video, "main".into(), SIZE);
-        if !matches!(state, State::Begun | State::Suggested) || index.is_multiple_of(200) {
+        let is_rarely_clicked = matches!(state, State::Begun | State::Suggested | State::Unanswered);
+        if !is_rarely_clicked || index.is_multiple_of(200) {
             let image = |landmark| pointed.image_from_world(field.landmark_in_world(landmark)).ok();
             let shown = field.landmarks.iter().filter_map(|landmark| Some((landmark, image(landmark)?)));
             let shown = shown.filter(|(_, image)| SIZE.contains(*image)).take(4);
             frame.clicks = shown.map(|(landmark, image)| Click::landmark(landmark.id.clone(), image)).collect();
             frame.status = FrameStatus::Draft;
         }
-        if state == State::Solved {
+        if state == State::Solved || state == State::Unanswered && !frame.clicks.is_empty() {
             frame.status = FrameStatus::Reference;
             frame.ptz = Some(FramePtz::new(pointed.ptz(), None));
             frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
@@ -70,6 +73,9 @@ fn document(state: State) -> Document {
             frame.status = FrameStatus::Suggested;
             frame.ptz = Some(FramePtz::new(pointed.ptz(), None));
             frame.solution = Some(Solution { source, confidence, ..Solution::default() });
+        }
+        if state == State::Unanswered && frame.clicks.is_empty() {
+            frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
         }
         frame.into()
     };

@@ -4,6 +4,7 @@
 //! frames that changed since it was asked for last, so that an edit in a document of 100,000 frames costs what one frame costs.
 //! [`Current`](super::Current), the review list and the quality page follow from these values and from what a person chose.
 
+mod advice;
 mod field_models;
 mod frame_counts;
 mod gold;
@@ -12,6 +13,7 @@ mod memo;
 pub use frame_counts::FrameCounts;
 pub use gold::GoldWork;
 
+use self::advice::Advice;
 use self::field_models::FieldModels;
 use self::gold::Gold;
 use self::memo::{Follows, Memo};
@@ -19,6 +21,7 @@ use super::Versioned;
 use crate::calibrate::{Disagreements, FrameLookup};
 use crate::document::{Document, FieldSpec, Fields};
 use crate::field::{FieldError, FieldModel};
+use crate::proposals::{Coverage, LabelAdvice};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -30,6 +33,7 @@ pub(super) struct Derived {
     disagreements: Memo<Disagreements>,
     fields: Memo<FieldModels>,
     gold: Gold,
+    advice: Advice,
 }
 
 impl Follows for FrameLookup {
@@ -78,6 +82,21 @@ impl Derived {
     /// The fields of all cameras; `folder` is the document's.
     pub(super) fn fields(&mut self, document: &Versioned<Document>, folder: &Path) -> Result<Arc<Fields>, FieldError> {
         self.fields.at_mut(document).all(document.at(folder))
+    }
+
+    /// Where to label next after a journalled edit; `coverage` has where references look. Where nothing lacks an answer no frame is
+    /// looked at.
+    pub(super) fn label_advice(
+        &mut self,
+        document: &Versioned<Document>,
+        revision: u64,
+        coverage: &Arc<[Coverage]>,
+    ) -> LabelAdvice {
+        let counts = self.counts.at(document);
+        if (counts.unanswered, counts.uncertain) == (0, 0) {
+            return LabelAdvice::default();
+        }
+        self.advice.at(document, revision, coverage)
     }
 
     /// What gold frames and their repeats say; `folder` is the document's.

@@ -11,9 +11,8 @@ use super::OpenProject;
 use super::session::{Dialog, Session, SidePanel};
 use crate::calibrate::Disagreement;
 use crate::document::{Frame, FrameStatus};
-use crate::proposals::{Coverage, LabelAdvice, label_advice};
+use crate::proposals::LabelAdvice;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
 pub const DISAGREES_PX: f64 = 20.0;
@@ -75,8 +74,6 @@ pub struct Review {
     /// What has no answer to rely on, and the frame to label next.
     pub advice: LabelAdvice,
     derived_from: Option<Source>,
-    /// The revision of the document that the advice looked at, and where references look.
-    advised_from: Option<(u64, Arc<[Coverage]>)>,
 }
 
 /// What the list is derived from.
@@ -122,21 +119,7 @@ impl Review {
                 (self.rows, self.hidden, self.several_shots, self.late) = (rows, hidden, several_shots, 0);
             }
         }
-        self.advise(open, &session.trainer.status.coverage);
-    }
-
-    /// Brings the advice up to date. Where nothing lacks an answer it takes no look at the frames.
-    fn advise(&mut self, open: &mut OpenProject, coverage: &Arc<[Coverage]>) {
-        let counts = open.derived.counts(&open.document);
-        if (counts.unanswered, counts.uncertain) == (0, 0) {
-            (self.advice, self.advised_from) = (LabelAdvice::default(), None);
-            return;
-        }
-        let known = self.advised_from.as_ref();
-        if known.is_none_or(|(revision, known)| *revision != open.revision || !Arc::ptr_eq(known, coverage)) {
-            self.advice = label_advice(&open.document, coverage);
-            self.advised_from = Some((open.revision, Arc::clone(coverage)));
-        }
+        self.advice = open.derived.label_advice(&open.document, open.revision, &session.trainer.status.coverage);
     }
 
     /// The suggested frames in the chosen order.
