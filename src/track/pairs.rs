@@ -4,7 +4,7 @@ use super::cycles::uncontradicted;
 use super::matches::{Described, mutual_matches};
 use super::tie::zoom_and_turn;
 use super::{Tie, TrackError};
-use crate::features::{Features, STANDING_PX};
+use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
 use crate::geometry::{ImagePoint, Mat3, Vec3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -24,9 +24,6 @@ const MAX_ZOOM: f64 = 2.5;
 
 /// A camera that pans and tilts turns its picture no further in its own plane, degrees.
 const MAX_TURN_DEG: f64 = 20.0;
-
-/// Matches that stand still are graphics unless at least this share of all do: then it is the camera that stands.
-const STILL_SHARE: f64 = 0.6;
 
 /// At most as many matches of a tie are kept, spread over the picture.
 const KEPT: usize = 48;
@@ -79,8 +76,10 @@ fn tie_pair(
         .collect();
     if one.image_size == other.image_size {
         let still = |pair: &(ImagePoint, ImagePoint)| pair.0.distance_px(pair.1) < STANDING_PX * scale;
-        let standing = pairs.iter().filter(|pair| still(pair)).count();
-        if (standing as f64) < STILL_SHARE * pairs.len() as f64 {
+        // A camera that stands shows still things everywhere; graphics lie in a few places of the picture.
+        let standing = pairs.iter().filter(|pair| still(pair)).map(|pair| pair.0);
+        let all = one.keypoints.iter().map(|keypoint| keypoint.point);
+        if place_share(standing, all, one.image_size) < WHOLE_PICTURE {
             pairs.retain(|pair| !still(pair));
         }
     }
