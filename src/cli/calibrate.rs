@@ -42,6 +42,10 @@ pub struct CalibrateArgs {
     force: bool,
 }
 
+/// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
+/// real and drawn matches, wrong ones .5 and less.
+const MIN_SNAPPED: f64 = 0.75;
+
 /// Carries out the command.
 ///
 /// # Errors
@@ -83,9 +87,16 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     });
     bar.finish_and_clear();
     let found = found.with_context(|| args.frames.display().to_string())?;
-    say(&found, messages);
     record_found(&mut document, &camera, &looked_at, &found);
     let snapped = snap_found(&mut document, &looked_at, &folder, messages)?;
+    let of = found.ptz.iter().flatten().count();
+    ensure!(
+        snapped as f64 >= MIN_SNAPPED * of as f64,
+        "{}: the best answer is not certain, so none is given: only {snapped} of {of} frames agree with the painted lines of \
+         their own picture. Click 4 landmarks on 2 frames instead",
+        args.frames.display()
+    );
+    say(&found, messages);
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
@@ -93,7 +104,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         "{}: {} frames, {} with a suggested camera, {snapped} of them snapped to the painted lines",
         location.file().display(),
         document.frames.len(),
-        found.ptz.iter().flatten().count(),
+        of,
     ));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }
