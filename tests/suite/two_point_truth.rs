@@ -117,7 +117,8 @@ fn a_lens_without_a_fold_refuses_no_exact_clicks() {
             Err(error) => panic!("pair {asked}: {error}\n for {camera:?}\n {clicks:?}"),
         }
     }
-    assert!(ambiguous <= 6, "{ambiguous} pairs got another camera that fits as well");
+    // Seven: a second focal length is tried only where the first one misses the clicks by five sigmas.
+    assert!(ambiguous <= 7, "{ambiguous} pairs got another camera that fits within five sigmas");
 }
 
 #[test]
