@@ -10,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Advice {
     needs: Memo<LabelNeeds>,
-    advice: LabelAdvice,
+    given: LabelAdvice,
     given_for: Option<GivenFor>,
 }
 
@@ -41,15 +41,15 @@ impl Advice {
     ) -> LabelAdvice {
         let known = self.given_for.as_ref().filter(|known| Arc::ptr_eq(&known.coverage, coverage));
         if known.is_some_and(|known| known.revision == revision) {
-            return self.advice;
+            return self.given;
         }
         let known_edition = known.map(|known| known.edition);
         let needs = self.needs.at(document);
         let edition = needs.edition();
         if known_edition != Some(edition) {
-            self.advice = LabelAdvice::of(needs, coverage);
+            self.given = LabelAdvice::of(needs, coverage);
         }
         self.given_for = Some(GivenFor { revision, edition, coverage: Arc::clone(coverage) });
-        self.advice
+        self.given
     }
 }
