@@ -3,7 +3,7 @@
 use super::base::EstimateFailure;
 use super::bulk::{BulkFailure, BulkOrder};
 use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
-use super::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
+use super::paint_orders::{CheckedLines, LineCheckOrder, PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
@@ -13,6 +13,7 @@ use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
+use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
 use crate::scene::OverlayStyle;
 use crate::solve::base::BaseProgress;
@@ -40,6 +41,8 @@ pub enum Action {
     Drag(ImagePoint),
     /// The button went up.
     Release,
+    /// The button went up with Alt held: the point stays where it is, whatever is painted near by.
+    ReleaseExactly,
     /// A click was selected, or none.
     Select(Option<usize>),
     /// The selected click moves by px of the picture.
@@ -138,6 +141,13 @@ pub enum Action {
         ticket: u64,
         /// The camera.
         result: Result<Box<SnappedFrame>, SnapFailure>,
+    },
+    /// Where the landmarks of clicks are painted near by.
+    PointsSnapped {
+        /// Which order.
+        ticket: u64,
+        /// The clicks for which that is certain, or why nobody could look.
+        found: Result<Vec<(usize, SnappedPoint)>, SnapFailure>,
     },
     /// Cameras were judged by the painted lines.
     LinesChecked {
@@ -374,7 +384,9 @@ impl Action {
     pub const fn kind(&self) -> ActionKind {
         match self {
             Self::Command(_) => ActionKind::Command,
-            Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release => ActionKind::Pointer,
+            Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release | Self::ReleaseExactly => {
+                ActionKind::Pointer
+            }
             Self::View(_)
             | Self::FitScale(_)
             | Self::SelectNoFrames
@@ -426,6 +438,7 @@ impl Action {
             Self::Proposals(_)
             | Self::BurntIn { .. }
             | Self::Snapped { .. }
+            | Self::PointsSnapped { .. }
             | Self::LinesChecked { .. }
             | Self::Trainer(_)
             | Self::Features(_)
@@ -610,6 +623,8 @@ pub enum Effect {
     WatchCamera(Box<CameraWatch>),
     /// Pull a frame's camera onto the painted lines and report [`Action::Snapped`].
     Snap(Box<SnapOrder>),
+    /// Look where the landmarks of clicks are painted and report [`Action::PointsSnapped`].
+    SnapPoints(Box<PointSnapOrder>),
     /// Judge cameras by the painted lines and report [`Action::LinesChecked`].
     CheckLines(Box<LineCheckOrder>),
     /// Look for burned-in graphics and report [`Action::BurntIn`].

@@ -54,6 +54,8 @@ pub enum Command {
     SwitchRoot,
     Snap,
     SearchLines,
+    /// Points go to the paint that they name, or stay where they are placed.
+    SnapPoints,
     ZoomIn,
     ZoomOut,
     ZoomToFit,
@@ -199,6 +201,7 @@ rows! {
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
     SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
+    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner or crossing that it names, where that is certain. Alt at the release keeps it where it is.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
@@ -296,6 +299,7 @@ impl Command {
             | Self::Undo
             | Self::Cancel
             | Self::PauseTrainer
+            | Self::SnapPoints
             | Self::Palette
             | Self::Keys
             | Self::About => CommandKind::Application,

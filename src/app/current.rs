@@ -213,6 +213,12 @@ impl Current {
         residuals.iter().find(|residual| residual.click == click)
     }
 
+    /// The frame's camera; while no base is known, the one that its own landmarks show.
+    #[must_use]
+    pub fn rough_camera(&self) -> Option<PtzCamera> {
+        self.camera.or(self.preview.filter(|_| self.base.is_none()))
+    }
+
     /// Names that fit the clicks better, or as well.
     #[must_use]
     pub fn other_names(&self) -> Option<&IdentityFinding> {

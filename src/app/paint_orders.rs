@@ -1,11 +1,11 @@
 //! What the painted lines of the open document's pictures are asked in the background.
 
-use crate::calibrate::{FindFrameError, SnapFrameError, check_frame, find_frame, snap_frame};
+use crate::calibrate::{FindFrameError, SnapFrameError, check_frame, find_frame, snap_clicks, snap_frame};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Document, FrameId};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped};
+use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped, SnappedPoint};
 use crate::proposals::{PictureError, read_picture};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -78,6 +78,37 @@ impl SnapOrder {
         let options = SnapOptions::default();
         let (base, snapped) = snap_frame(&self.document, frame, &self.field, &picture, &options)?;
         Ok(Box::new(SnappedFrame { base, snapped }))
+    }
+}
+
+/// Clicks of a frame are to be moved onto the paint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointSnapOrder {
+    /// Which order: the report says it again.
+    pub ticket: u64,
+    /// The document.
+    pub document: Document,
+    /// Where its relative paths start.
+    pub folder: PathBuf,
+    /// The frame's place.
+    pub frame: usize,
+    /// The field that it shows.
+    pub field: Arc<FieldModel>,
+    /// About how the frame's camera is pointed.
+    pub camera: PtzCamera,
+    /// Which of its clicks.
+    pub clicks: Vec<usize>,
+}
+
+impl PointSnapOrder {
+    /// The clicks whose landmark is certainly painted near by, and where.
+    ///
+    /// # Errors
+    /// The picture cannot be had.
+    pub fn carry_out(&self, reader: &mut dyn ReadFrames) -> Result<Vec<(usize, SnappedPoint)>, SnapFailure> {
+        let Some(frame) = self.document.frames.get(self.frame) else { return Ok(Vec::new()) };
+        let picture = read_picture(reader, frame, &self.folder)?;
+        Ok(snap_clicks(&self.document, frame, &self.field, &self.camera, &picture, &self.clicks))
     }
 }
 

@@ -36,6 +36,8 @@ pub struct Session {
     pub hover: Option<ImagePoint>,
     /// The click that was just placed and named without asking, until something else is done.
     pub named_unasked: Option<usize>,
+    /// The clicks of the shown frame that were just moved onto the paint, until something else is done.
+    pub just_snapped: Vec<usize>,
     /// The next click is a point on a line.
     pub next_on_line: bool,
     /// Which frames the filmstrip shows.
@@ -352,6 +354,12 @@ pub enum Question {
 }
 
 impl Session {
+    /// Something else is done: what was said of the points that were just placed goes.
+    pub fn forget_placed(&mut self) {
+        self.named_unasked = None;
+        self.just_snapped.clear();
+    }
+
     /// Shows a message; one that says the same is replaced.
     pub fn notify(&mut self, level: Level, text: impl Into<String>) {
         self.notify_with(level, text, []);

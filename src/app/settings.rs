@@ -22,6 +22,8 @@ pub struct Settings {
     pub field_map: bool,
     /// The inspector's details are unfolded.
     pub details: bool,
+    /// A point that is placed or dropped goes to the painted corner or crossing that it names.
+    pub snap_points: bool,
     /// The note that drawing runs on the processor has been shown for this adapter.
     pub told_about_adapter: String,
 }
@@ -34,6 +36,7 @@ impl Default for Settings {
             recent: Vec::new(),
             field_map: true,
             details: false,
+            snap_points: true,
             told_about_adapter: String::new(),
         }
     }

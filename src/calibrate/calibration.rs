@@ -4,7 +4,8 @@ use super::FrameLookup;
 use super::from_proposal::inform;
 use crate::camera::Ptz;
 use crate::document::{Document, Frame, Target};
-use crate::field::FieldModel;
+use crate::field::{FieldModel, LandmarkId};
+use crate::geometry::ImageSize;
 use crate::solve::{
     FrameSolution, Observation, ObservationError, SolveContext, SolveError, check_identity, solve_frame,
 };
@@ -56,9 +57,28 @@ pub fn observations(frame: &Frame, field: &FieldModel) -> Result<Vec<Observation
                 }
                 Target::Line(id) => Observation::of_line(field, id.as_str(), click.image, frame.image_size, index),
             }?;
+            let observation = match (target, click.snapped_sigma_px) {
+                (Target::Landmark(id), Some(sigma_px)) => {
+                    of_snapped(observation, field, id, frame.image_size, sigma_px)
+                }
+                _ => observation,
+            };
             Ok(if click.check { observation.held_out() } else { observation })
         })
         .collect()
+}
+
+/// A click that was moved onto the paint: what is left of its noise is how well the paint was found, and that the place itself is
+/// not quite where the rules put it.
+fn of_snapped(
+    observation: Observation,
+    field: &FieldModel,
+    landmark: &LandmarkId,
+    size: ImageSize,
+    sigma_px: f64,
+) -> Observation {
+    let place_px = field.landmark(landmark.as_str()).map_or(0.0, |landmark| landmark.place_sigma_px);
+    Observation { sigma_px: sigma_px.hypot(place_px * size.scale_from_1920()), ..observation }
 }
 
 /// The camera of a frame from its clicks and its camera's base, and where they are too few from what was proposed. `index` is

@@ -40,7 +40,7 @@ pub use gold::choose_gold;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use paint::{
     FindFrameError, SnapFrameError, check_frame, find_frame, record_found_by_paint, record_line_check,
-    record_not_found_by_paint, record_refusal, record_snapped, snap_frame,
+    record_not_found_by_paint, record_refusal, record_snapped, snap_clicks, snap_frame,
 };
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};

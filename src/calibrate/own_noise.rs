@@ -16,8 +16,8 @@
 //! - `f_l`² = (ν₁ f² + `ν_l` `s_l`²) / (ν₁ + `ν_l`) for a landmark with eight repeats or more, ν₁ = 10: one annotator's noise
 //!   on single landmarks departs from the template's ratios by a factor of about 1.25. f for all others and for lines.
 
-use crate::document::{CLICKING_SHARE, ClickNoise, DocumentAt, Extra, Fields};
-use crate::field::{FieldError, LandmarkId};
+use crate::document::{ClickNoise, DocumentAt, Extra, Fields};
+use crate::field::{CLICKING_SHARE, FieldError, LandmarkId};
 use crate::geometry::Vec2;
 use crate::score::ClickScatter;
 use std::collections::BTreeMap;

@@ -3,13 +3,13 @@
 use super::observations;
 use crate::camera::{CameraBase, Ptz, PtzCamera, Radial};
 use crate::document::{
-    Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+    Document, Frame, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource, SolutionWarning, Target,
 };
 use crate::field::FieldModel;
 use crate::media::Picture;
 use crate::paint::{
-    FindError, FindOptions, Found, GroundPicture, LineCheck, LineVerdict, SnapError, SnapOptions, Snapped, WatchFind,
-    check_lines, find_camera, snap,
+    FindError, FindOptions, Found, GroundPicture, LineCheck, LineVerdict, PointSnapOptions, SnapError, SnapOptions,
+    Snapped, SnappedPoint, WatchFind, check_lines, find_camera, snap, snap_point,
 };
 use crate::solve::ObservationError;
 use thiserror::Error;
@@ -101,6 +101,28 @@ pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapp
     if frame.status == FrameStatus::New {
         frame.status = FrameStatus::Suggested;
     }
+}
+
+/// Those of some clicks of a frame, by their places in it, whose landmark is certainly painted near by, and where. `camera` need
+/// not be exact.
+#[must_use]
+pub fn snap_clicks(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    camera: &PtzCamera,
+    picture: &Picture,
+    clicks: &[usize],
+) -> Vec<(usize, SnappedPoint)> {
+    let ground = GroundPicture::new(picture, &document.masks_of(frame));
+    let snapped = |index: &usize| {
+        let click = frame.clicks.get(*index)?;
+        let Some(Target::Landmark(id)) = &click.target else { return None };
+        let landmark = field.landmark(id.as_str())?;
+        let options = PointSnapOptions::default();
+        Some((*index, snap_point(&ground, field, camera, landmark, click.image, &options)?))
+    };
+    clicks.iter().filter_map(snapped).collect()
 }
 
 impl From<&LineCheck> for PaintEvidence {

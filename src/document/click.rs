@@ -63,6 +63,9 @@ pub struct Click {
     pub image: ImagePoint,
     /// Held out of the solve; only its error is reported.
     pub check: bool,
+    /// The program moved it to the painted corner or crossing that it names: 1-σ of that place in each direction, px. None where
+    /// it lies as somebody placed it.
+    pub snapped_sigma_px: Option<f64>,
     /// Unknown keys.
     pub extra: Extra,
 }
@@ -71,7 +74,7 @@ impl Click {
     /// A click on something.
     #[must_use]
     pub fn new(target: Target, image: ImagePoint) -> Self {
-        Self { target: Some(target), image, check: false, extra: Extra::new() }
+        Self { target: Some(target), ..Self::unnamed(image) }
     }
 
     /// A click on a landmark.
@@ -89,7 +92,7 @@ impl Click {
     /// A click that waits for its name.
     #[must_use]
     pub fn unnamed(image: ImagePoint) -> Self {
-        Self { target: None, image, check: false, extra: Extra::new() }
+        Self { target: None, image, check: false, snapped_sigma_px: None, extra: Extra::new() }
     }
 }
 
@@ -103,6 +106,8 @@ struct ClickJson {
     image_px: ImagePoint,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     check: bool,
+    #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
+    snapped_sigma_px: Option<f64>,
     #[serde(flatten)]
     extra: Extra,
 }
@@ -119,7 +124,11 @@ impl TryFrom<ClickJson> for Click {
             (None, Some(line)) => Some(Target::Line(line.as_str().into())),
             (None, None) => None,
         };
-        Ok(Self { target, image: json.image_px, check: json.check, extra: json.extra })
+        if let Some(sigma_px) = json.snapped_sigma_px.filter(|sigma_px| !(*sigma_px > 0.0)) {
+            return Err(format!("the snapped_sigma_px of a click is {sigma_px}, not positive"));
+        }
+        let ClickJson { image_px: image, check, snapped_sigma_px, extra, .. } = json;
+        Ok(Self { target, image, check, snapped_sigma_px, extra })
     }
 }
 
@@ -130,6 +139,7 @@ impl From<Click> for ClickJson {
             Some(Target::Line(id)) => (None, Some(id.as_str().to_owned())),
             None => (None, None),
         };
-        Self { landmark, line, image_px: click.image, check: click.check, extra: click.extra }
+        let Click { image: image_px, check, snapped_sigma_px, extra, .. } = click;
+        Self { landmark, line, image_px, check, snapped_sigma_px, extra }
     }
 }

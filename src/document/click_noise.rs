@@ -1,12 +1,9 @@
 //! The annotator's own click noise as a document stores it, and its effect on the clicks' sigmas.
 
 use super::{Extra, adapters};
-use crate::field::FieldModel;
+use crate::field::{CLICKING_SHARE, FieldModel};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// The share of a template's `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own noise).
-pub(crate) const CLICKING_SHARE: f64 = 0.5;
 
 /// Factors outside this range are not believed.
 const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;

@@ -63,7 +63,9 @@ impl Frame {
                 Some(Target::Landmark(id)) => *id == repeat.landmark && click.image.is_finite(),
                 _ => false,
             });
-            let label = labelled.and_then(|labelled| self.clicks.get(labelled)).map(|click| click.image);
+            let label = labelled.and_then(|labelled| self.clicks.get(labelled));
+            // Where the program put a point says nothing about how its annotator clicks.
+            let label = label.filter(|click| click.snapped_sigma_px.is_none()).map(|click| click.image);
             let clicks = label.into_iter().chain([repeat.image]).collect();
             found.push(RepeatedClicks { landmark: &repeat.landmark, labelled, clicks });
         }

@@ -53,7 +53,7 @@
 //! | `use_for_training?` | whether the forest is trained with it; read also as `teaches`; absent: accepted suggestions are not used |
 //! | `gold?`, `repeats?` | clicked again, blind: `landmark`, `image_px`, `round`, `at?` ([`Repeat`]) |
 //! | `edited?` | `by?`, `at?`, `seconds?`, `version?` ([`Edited`]) |
-//! | `clicks` | `landmark` or `line`, `image_px`, `check?` ([`Click`]) |
+//! | `clicks` | `landmark` or `line`, `image_px`, `check?`, `snapped_sigma_px?`: moved to the paint, known to this 1-σ ([`Click`]) |
 //! | `masks_px?` | boxes that give no features in this frame, px |
 //! | `ptz?` | `pan_deg`, `tilt_deg`, `focal_px`, `k1?`, `k2?`; absent: unsolved ([`FramePtz`]) |
 //! | `solution?` | below |
@@ -121,7 +121,6 @@ pub use at::DocumentAt;
 pub use camera::{Camera, CameraSigma, Distortion, K1Curve};
 pub use camera_id::CameraId;
 pub use click::{Click, Target};
-pub(crate) use click_noise::CLICKING_SHARE;
 pub use click_noise::{ClickNoise, StoredClickNoise};
 pub(crate) use create::document_from_frames;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};

@@ -3,7 +3,7 @@
 use super::model::same_place;
 use super::parts::{CurvePart, PointPart, Scoped};
 use super::template::MAX_CROWN_M;
-use super::{Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template};
+use super::{CLICKING_SHARE, Curve, Expression, FieldError, FieldLine, FieldModel, Landmark, Template};
 use crate::geometry::{Angle, Vec3};
 use std::collections::BTreeMap;
 
@@ -78,6 +78,7 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
                 code: part.code.clone(),
                 nominal_m: builder.point(&format!("landmark {:?}, at", part.id), &part.at)?,
                 click_sigma_px: part.click_sigma_px,
+                place_sigma_px: (1.0 - CLICKING_SHARE).sqrt() * part.click_sigma_px,
             })
         })
         .collect::<Result<_, FieldError>>()?;

@@ -26,6 +26,7 @@ pub use crown::Crown;
 pub use element::FieldElement;
 pub use error::FieldError;
 pub use expression::{Expression, ExpressionError};
+pub(crate) use model::CLICKING_SHARE;
 pub use model::{Curve, FieldLine, FieldModel, Landmark, LandmarkId, LineId, PaintEdge};
 pub use svg::svg;
 pub use symmetry::Symmetry;

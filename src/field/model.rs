@@ -63,7 +63,14 @@ pub struct Landmark {
     pub nominal_m: Vec3,
     /// The click noise: 1-σ of a click in px at 1920 px width.
     pub click_sigma_px: f64,
+    /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are not painted to the centimetre.
+    /// It stays however exactly a point is placed. 1-σ, px at 1920 px width.
+    pub place_sigma_px: f64,
 }
+
+/// The share of a template's click noise `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own
+/// noise).
+pub(crate) const CLICKING_SHARE: f64 = 0.5;
 
 /// A straight marking, circle, arc or post on which a click can lie.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
-use crate::app::{Action, BurntInSearch, LineCheckOrder, SnapOrder};
+use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, SnapOrder};
 use crate::media::FrameReader;
 use crate::proposals::{FeatureStore, WorkFolder};
 use std::ops::ControlFlow;
@@ -28,6 +28,12 @@ pub(super) fn snapped(
 ) -> Action {
     let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::Snapped { ticket: order.ticket, result }
+}
+
+/// Looks where the landmarks of clicks are painted.
+pub(super) fn points_snapped(order: &PointSnapOrder, pictures: SharedPictures) -> Action {
+    let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
+    Action::PointsSnapped { ticket: order.ticket, found }
 }
 
 /// Judges cameras by the painted lines; fewer where `watch`, asked before each, ends it.

@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::{burnt_in, lines_checked, snapped};
+use super::picture_tasks::{burnt_in, lines_checked, points_snapped, snapped};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -46,6 +46,8 @@ enum Kind {
     BurntIn,
     /// It snaps a frame; the order's ticket.
     Snap(u64),
+    /// It looks where clicks are painted; the order's ticket.
+    SnapPoints(u64),
     /// It judges cameras by the painted lines; the order's ticket.
     LineCheck(u64),
     /// Anything that runs to its end.
@@ -145,6 +147,12 @@ impl Runner {
                     Ok(Outcome::Action(snapped(&order, pictures, &|| watch.goes_on())))
                 });
             }
+            Effect::SnapPoints(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {
+                    Ok(Outcome::Action(points_snapped(&order, pictures)))
+                });
+            }
             Effect::CheckLines(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("line check", Kind::LineCheck(order.ticket), move |watch| {
@@ -223,6 +231,9 @@ impl Runner {
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
+                        }
+                        Kind::SnapPoints(ticket) => {
+                            Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
                         }
                         Kind::LineCheck(ticket) => {
                             Action::LinesChecked { ticket, found: Err(WatchPanicked { message }) }

@@ -28,6 +28,9 @@ const PLATE: Colour = Colour { r: 10, g: 14, b: 12, a: 170 };
 /// The boxes whose pixels give no features.
 const MASK: Colour = Colour::rgb(240, 120, 200);
 
+/// The ring in the gap of a click's cross that lies on the paint, points.
+const SNAPPED_RADIUS_PT: f32 = 4.5;
+
 /// How the camera came about, as far as one sees it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Standing {
@@ -201,6 +204,10 @@ fn append_clicks(scene: &OverlayScene<'_>, drawing: &mut Drawing) {
             outline: Some(rim(1.0)),
         };
         drawing.markers.push(marker);
+        if click.snapped_sigma_px.is_some() {
+            let in_the_gap = Marker { shape: MarkerShape::Ring, radius_pt: SNAPPED_RADIUS_PT, line_pt: 1.25, ..marker };
+            drawing.markers.push(in_the_gap);
+        }
         if selected {
             let ring = Marker { shape: MarkerShape::Ring, radius_pt: 15.0, line_pt: 1.5, ..marker };
             drawing.markers.push(ring);

@@ -90,6 +90,7 @@ fn is_on(app: &App, command: Command) -> bool {
     match command {
         Command::ShowMasks => app.session.masks,
         Command::ShowFieldMap => app.settings.field_map,
+        Command::SnapPoints => app.settings.snap_points,
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::CameraPanel => app.session.panel == SidePanel::Camera,
         Command::TrainerPanel => app.session.panel == SidePanel::Trainer,

@@ -52,6 +52,7 @@ mod review_in_app;
 mod seeded;
 mod session;
 mod shaders;
+mod snapped_points_in_app;
 mod suggestions_in_app;
 mod synth_command;
 mod synthetic;

@@ -7,9 +7,10 @@ use touchline::app::session::Level;
 use touchline::app::{Action, App, Command};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
-    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, document_from_bytes, document_to_string,
+    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes, document_to_string,
 };
-use touchline::geometry::Angle;
+use touchline::geometry::{Angle, Vec2};
+use touchline::markings::project_landmarks;
 use touchline::paint::LineVerdict;
 use touchline::solve::Verdict;
 
@@ -145,4 +146,29 @@ fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let solution = frame(&headless.app).solution.as_ref().unwrap();
     assert!(solution.line_check.as_ref().is_some_and(|check| check.score < 0.1), "{solution:?}");
     assert!(solution.warnings.iter().any(|warning| warning.code == "line_check"));
+}
+
+#[test]
+fn points_beside_painted_crossings_go_to_them() {
+    let (place, truth) = project();
+    let mut headless = Headless::new();
+    headless.act(Action::Open(place.path().join("project")));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless.wait_for_picture();
+    let (field, size) = (headless.app.current().field().unwrap().clone(), frame(&headless.app).image_size);
+    let camera = truth.pointed(&truth.frames[0]).unwrap();
+    let shown = project_landmarks(&field, &camera, size, -40.0);
+    assert!(shown.len() >= 3, "{shown:?}");
+    for projected in shown.iter().take(5) {
+        headless.act(Action::Pick(Target::Landmark(field.landmarks[projected.landmark].id.clone())));
+        headless.act(Action::Press { at: projected.image.moved(Vec2::new(2.0, -1.0)), on: None });
+        headless.act(Action::Release);
+    }
+    headless.wait_until("the snap", |app| !app.session.just_snapped.is_empty());
+    let snapped = frame(&headless.app).clicks.iter().filter(|click| click.snapped_sigma_px.is_some());
+    for click in snapped {
+        let id = click.target.as_ref().unwrap().as_str();
+        let exact = camera.image_from_world(field.landmark_in_world(field.landmark(id).unwrap())).unwrap();
+        assert!(click.image.distance_px(exact) < 0.8, "{id}: {} px", click.image.distance_px(exact));
+    }
 }

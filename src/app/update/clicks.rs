@@ -11,7 +11,7 @@ impl App {
             self.hold_again(at, true);
             return;
         }
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         let Some(frame) = self.frame() else { return };
         if !at.is_finite() {
             return;
@@ -80,14 +80,20 @@ impl App {
         self.clicks_changed();
     }
 
-    pub(super) fn release(&mut self) {
+    /// The button went up; `exactly`: the point stays where it is, whatever is painted near by.
+    pub(super) fn release(&mut self, exactly: bool) {
         if self.round().is_some() {
             self.release_again();
             return;
         }
         let Mode::Dragging { click, placed } = self.session.mode else { return };
         self.session.mode = Mode::Idle;
+        let revision = self.open.as_ref().map(|open| open.revision);
         self.commit();
+        let moved = self.open.as_ref().map(|open| open.revision) != revision;
+        if moved {
+            self.snap_later(click, exactly);
+        }
         let unnamed =
             self.frame().and_then(|frame| frame.clicks.get(click)).is_some_and(|click| click.target.is_none());
         if unnamed {
@@ -105,6 +111,7 @@ impl App {
             && to.is_finite()
         {
             click.image = ImagePoint::new(to.x.clamp(0.0, width), to.y.clamp(0.0, height));
+            click.snapped_sigma_px = None;
         }
     }
 
@@ -133,7 +140,7 @@ impl App {
         }
         let name = self.click_name(click);
         self.session.mode = Mode::Idle;
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         if self.begin(format!("Delete {name}")) {
             if let Some(frame) = self.frame_mut() {
                 frame.clicks.remove(click);

@@ -120,7 +120,7 @@ impl App {
             self.session.notify(Level::Info, reason);
             return;
         }
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         match command {
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
@@ -209,6 +209,10 @@ impl App {
             C::ShowMasks => self.session.masks = !self.session.masks,
             C::ShowFieldMap => {
                 self.settings.field_map = !self.settings.field_map;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::SnapPoints => {
+                self.settings.snap_points = !self.settings.snap_points;
                 self.effects.push(Effect::SaveSettings);
             }
             C::CameraPanel => self.toggle_panel(SidePanel::Camera),

@@ -65,6 +65,7 @@ impl App {
         // A look at the document before is reported in vain.
         self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
         self.line_checks = self.line_checks.for_another();
+        self.point_snaps = self.point_snaps.for_another();
         self.find_burnt_in();
     }
 

@@ -17,7 +17,7 @@ impl App {
         self.session.frame = frame;
         self.session.selected = None;
         self.session.hover = None;
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         self.session.mode = Mode::Idle;
         self.session.retract(Command::AcceptAnyway);
         self.session.doubted = None;

@@ -107,7 +107,7 @@ impl App {
             self.commit();
         }
         self.session.selected = None;
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         self.session.next_on_line = false;
         self.session.masks = false;
         self.session.held = crate::app::session::Held::default();

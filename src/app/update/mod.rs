@@ -16,6 +16,7 @@ mod naming;
 mod numbers;
 mod outside;
 mod paint;
+mod points;
 mod proposals;
 mod quality;
 mod review;
@@ -27,6 +28,7 @@ use super::action::{Action, Effect};
 use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
 use super::line_checks::LineChecks;
+use super::point_snaps::PointSnaps;
 use super::quality::Quality;
 use super::review::Review;
 use super::session::{Dialog, Level, Mode, Saving, Session};
@@ -51,6 +53,7 @@ pub struct App {
     line_checks: LineChecks,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,
+    point_snaps: PointSnaps,
     /// How many changes have been worked out in the background.
     bulk_tickets: u64,
     effects: Vec<Effect>,
@@ -114,6 +117,7 @@ impl App {
         }
         self.watch_camera();
         self.tell_trainer();
+        self.snap_points();
         self.check_lines();
         std::mem::take(&mut self.effects)
     }
@@ -128,7 +132,8 @@ impl App {
             Action::Hover(at) => self.session.hover = at,
             Action::Press { at, on } => self.press(at, on),
             Action::Drag(to) => self.drag(to),
-            Action::Release => self.release(),
+            Action::Release => self.release(false),
+            Action::ReleaseExactly => self.release(true),
             Action::Select(click) => self.select(click),
             Action::Nudge { dx_px, dy_px, held } => self.nudge(dx_px, dy_px, held),
             Action::View(view) => self.session.view = view,
@@ -153,6 +158,7 @@ impl App {
             Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
             Action::RemoveMask { list, index } => self.remove_mask(list, index),
             Action::Snapped { ticket, result } => self.snapped(ticket, result),
+            Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
             Action::LinesChecked { ticket, found } => self.lines_checked(ticket, found),
             Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
             Action::BeginEdit(name) => self.begin_edit(name),

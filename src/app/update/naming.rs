@@ -108,7 +108,7 @@ impl App {
         let Some(found) = self.current.other_names() else { return };
         let (step, renames): (String, Vec<BetterName>) = (found.step(), BetterName::all(found).collect());
         self.session.mode = Mode::Idle;
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         self.session.held.compare = false;
         if self.begin(step) {
             if let Some(frame) = self.frame_mut() {
@@ -139,7 +139,7 @@ impl App {
         }
         self.session.mode = Mode::Idle;
         self.session.next_on_line = false;
-        self.session.named_unasked = None;
+        self.session.forget_placed();
         if self.begin(format!("Name {label}")) {
             if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
                 click.target = Some(target);
@@ -147,6 +147,7 @@ impl App {
             self.session.selected = Some(click);
             self.clicks_changed();
             self.commit();
+            self.snap_named(click);
         }
     }
 }

@@ -6,13 +6,14 @@ use crate::ui::{Panel, theme};
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
 
 /// Keys that are not commands and cannot be changed.
-const FIXED: [(&str, &str); 8] = [
+const FIXED: [(&str, &str); 9] = [
     ("Click", "place a point, or grab one"),
     ("1–5, letters", "choose a name, filter the names"),
     ("Arrows", "move the selected point 0.1 px; Shift 1 px, Alt 10 px"),
     ("Tab", "while naming a point: switch between landmarks and lines"),
     ("Wheel", "zoom to the pointer"),
     ("Space-drag, middle drag", "move the picture"),
+    ("Alt at the release", "the point stays there, not on the paint near by"),
     ("Shift while dragging", "a tenth of the pointer's speed"),
     ("1–6", "the reason, after Not calibratable"),
 ];

@@ -178,6 +178,11 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
 fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     ui.label(RichText::new(format!("{}  {name}", index + 1)).color(theme::STRONG));
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
+    if let Some(sigma_px) = click.snapped_sigma_px {
+        ui.label(format!(
+            "Snapped to the paint, known to ±{sigma_px:.1} px. Alt at the release keeps a point as placed."
+        ));
+    }
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
     } else if app.current().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {

@@ -92,7 +92,11 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     let (click, hint) = match &session.mode {
         Mode::Dragging { click, placed: true } => (*click, String::new()),
         Mode::Idle => {
-            let Some(click) = session.named_unasked.filter(|_| recently(ui, session.named_unasked)) else { return };
+            just_snapped(panel, ui, placement, painter);
+            let Some(click) = session.named_unasked.filter(|_| recently(ui, "named unasked", session.named_unasked))
+            else {
+                return;
+            };
             (click, format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick)))
         }
         Mode::Placing(target) => {
@@ -112,6 +116,21 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
     }
 }
 
+/// That points were just moved onto the paint, above each.
+fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Painter) {
+    let session = &panel.app.session;
+    let clicks = panel.app.frame().map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    let newest = session.just_snapped.last().copied();
+    if newest.is_none() || !recently(ui, "just snapped", newest) {
+        return;
+    }
+    for click in session.just_snapped.iter().filter_map(|click| clicks.get(*click)) {
+        let at = placement.screen_from_image(click.image) + vec2(0.0, -26.0);
+        let style = PlateStyle::new(FontId::proportional(11.0), theme::TEXT, PLATE);
+        plate(painter, at, Align2::CENTER_CENTER, "snapped", style);
+    }
+}
+
 /// A name and a weaker hint below and right of a point, or left of it at the right border.
 pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str) {
     let width = 8.0 * name.len().max(hint.len()) as f32;
@@ -126,10 +145,10 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
     }
 }
 
-/// Whether this click was named automatically a moment ago; requests a repaint for when that is over.
-fn recently(ui: &egui::Ui, click: Option<usize>) -> bool {
+/// Whether something was done to this click a moment ago; requests a repaint for when that is over.
+fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
     let now = ui.input(|input| input.time);
-    let id = super::id().with("named unasked");
+    let id = super::id().with(done);
     let (known, since) = ui.data_mut(|data| {
         let seen = data.get_temp_mut_or_insert_with(id, || (click, now));
         if seen.0 != click {

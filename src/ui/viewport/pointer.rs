@@ -129,13 +129,13 @@ impl Reading<'_> {
                 if *pressed {
                     self.pressed(*pos, *button, *modifiers);
                 } else {
-                    self.released(*button);
+                    self.released(*button, *modifiers);
                 }
             }
             // A drag continues when the pointer comes back.
             Event::PointerGone if self.pointer.hold == Hold::Nothing => self.pointer.at = None,
             // There is no event if the button goes up over another window.
-            Event::WindowFocused(false) => self.let_go(),
+            Event::WindowFocused(false) => self.let_go(Modifiers::NONE),
             _ => {
                 if let Some(gesture) = Gesture::from_event(event) {
                     self.gesture(gesture);
@@ -197,21 +197,21 @@ impl Reading<'_> {
         }
     }
 
-    fn released(&mut self, button: PointerButton) {
+    fn released(&mut self, button: PointerButton, modifiers: Modifiers) {
         let ends = match self.pointer.hold {
             Hold::Nothing => false,
             Hold::Picture(held) => held == button,
             Hold::Click { .. } | Hold::Mask { .. } => button == PointerButton::Primary,
         };
         if ends {
-            self.let_go();
+            self.let_go(modifiers);
         }
     }
 
-    fn let_go(&mut self) {
+    fn let_go(&mut self, modifiers: Modifiers) {
         let held = std::mem::take(&mut self.pointer.hold);
         if let Hold::Click { .. } = held {
-            self.actions.push(Action::Release);
+            self.actions.push(if modifiers.alt { Action::ReleaseExactly } else { Action::Release });
         }
         if let Some((of_camera, mask)) = held.mask() {
             self.actions.push(Action::AddMask { of_camera, mask });
@@ -310,6 +310,16 @@ mod tests {
         assert_eq!(actions, [Action::Drag(ImagePoint::new(440.0, 420.0))], "one drag a frame of the window");
         let actions = read(&mut pointer, &[Event::PointerMoved(pos2(231.0, 213.0))], Modifiers::SHIFT, &DRAGGING);
         assert_eq!(actions, [Action::Drag(ImagePoint::new(442.0, 420.0))]);
+    }
+
+    #[test]
+    fn alt_at_the_release_keeps_the_point_where_it_is() {
+        let mut pointer = Pointer::default();
+        let at = pos2(100.0, 50.0);
+        read(&mut pointer, &[button(at, true)], Modifiers::NONE, &Mode::Idle);
+        let released =
+            Event::PointerButton { pos: at, button: PointerButton::Primary, pressed: false, modifiers: Modifiers::ALT };
+        assert_eq!(read(&mut pointer, &[released], Modifiers::ALT, &DRAGGING), [Action::ReleaseExactly]);
     }
 
     #[test]
