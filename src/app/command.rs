@@ -54,6 +54,8 @@ pub enum Command {
     SwitchRoot,
     Snap,
     SearchLines,
+    /// The frame to click next for the base is shown.
+    ShowForBase,
     /// Points go to the paint that they name, or stay where they are placed.
     SnapPoints,
     ZoomIn,
@@ -220,6 +222,7 @@ rows! {
     QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
     CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
+    ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame of this camera whose points would tell most about its base: it looks where no frame with four landmarks does.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
     StopSolving, "stop_solving", Camera, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
@@ -333,6 +336,7 @@ impl Command {
             | Self::Uncertainty
             | Self::ShowFeatures
             | Self::EstimateBase
+            | Self::ShowForBase
             | Self::UseEstimatedBase
             | Self::DropEstimatedBase
             | Self::StopSolving

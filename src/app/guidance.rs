@@ -187,6 +187,7 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
     match &current.solution {
         Some(Ok(_)) => Guidance::say(match current.judgement.as_ref().map(|judgement| judgement.verdict) {
             Some(Verdict::Wrong) => "There is a contradiction: read the verdict before you accept.",
+            Some(Verdict::Check) if current.next_clicks.is_empty() => "Check the lines, then press Enter to accept.",
             Some(Verdict::Check) => "Check the lines, then press Enter to accept. One more point far away helps.",
             Some(Verdict::Good) | None => "Press Enter to accept and go on. Drag a point to refine it.",
         }),

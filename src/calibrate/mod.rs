@@ -24,7 +24,7 @@ mod which_camera;
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
-pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES};
+pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{
     AssignedFrames, BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved, Joined, NewCamera, WatchBulk,

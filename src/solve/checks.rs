@@ -2,7 +2,7 @@
 
 use super::context::SAME_FIT;
 use super::covariance::corners;
-use super::{FrameSolution, Observation, SolveContext, Warning, WarningCode};
+use super::{CornerSigma, FrameSolution, Observation, SolveContext, Warning, WarningCode};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, Vec2, thousands};
 
@@ -11,6 +11,12 @@ const WARN_CORNER_SIGMA_PX: f64 = 7.0;
 
 /// A second point this far away makes a good pair, px at 1920 px width.
 const GOOD_SEPARATION_PX: f64 = 800.0;
+
+/// What helps is worth saying if it leaves at most this share of the worst corner's 1-σ.
+const WORTHWHILE: f64 = 0.9;
+
+/// A point that would help a corner lies this share of the way to the middle of the picture.
+const TOWARDS_MIDDLE: f64 = 0.15;
 
 /// A check click beyond this many sigmas is wrong, or the solution is (of right ones 0.2 % are).
 const MAX_CHECK_Z: f64 = 3.5;
@@ -31,7 +37,7 @@ pub(super) fn warnings(
     found.extend(underground(camera));
     found.extend(implausible(solution, context));
     found.extend(two_roots(solution, context));
-    found.extend(separation(camera, used, solution, context));
+    found.extend(uncertain_corner(camera, used, solution, context));
     found
 }
 
@@ -137,35 +143,60 @@ fn two_roots(solution: &FrameSolution, context: &SolveContext) -> Option<Warning
     Some(Warning { code: WarningCode::TwoRoots, message, clicks: Vec::new() })
 }
 
-/// Landmarks so close together that a far corner is uncertain; what it costs and what a far point would give.
-fn separation(
+/// A worst corner that is uncertain, by what makes it so: the base, points close together, or a corner far from all points. What
+/// helps is said only where it gains.
+fn uncertain_corner(
     camera: &PtzCamera,
     used: &[Observation],
     solution: &FrameSolution,
     context: &SolveContext,
 ) -> Option<Warning> {
     let scale = context.image_size.scale_from_1920();
-    let separation_px = solution.separation_px?;
-    let corner = solution.worst_corner_sigma_px;
-    if corner <= WARN_CORNER_SIGMA_PX * scale || separation_px >= GOOD_SEPARATION_PX * scale {
+    let corner_px = solution.worst_corner_sigma_px;
+    if corner_px <= WARN_CORNER_SIGMA_PX * scale {
         return None;
     }
+    let worst = solution.uncertainty.worst_corner(camera, context.image_size)?;
+    if worst.is_from_base() {
+        return Some(Warning { code: WarningCode::BaseUncertain, message: of_base(&worst), clicks: Vec::new() });
+    }
+    let separation_px = solution.separation_px?;
     let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
-    let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
+    let gains = |better_px: &f64| *better_px < WORTHWHILE * corner_px;
+    if separation_px < GOOD_SEPARATION_PX * scale {
+        let focal_percent = 100.0 * solution.sigma_focal_px() / solution.ptz.focal_px;
+        let cost = format!(
+            "Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.",
+            short(corner_px)
+        );
+        let sum = landmarks().fold(Vec2::zeros(), |sum, click| sum + click.image.offset_from(ImagePoint::default()));
+        let middle = ImagePoint::default().moved(sum / landmarks().count() as f64);
+        let distance_px = GOOD_SEPARATION_PX * scale;
+        let better = best_corner_with_click_at(camera, solution, context, middle, distance_px).filter(gains);
+        let way_out = better.map_or_else(String::new, |better| {
+            format!(" A point at {distance_px:.0} px would give ±{}.", short(better))
+        });
+        let clicks = landmarks().map(|observation| observation.click).collect();
+        return Some(Warning { code: WarningCode::Separation, message: cost + &way_out, clicks });
+    }
+    let nearest_px =
+        used.iter().map(|observation| observation.image.distance_px(worst.corner)).min_by(f64::total_cmp)?;
     let cost =
-        format!("Points {separation_px:.0} px apart: focal ±{focal_percent:.1} %, worst corner ±{} px.", short(corner));
-    let middle = landmarks().fold(Vec2::zeros(), |sum, click| sum + click.image.offset_from(ImagePoint::default()))
-        / landmarks().count() as f64;
-    let middle = ImagePoint::default().moved(middle);
-    let distance_px = GOOD_SEPARATION_PX * scale;
-    let better = best_corner_with_click_at(camera, solution, context, middle, distance_px);
-    let way_out = better
-        .map_or_else(String::new, |better| format!(" A point at {distance_px:.0} px would give ±{}.", short(better)));
-    Some(Warning {
-        code: WarningCode::Separation,
-        message: cost + &way_out,
-        clicks: landmarks().map(|observation| observation.click).collect(),
-    })
+        format!("The worst corner is ±{} px: it lies {nearest_px:.0} px from the nearest point.", short(corner_px));
+    let inwards = worst.corner.moved((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
+    let better = corner_with_click_at(camera, solution, context, inwards).filter(gains);
+    let way_out =
+        better.map_or_else(String::new, |better| format!(" A point near that corner would give ±{}.", short(better)));
+    Some(Warning { code: WarningCode::Extrapolation, message: cost + &way_out, clicks: Vec::new() })
+}
+
+/// The base leaves most of the worst corner open.
+fn of_base(worst: &CornerSigma) -> String {
+    format!(
+        "The base is uncertain: ±{} of the ±{} px at the worst corner come from it. Points in more wide frames help.",
+        short(worst.base_px),
+        short(worst.sigma_px())
+    )
 }
 
 /// The smallest worst-corner sigma that one more landmark click gives, at a distance from a pixel within the frame.
@@ -177,15 +208,24 @@ fn best_corner_with_click_at(
     distance_px: f64,
 ) -> Option<f64> {
     const DIRECTIONS: u32 = 16;
-    let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
-    let corners = corners(camera, context.image_size);
     (0..DIRECTIONS)
         .map(|direction| f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU)
         .map(|angle| from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px))
         .filter(|pixel| context.image_size.contains(*pixel))
-        .filter_map(|pixel| solution.uncertainty.with_click_at(camera, pixel, sigma_px))
-        .map(|better| better.worst_sigma_px(&corners))
+        .filter_map(|pixel| corner_with_click_at(camera, solution, context, pixel))
         .min_by(f64::total_cmp)
+}
+
+/// The worst-corner sigma with one more landmark click at a pixel, as noisy as the noisiest one there is.
+fn corner_with_click_at(
+    camera: &PtzCamera,
+    solution: &FrameSolution,
+    context: &SolveContext,
+    pixel: ImagePoint,
+) -> Option<f64> {
+    let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
+    let better = solution.uncertainty.with_click_at(camera, pixel, sigma_px)?;
+    Some(better.worst_sigma_px(&corners(camera, context.image_size)))
 }
 
 /// A positive number, rounded: "2,410".
@@ -196,4 +236,81 @@ fn rounded(value: f64) -> String {
 /// A sigma in as few digits as it deserves: "14", "3.6".
 fn short(value: f64) -> String {
     if value >= 10.0 { format!("{value:.0}") } else { format!("{value:.1}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseSigma, CameraBase, Ptz};
+    use crate::geometry::{ImageSize, Mat3, Vec3};
+    use crate::solve::solve_frame;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// A camera whose base is known to these metres in each direction.
+    fn camera(sigma_m: f64) -> PtzCamera {
+        let turn = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let mut base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turn, SIZE.centre());
+        base.sigma = BaseSigma { position_m: Vec3::repeat(sigma_m), rotation: Vec3::zeros() };
+        PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 2000.0))
+    }
+
+    /// The solution from points on the ground where the camera shows these pixels.
+    fn solved(camera: &PtzCamera, pixels: &[[f64; 2]], sigma_px: f64) -> FrameSolution {
+        let observe = |(click, pixel): (usize, &[f64; 2])| {
+            let pixel = ImagePoint::from(*pixel);
+            let at = camera.plane_from_image(pixel, 0.0).unwrap();
+            Observation::of_point(at, pixel, sigma_px, click)
+        };
+        let observations: Vec<Observation> = pixels.iter().enumerate().map(observe).collect();
+        solve_frame(camera.base(), &observations, &SolveContext::new(SIZE)).unwrap()
+    }
+
+    fn only_warning(solution: &FrameSolution) -> &Warning {
+        assert_eq!(solution.warnings.len(), 1, "{:?}", solution.warnings);
+        &solution.warnings[0]
+    }
+
+    #[test]
+    fn the_parts_of_the_worst_corner_add_up() {
+        let camera = camera(0.5);
+        let solution = solved(&camera, &[[400.0, 500.0], [1500.0, 800.0]], 2.0);
+        let worst = solution.uncertainty.worst_corner(&camera, SIZE).unwrap();
+        assert!((worst.sigma_px() - solution.worst_corner_sigma_px).abs() < 1e-6, "{worst:?}");
+        assert!(worst.clicks_px > 0.5 && worst.base_px > 0.5);
+        let exact = solved(&self::camera(0.0), &[[400.0, 500.0], [1500.0, 800.0]], 2.0);
+        let of_exact = exact.uncertainty.worst_corner(&self::camera(0.0), SIZE).unwrap();
+        assert!(of_exact.base_px == 0.0 && !of_exact.is_from_base());
+    }
+
+    #[test]
+    fn the_dominating_cause_is_named() {
+        let apart = [[300.0, 400.0], [1600.0, 800.0]];
+        let uncertain = solved(&camera(3.0), &apart, 0.5);
+        assert_eq!(only_warning(&uncertain).code, WarningCode::BaseUncertain);
+        assert!(uncertain.warnings[0].message.starts_with("The base is uncertain: ±"), "{:?}", uncertain.warnings);
+        let close = solved(&camera(0.0), &[[900.0, 500.0], [1000.0, 560.0]], 2.0);
+        assert_eq!(only_warning(&close).code, WarningCode::Separation);
+        assert!(close.warnings[0].message.contains("would give ±"), "{:?}", close.warnings);
+        // Far apart, but both on the left and noisy.
+        let left = solved(&camera(0.0), &[[60.0, 250.0], [120.0, 1060.0]], 8.0);
+        assert_eq!(only_warning(&left).code, WarningCode::Extrapolation);
+        assert!(left.warnings[0].message.contains("from the nearest point"), "{:?}", left.warnings);
+        let fine = solved(&camera(0.0), &apart, 0.5);
+        assert!(fine.warnings.is_empty(), "{:?}", fine.warnings);
+    }
+
+    #[test]
+    fn advice_is_given_only_where_it_gains() {
+        for sigma_px in [0.5, 2.0, 6.0] {
+            for pixels in [[[900.0, 500.0], [1000.0, 560.0]], [[60.0, 250.0], [120.0, 1060.0]]] {
+                let solution = solved(&camera(0.4), &pixels, sigma_px);
+                for warning in &solution.warnings {
+                    let Some((_, better)) = warning.message.split_once("would give ±") else { continue };
+                    let better: f64 = better.trim_end_matches('.').parse().unwrap();
+                    assert!(better < 0.95 * solution.worst_corner_sigma_px, "{}", warning.message);
+                }
+            }
+        }
+    }
 }

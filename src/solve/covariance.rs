@@ -138,6 +138,19 @@ impl Uncertainty {
         self.worst_sigma_px(&corners(camera, image_size))
     }
 
+    /// Where the 1-σ at the frame's worst corner comes from.
+    #[must_use]
+    pub fn worst_corner(&self, camera: &PtzCamera, image_size: ImageSize) -> Option<CornerSigma> {
+        let at_corner = |(corner, point): (ImagePoint, Option<OverlayPoint>)| {
+            let point = point?;
+            let by_clicks = point.by_ptz * self.clicks * point.by_ptz.transpose();
+            let by_base = self.by_base_in_sigmas(&point);
+            Some(CornerSigma { corner, clicks_px: by_clicks.trace().max(0.0).sqrt(), base_px: by_base.norm() })
+        };
+        let corners = image_size.corners().into_iter().zip(corners(camera, image_size)).filter_map(at_corner);
+        corners.max_by(|a, b| a.sigma_px().total_cmp(&b.sigma_px()))
+    }
+
     /// The largest 1-σ of the overlay at some points, px.
     pub(super) fn worst_sigma_px(&self, points: &[Option<OverlayPoint>]) -> f64 {
         points.iter().flatten().map(|point| self.sigma_px(point)).fold(0.0, f64::max)
@@ -181,6 +194,31 @@ impl Uncertainty {
         add(&mut information, &mut cross, &click.by_ptz, &click.by_base, sigma_px.powi(-2));
         let clicks = invert_information(&information, camera.ptz().focal_px).ok()?;
         Some(Self { clicks, by_base: clicks * cross, base_sigma: self.base_sigma })
+    }
+}
+
+/// The 1-σ of the overlay at the worst corner of a frame, by what it comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CornerSigma {
+    /// Which corner, px.
+    pub corner: ImagePoint,
+    /// What the noise of the clicks and where they lie leave open, px.
+    pub clicks_px: f64,
+    /// What the uncertainty of the base leaves open, px.
+    pub base_px: f64,
+}
+
+impl CornerSigma {
+    /// Both together, px.
+    #[must_use]
+    pub fn sigma_px(&self) -> f64 {
+        self.clicks_px.hypot(self.base_px)
+    }
+
+    /// Whether more of the variance comes from the base than from the clicks: further clicks in this frame gain little.
+    #[must_use]
+    pub fn is_from_base(&self) -> bool {
+        self.base_px > self.clicks_px
     }
 }
 

@@ -37,7 +37,7 @@ mod warning;
 mod world_curve;
 
 pub use context::SolveContext;
-pub use covariance::Uncertainty;
+pub use covariance::{CornerSigma, Uncertainty};
 pub(crate) use dense::DenseEquations;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;

@@ -65,14 +65,17 @@ pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
     let chance = 1.0 / solution.redundancy.max(1) as f64;
     if let Some(misfit) = solution.misfit().filter(|misfit| *misfit > CHECK_MISFIT + chance) {
         let verdict = if misfit > WRONG_MISFIT + chance { Verdict::Wrong } else { Verdict::Check };
-        let reason = format!("clicks are {:.1} px off on average, {misfit:.1} times what is usual", solution.rms_px);
+        let contradicting = solution.warnings.iter().find(|warning| warning.code == WarningCode::Contradiction);
+        let on_average =
+            || format!("clicks are {:.1} px off on average, {misfit:.1} times what is usual", solution.rms_px);
+        let reason = contradicting.map_or_else(on_average, |warning| warning.message.clone());
         return judgement(verdict, reason);
     }
     if let Some(warning) = solution.warnings.first() {
         return judgement(Verdict::Check, warning.message.clone());
     }
     if !(solution.worst_corner_sigma_px <= GOOD_CORNER_SIGMA_PX * image_size.scale_from_1920()) {
-        return judgement(Verdict::Check, format!("{corner}: add a point far from the others"));
+        return judgement(Verdict::Check, corner);
     }
     let evidence = if solution.residuals_are_evidence() {
         format!("clicks fit to {:.1} px", solution.rms_px)

@@ -52,6 +52,10 @@ impl Serialize for WarningCode {
 warning_codes! {
     /// The points are so close together that the far corners are uncertain.
     Separation = "separation",
+    /// The base leaves more open than the points do.
+    BaseUncertain = "base_uncertain",
+    /// A corner far from all points is uncertain.
+    Extrapolation = "extrapolation",
     /// Two landmarks fit better with their names exchanged.
     Swapped = "swapped",
     /// The mirrored end or side fits as well, or better.

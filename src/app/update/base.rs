@@ -6,7 +6,7 @@ use crate::app::Command;
 use crate::app::action::Effect;
 use crate::app::base::{BaseWork, EstimateFailure, Estimating};
 use crate::app::session::{Level, SidePanel};
-use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, describe_size};
+use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, LANDMARKS_ALONE, describe_size, next_for_base};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
 use crate::solve::Name;
@@ -37,6 +37,24 @@ impl App {
         let from = format!("{} frames, {} clicks", ready.frames, ready.clicks);
         self.session.base = BaseWork::Estimating(Estimating { from, progress: None });
         self.session.panel = SidePanel::Camera;
+    }
+
+    /// Goes to the frame whose points would tell most about the base of the shown frame's camera.
+    pub(super) fn show_for_base(&mut self) {
+        let (Some(open), Some(camera)) = (&self.open, self.camera_id().cloned()) else { return };
+        let Some(field) = self.current.field() else { return };
+        let offer = [("Estimate the base", Command::EstimateBase)];
+        let Some(next) = next_for_base(&open.document, &camera, field) else {
+            let text =
+                "Every frame of this camera that shows enough of the field has its points. Estimate the base again.";
+            self.session.notify_with(Level::Info, text, offer);
+            return;
+        };
+        self.go_to(next);
+        let text = format!(
+            "Click {LANDMARKS_ALONE} or more landmarks here, spread over the picture; then estimate the base again."
+        );
+        self.session.notify_with(Level::Info, text, offer);
     }
 
     /// Gives up what is being estimated or what was found.

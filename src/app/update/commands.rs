@@ -228,6 +228,7 @@ impl App {
             C::KeepBurntIn => self.keep_burnt_in(),
             C::ChangeBurntIn => self.change_burnt_in(),
             C::EstimateBase => self.estimate_base(false),
+            C::ShowForBase => self.show_for_base(),
             C::FitFieldSize => self.estimate_base(true),
             C::UseEstimatedBase => self.use_base(),
             C::DropEstimatedBase => self.drop_base(),

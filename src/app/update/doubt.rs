@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::session::{Doubted, Level};
 use crate::app::{Command, sentence};
-use crate::solve::{IdentityKind, Verdict, WarningCode};
+use crate::solve::{IdentityKind, Verdict, Warning, WarningCode};
 
 impl App {
     /// Why the shown frame looks wrong, as one sentence; none if nothing contradicts it.
@@ -29,6 +29,13 @@ impl App {
         let held_out = solved.checks.iter().filter_map(|check| Some((check.click, check.error_px?, check.z_score?)));
         let (click, px, sigmas) = used.chain(held_out).max_by(|a, b| a.2.total_cmp(&b.2))?;
         (sigmas > SIGMAS).then_some((click, px))
+    }
+
+    /// The warning that is the reason of the verdict on the shown frame.
+    #[must_use]
+    pub fn cause(&self) -> Option<&Warning> {
+        let reason = &self.current.judgement.as_ref()?.reason;
+        self.current.solved()?.warnings.iter().find(|warning| warning.message == *reason)
     }
 
     /// What mends the shown frame in one click: the command, and what its button says.

@@ -4,8 +4,8 @@ use crate::app::review::percent;
 use crate::app::selection::Scope;
 use crate::app::{Action, App, CameraChoice, Command, sentence};
 use crate::calibrate::CalibrationError;
-use crate::document::{Frame, FrameStatus};
-use crate::solve::{SolveError, Verdict};
+use crate::document::{Frame, FrameStatus, Target};
+use crate::solve::{SolveError, Verdict, Warning, WarningCode};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{Button, Label, RichText, Ui};
@@ -123,7 +123,9 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
     let more = hidden(panel.app, reason);
     let mend = panel.app.mend();
     let better = panel.app.current().better_camera.as_ref();
-    if more == 0 && mend.is_none() && better.is_none() {
+    let way =
+        panel.app.cause().filter(|_| mend.is_none() && better.is_none()).and_then(|cause| way_out(panel.app, cause));
+    if more == 0 && mend.is_none() && better.is_none() && way.is_none() {
         return;
     }
     ui.horizontal(|ui| {
@@ -138,6 +140,10 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
                 panel.actions.push(Action::Command(command));
             }
             compare(panel, ui);
+        } else if let Some(way) = way
+            && ui.button(way.word).on_hover_text(way.about).clicked()
+        {
+            panel.actions.extend(way.actions);
         }
         if more > 0 {
             let rest = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
@@ -146,6 +152,37 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             }
         }
     });
+}
+
+/// A button that leads out of what the verdict names.
+struct WayOut {
+    word: &'static str,
+    about: String,
+    actions: Vec<Action>,
+}
+
+/// What is done about the cause that dominates: points for the base, a point where it gains most, a look at the point that
+/// contradicts the others.
+fn way_out(app: &App, cause: &Warning) -> Option<WayOut> {
+    match (cause.code, cause.clicks.as_slice()) {
+        (WarningCode::BaseUncertain, _) => Some(WayOut {
+            word: "Show which",
+            about: app.settings.keys.tooltip(Command::ShowForBase),
+            actions: vec![Action::Command(Command::ShowForBase)],
+        }),
+        (WarningCode::Separation | WarningCode::Extrapolation, _) => {
+            let next = app.current().next_clicks.first()?;
+            let target = Target::Landmark(next.id.clone());
+            let about = format!("{}: {}. Then click it in the picture.", app.label(&target), next.gain());
+            Some(WayOut { word: "Next point", about, actions: vec![Action::Pick(target)] })
+        }
+        (WarningCode::Contradiction, [click]) => Some(WayOut {
+            word: "Show point",
+            about: format!("Select point {} and zoom in on it.", click + 1),
+            actions: vec![Action::Select(Some(*click)), Action::Command(Command::ZoomToClick)],
+        }),
+        _ => None,
+    }
 }
 
 /// A button that shows the other solution while it is held, like its key.
