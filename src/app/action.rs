@@ -191,7 +191,14 @@ pub enum Action {
     SetWithDisagreeing(bool),
     /// The review panel's list has one suggestion a shot.
     SetOnePerShot(bool),
-    /// The suggestions that the preview shows are accepted together.
+    /// A suggestion is accepted together with the others, or taken out of them.
+    TickSuggestion {
+        /// Its place.
+        frame: usize,
+        /// It is accepted with the others.
+        ticked: bool,
+    },
+    /// The suggestions that the preview speaks of are accepted together.
     AcceptAll,
     /// The forest is trained with a reference, or not.
     SetUseForTraining {
@@ -395,6 +402,7 @@ impl Action {
             | Self::SetReviewOrder(_)
             | Self::SetReviewThreshold(_)
             | Self::SetWithDisagreeing(_)
+            | Self::TickSuggestion { .. }
             | Self::SetOnePerShot(_)
             | Self::SetQualityCamera(_)
             | Self::SetTimeAxis(_)

@@ -3,7 +3,7 @@
 /// What the list of suggestions begins with.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ReviewOrder {
-    /// The most certain.
+    /// The most doubtful.
     #[default]
     Confidence,
     /// The one farthest from its neighbours' way.
@@ -30,7 +30,9 @@ impl ReviewOrder {
     #[must_use]
     pub const fn about(self) -> &'static str {
         match self {
-            Self::Confidence => "Highest confidence first. Those above a threshold can be accepted at once.",
+            Self::Confidence => {
+                "Lowest confidence first: look at these. Those above a threshold can be accepted at once."
+            }
             Self::Disagreement => "Those most out of line with the frames before and after come first.",
             Self::Time => "In the order of the frames.",
         }

@@ -56,6 +56,8 @@ pub struct Session {
     pub masks: bool,
     /// What was chosen in the review panel.
     pub review: ReviewChoice,
+    /// Suggestions that a person took out of those that are accepted together.
+    pub unticked: BTreeSet<FrameId>,
     /// What was chosen on the quality page, and whether it takes the window.
     pub quality: QualityChoice,
     /// Messages, the latest last.

@@ -23,7 +23,8 @@ pub struct Disagreement {
     pub neighbours_px: f64,
 }
 
-/// For every frame how it lies to its neighbours; none without a camera of its own or without two neighbours in its shot.
+/// For every frame how it lies to its neighbours in time; none without a camera of its own or without two such neighbours in its
+/// shot.
 #[must_use]
 pub fn disagreements(document: &Document) -> Vec<Option<Disagreement>> {
     Disagreements::of(document).found
@@ -138,18 +139,19 @@ fn ptz_if_solved(frame: &Frame) -> Option<Ptz> {
 /// How the middle one of three solved frames lies to the others; none where these are too far apart.
 fn compare(document: &Document, [before, index, after]: [usize; 3]) -> Option<Disagreement> {
     let [from, frame, to] = [before, index, after].map(|place| &*document.frames[place]);
-    if way(from, before, to, after) > WITHIN {
+    if way(from, before, to, after)? > WITHIN {
         return None;
     }
     let own = document.pointed(frame)?;
     Some(disagreement(&own, ptz_if_solved(from)?, ptz_if_solved(to)?, frame.image_size))
 }
 
-/// How many frames lie between two: of the video where both come from one, else of the document.
-fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> f64 {
+/// How many frames lie between two: of the video where both come from one, of the document where they are of one shot. None where
+/// nothing says that they follow each other in time: stills.
+fn way(from: &Frame, from_index: usize, to: &Frame, to_index: usize) -> Option<f64> {
     match (&from.video, &to.video) {
-        (Some(from), Some(to)) if from.path == to.path => to.frame_index as f64 - from.frame_index as f64,
-        _ => to_index as f64 - from_index as f64,
+        (Some(from), Some(to)) if from.path == to.path => Some(to.frame_index as f64 - from.frame_index as f64),
+        _ => from.clip.is_some().then_some(to_index as f64 - from_index as f64),
     }
 }
 
@@ -246,6 +248,14 @@ mod tests {
             known.update(&document);
             assert_eq!(known.edition(), edition, "a comment moves no camera");
         }
+    }
+
+    #[test]
+    fn stills_have_no_neighbours_in_time() {
+        let mut document = document(&[0.0, 9.0, -4.0]);
+        assert!(disagreements(&document)[1].is_some());
+        document.frames.iter_mut().for_each(|frame| frame.clip = None);
+        assert_eq!(disagreements(&document), [None; 3]);
     }
 
     #[test]

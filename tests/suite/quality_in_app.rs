@@ -5,7 +5,7 @@ use touchline::app::quality::TimeAxis;
 use touchline::app::session::SidePanel;
 use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
-use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::geometry::ImagePoint;
 
 /// Two cameras in turns, a slow pan of each; the fifth frame of the first looks elsewhere.
@@ -19,6 +19,8 @@ fn document() -> Document {
     for index in 0..20 {
         let name = if index % 2 == 0 { "main" } else { "high" };
         let mut frame = Frame::from_image(&format!("{index:04}.jpg"), name.into(), SIZE);
+        // Of one shot: they follow each other in time.
+        frame.clip = Some(Clip::Number(1));
         let pan_deg = if index == 8 { 30.0 } else { 0.1 * f64::from(index) };
         frame.ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, -12.0, 2000.0), None));
         frame.status = FrameStatus::Reference;

@@ -33,11 +33,11 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     assert_eq!(window.app().session.frame, 1);
     window.key(Key::Enter);
     assert_eq!(statuses(&window), [Suggested, Reference, Suggested, New]);
-    assert_eq!(window.app().session.frame, 2, "the next most certain");
+    assert_eq!(window.app().session.frame, 0, "round and round: the most doubtful");
     window.harness.get_by_label("Time").click();
     window.harness.run_steps(2);
     window.key(Key::N);
-    assert_eq!(window.app().session.frame, 0);
+    assert_eq!(window.app().session.frame, 2);
     window
         .harness
         .get_by_label("1 frame has no answer, 1 proposal is uncertain: label one near pan\u{a0}−15°.")
@@ -54,7 +54,7 @@ fn under_the_pointer_no_row_moves() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     let top = |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
-    let labels = ["frame 2, 0001.png", "frame 3, 0002.png", "frame 1, 0000.png"];
+    let labels = ["frame 1, 0000.png", "frame 3, 0002.png", "frame 2, 0001.png"];
     let before = labels.map(|label| top(&window, label));
     assert!(before.is_sorted());
     let first = window.harness.get_by_label_contains(labels[0]).rect();
@@ -64,14 +64,14 @@ fn under_the_pointer_no_row_moves() {
     window.harness.run_steps(2);
     window.key(Key::Enter);
     window.propose(3, 0.97);
-    window.propose(0, 0.98);
+    window.propose(1, 0.98);
     assert_eq!(labels.map(|label| top(&window, label)), before, "accepted, proposed, proposed anew");
-    window.harness.get_by_label_contains("No longer a suggestion, frame 2");
+    window.harness.get_by_label_contains("No longer a suggestion, frame 1");
     window.harness.get_by_label("1 new, sorted in when the pointer leaves");
     assert!(top(&window, "frame 4, 0003.png") > before[2]);
     window.harness.hover_at(egui::pos2(400.0, 300.0));
     window.harness.run_steps(3);
-    let after = ["frame 1, 0000.png", "frame 4, 0003.png", "frame 3, 0002.png"].map(|label| top(&window, label));
+    let after = ["frame 3, 0002.png", "frame 4, 0003.png", "frame 2, 0001.png"].map(|label| top(&window, label));
     assert!(after.is_sorted() && window.harness.query_by_label_contains("No longer a suggestion").is_none());
     assert_eq!(after[0], before[0]);
 }
@@ -95,8 +95,16 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
     window.harness.run_steps(3);
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
-    window.harness.get_by_label("2 suggestions, all probably right. The least confident one (97 %) comes first.");
+    window
+        .harness
+        .get_by_label("2 suggestions, at most 1 of them probably wrong. The most doubtful come first, from 97 % on.");
     window.harness.get_by_label("Look at frame 3, 97 %");
+    let tick = window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 3");
+    tick.click();
+    window.harness.run_steps(2);
+    window.harness.get_by_label_contains("1 suggestion, all probably right.");
+    window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 3").click();
+    window.harness.run_steps(2);
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);

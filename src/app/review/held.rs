@@ -82,28 +82,28 @@ mod tests {
         let mut review = Review::default();
         let (free, held) = (session(false, false), session(true, false));
         review.refresh(Some(&mut open), &free);
-        assert_eq!(frames(&review), [1, 0]);
+        assert_eq!(frames(&review), [0, 1]);
         review.refresh(Some(&mut open), &held);
         propose(&mut open, 2, 0.8);
         propose(&mut open, 3, 0.99);
         propose(&mut open, 0, 0.95);
         open.document.frames[1].status = FrameStatus::Reference;
         review.refresh(Some(&mut open), &held);
-        assert_eq!((frames(&review), review.late), (vec![1, 0, 3, 2], 2));
-        assert_eq!(review.rows[1].confidence, Some(0.95), "what it says is new");
-        assert_eq!(review.rows.iter().map(|row| row.gone).collect::<Vec<_>>(), [true, false, false, false]);
+        assert_eq!((frames(&review), review.late), (vec![0, 1, 2, 3], 2));
+        assert_eq!(review.rows[0].confidence, Some(0.95), "what it says is new");
+        assert_eq!(review.rows.iter().map(|row| row.gone).collect::<Vec<_>>(), [false, true, false, false]);
         assert_eq!((review.count(), review.bulk(&ReviewChoice::default()).rows.len()), (3, 2));
-        assert_eq!((review.next(1, true), review.next(2, true), review.next(0, false)), (Some(0), Some(0), Some(2)));
+        assert_eq!((review.next(1, true), review.next(2, true), review.next(0, false)), (Some(2), Some(3), Some(3)));
         open.document.frames[1].status = FrameStatus::Suggested;
         open.revision += 1;
         review.refresh(Some(&mut open), &held);
-        assert!(!review.rows[0].gone, "undone");
+        assert!(!review.rows[1].gone, "undone");
         review.refresh(Some(&mut open), &free);
-        assert_eq!((frames(&review), review.late), (vec![3, 0, 1, 2], 0));
+        assert_eq!((frames(&review), review.late), (vec![2, 1, 0, 3], 0));
         let mut elsewhere = session(true, false);
         elsewhere.panel = SidePanel::Frame;
         review.refresh(Some(&mut open), &elsewhere);
-        propose(&mut open, 4, 1.0);
+        propose(&mut open, 4, 0.1);
         review.refresh(Some(&mut open), &elsewhere);
         assert_eq!(frames(&review)[0], 4, "nobody sees the list");
     }
@@ -121,7 +121,7 @@ mod tests {
         propose(&mut open, 3, 0.6);
         propose(&mut open, 5, 0.65);
         review.refresh(Some(&mut open), &session(true, true));
-        assert_eq!(frames(&review), [1, 0, 5]);
+        assert_eq!(frames(&review), [0, 1, 3]);
         assert_eq!((review.hidden.len(), review.late, review.count()), (2, 1, 4));
     }
 }

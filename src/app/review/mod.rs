@@ -11,7 +11,7 @@ use super::OpenProject;
 use super::session::{Dialog, Session, SidePanel};
 use crate::calibrate::Disagreement;
 use crate::document::{Frame, FrameStatus};
-use crate::proposals::LabelAdvice;
+use crate::proposals::{ExpectedWrong, LabelAdvice};
 use std::collections::BTreeSet;
 
 /// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
@@ -58,6 +58,35 @@ pub struct BulkAccept {
     pub rows: Vec<ReviewRow>,
     /// Certain enough, but left out because they disagree with their neighbours.
     pub left_out: usize,
+    /// The places of those that a person has taken out.
+    pub unticked: BTreeSet<usize>,
+}
+
+impl BulkAccept {
+    /// As many of the most doubtful are shown before,
+    const DOUBTFUL: usize = 6;
+    /// and as many of the others, spread over the whole range of confidence.
+    const SAMPLES: usize = 6;
+
+    /// Those that are accepted.
+    pub fn taken(&self) -> impl Iterator<Item = &ReviewRow> {
+        self.rows.iter().filter(|row| !self.unticked.contains(&row.frame))
+    }
+
+    /// What a person looks at before: the most doubtful, then samples over the whole range of confidence up to the most certain.
+    #[must_use]
+    pub fn preview(&self) -> Vec<ReviewRow> {
+        let (doubtful, others) = self.rows.split_at(Self::DOUBTFUL.min(self.rows.len()));
+        let samples = Self::SAMPLES.min(others.len());
+        let spread = (1..=samples).map(|sample| others[sample * others.len() / samples - 1]);
+        doubtful.iter().copied().chain(spread).collect()
+    }
+
+    /// How many of those that are accepted are wrong, by their confidences.
+    #[must_use]
+    pub fn expected_wrong(&self) -> ExpectedWrong {
+        ExpectedWrong::among(self.taken().filter_map(|row| row.confidence))
+    }
 }
 
 /// What waits to be looked at: derived, never stored.
@@ -151,7 +180,7 @@ impl Review {
             }
         };
         match choice.order {
-            ReviewOrder::Confidence => rows.sort_by(descending(|row| row.confidence)),
+            ReviewOrder::Confidence => rows.sort_by(doubtful_first),
             ReviewOrder::Disagreement => rows.sort_by(descending(ReviewRow::apart_px)),
             ReviewOrder::Time => {}
         }
@@ -204,8 +233,8 @@ impl Review {
         let certain = |row: &&ReviewRow| row.confidence.is_some_and(|confidence| confidence >= choice.threshold);
         let (disagreeing, mut rows): (Vec<ReviewRow>, Vec<ReviewRow>) =
             self.waiting().filter(certain).partition(|row| row.disagrees() && !choice.with_disagreeing);
-        rows.sort_by(|a, b| a.confidence.unwrap_or(0.0).total_cmp(&b.confidence.unwrap_or(0.0)));
-        BulkAccept { rows, left_out: disagreeing.len() }
+        rows.sort_by(doubtful_first);
+        BulkAccept { rows, left_out: disagreeing.len(), unticked: BTreeSet::new() }
     }
 
     /// The suggestion after a frame, or before it, in the list's order, round and round; none where there is no other.
@@ -221,6 +250,12 @@ impl Review {
             if forward { after.iter().chain(before).find(waits) } else { after.iter().chain(before).rfind(waits) };
         next.map(|row| row.frame)
     }
+}
+
+/// The least certain first; what nobody is certain of before all others.
+fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> std::cmp::Ordering {
+    let certain = |row: &ReviewRow| row.confidence.unwrap_or(f64::NEG_INFINITY);
+    certain(a).total_cmp(&certain(b))
 }
 
 /// The list in its order.
@@ -275,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn of_each_shot_the_most_certain_stands_for_the_others() {
+    fn of_each_shot_the_most_doubtful_stands_for_the_others() {
         let mut open = opened(&[Some(0.7), Some(0.9), Some(0.8), Some(0.6)]);
         for (frame, shot) in open.document.frames.iter_mut().zip([1, 1, 2, 2]) {
             frame.clip = Some(Clip::Number(shot));
@@ -283,7 +318,7 @@ mod tests {
         let choice = ReviewChoice { one_per_shot: true, threshold: 0.5, ..ReviewChoice::default() };
         let review = review_of(&mut open, choice);
         assert!(review.several_shots);
-        assert_eq!((frames(&review), review.hidden.len()), (vec![1, 2], 2));
+        assert_eq!((frames(&review), review.hidden.len()), (vec![3, 0], 2));
         assert_eq!(review.bulk(&choice).rows.len(), 4, "what is accepted together is all of them");
     }
 
@@ -292,14 +327,14 @@ mod tests {
     }
 
     #[test]
-    fn the_most_certain_come_first_and_those_without_a_number_last() {
+    fn the_most_doubtful_come_first_and_those_without_a_number_before_all() {
         let confidences = [Some(0.7), None, Some(0.99), Some(0.7), Some(0.96)];
         let review = review(&confidences, ReviewOrder::Confidence);
-        assert_eq!(frames(&review), [2, 4, 0, 3, 1]);
-        assert_eq!(review.next(4, true), Some(0));
-        assert_eq!(review.next(4, false), Some(2));
-        assert_eq!((review.next(1, true), review.next(2, false)), (Some(2), Some(1)), "round and round");
-        assert_eq!((review.next(77, true), review.next(77, false)), (Some(2), Some(1)));
+        assert_eq!(frames(&review), [1, 0, 3, 4, 2]);
+        assert_eq!(review.next(4, true), Some(2));
+        assert_eq!(review.next(4, false), Some(3));
+        assert_eq!((review.next(2, true), review.next(1, false)), (Some(1), Some(2)), "round and round");
+        assert_eq!((review.next(77, true), review.next(77, false)), (Some(1), Some(2)));
         assert_eq!(Review::default().next(0, true), None);
     }
 
@@ -317,6 +352,25 @@ mod tests {
         let none = ReviewChoice { threshold: 1.0, ..choice };
         assert!(review.bulk(&none).rows.is_empty());
         assert_eq!(review.bulk_size(&none), (0, 0, None));
+    }
+
+    #[test]
+    fn before_many_are_accepted_the_doubtful_and_samples_of_the_whole_range_are_shown() {
+        let confidences: Vec<Option<f64>> = (0..100).map(|index| Some(0.5 + 0.004 * f64::from(index))).collect();
+        let review = review(&confidences, ReviewOrder::Time);
+        let choice = ReviewChoice { threshold: 0.6, ..ReviewChoice::default() };
+        let mut bulk = review.bulk(&choice);
+        assert_eq!(bulk.rows.len(), 75);
+        let shown: Vec<usize> = bulk.preview().iter().map(|row| row.frame).collect();
+        assert_eq!(shown, [25, 26, 27, 28, 29, 30, 41, 53, 64, 76, 87, 99]);
+        let all = bulk.expected_wrong();
+        assert!((all.mean - bulk.rows.iter().map(|row| 1.0 - row.confidence.unwrap()).sum::<f64>()).abs() < 1e-9);
+        assert!(all.least > 0 && (all.least as f64) < all.mean && all.mean < all.most as f64);
+        bulk.unticked.extend([25, 26]);
+        assert_eq!((bulk.taken().count(), bulk.preview().len()), (73, 12), "what is taken out stays in sight");
+        assert!((all.mean - bulk.expected_wrong().mean - 0.796).abs() < 1e-9);
+        let few = review.bulk(&ReviewChoice { threshold: 0.885, ..choice });
+        assert_eq!(few.preview(), few.rows);
     }
 
     #[test]

@@ -66,6 +66,7 @@ impl App {
         self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
         self.line_checks = self.line_checks.for_another();
         self.point_snaps = self.point_snaps.for_another();
+        self.session.unticked.clear();
         self.find_burnt_in();
     }
 

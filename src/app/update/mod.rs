@@ -176,6 +176,7 @@ impl App {
             Action::SetReviewThreshold(threshold) => self.session.review.threshold = threshold.clamp(0.0, 1.0),
             Action::SetWithDisagreeing(with) => self.session.review.with_disagreeing = with,
             Action::SetOnePerShot(one) => self.session.review.one_per_shot = one,
+            Action::TickSuggestion { frame, ticked } => self.tick_suggestion(frame, ticked),
             Action::AcceptAll => self.accept_all(),
             Action::SetUseForTraining { frame, used } => self.set_use_for_training(frame, used),
             Action::SetQualityCamera(camera) => self.set_quality_camera(camera),

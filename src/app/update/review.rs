@@ -2,6 +2,7 @@
 
 use super::App;
 use crate::app::progress::nothing_needs_you;
+use crate::app::review::BulkAccept;
 use crate::app::session::{Dialog, Level, SidePanel, needs_me};
 use crate::document::{Frame, FrameStatus, Step};
 
@@ -33,14 +34,35 @@ impl App {
         self.session.dialog = Some(Dialog::AcceptAll);
     }
 
+    /// A suggestion is accepted together with the others, or taken out of them.
+    pub(super) fn tick_suggestion(&mut self, index: usize, ticked: bool) {
+        let Some(id) = self.open.as_ref().and_then(|open| open.frame(index)).map(|frame| frame.id.clone()) else {
+            return;
+        };
+        if ticked {
+            self.session.unticked.remove(&id);
+        } else {
+            self.session.unticked.insert(id);
+        }
+    }
+
+    /// What is accepted together: by the choice, less what a person took out.
+    #[must_use]
+    pub fn bulk_accept(&self) -> BulkAccept {
+        let bulk = self.review.bulk(&self.session.review);
+        let places = self.session.unticked.iter();
+        let unticked = places.filter_map(|id| self.open.as_ref()?.document.frames.position_of(id)).collect();
+        BulkAccept { unticked, ..bulk }
+    }
+
     /// Accepts every suggestion that the preview shows: one step of undo.
     pub(super) fn accept_all(&mut self) {
         self.session.dialog = None;
-        let bulk = self.review.bulk(&self.session.review);
+        let bulk = self.bulk_accept();
         let open = |row: &&crate::app::review::ReviewRow| {
             self.open.as_ref().and_then(|open| open.frame(row.frame)).is_some_and(is_suggested)
         };
-        let frames: Vec<usize> = bulk.rows.iter().filter(open).map(|row| row.frame).collect();
+        let frames: Vec<usize> = bulk.taken().filter(open).map(|row| row.frame).collect();
         if frames.is_empty() {
             self.session.notify(Level::Info, "No suggestion has this confidence.");
             return;
@@ -61,6 +83,7 @@ impl App {
             }
         }
         self.commit();
+        self.session.unticked.clear();
         let undo = self.settings.keys.shown(crate::app::Command::Undo);
         self.session.notify(Level::Info, format!("{count} accepted. {undo} undoes all of it."));
     }

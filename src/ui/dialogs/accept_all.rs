@@ -1,18 +1,19 @@
-//! Accepting suggestions together: how many and which, the least confident first.
+//! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful ones and at samples.
 
 use super::{has_just_opened, sheet};
 use crate::app::review::{BulkAccept, DISAGREES_PX, percent};
 use crate::app::{Action, Command};
+use crate::proposals::ExpectedWrong;
 use crate::ui::{Panel, miniature, review, theme};
 use egui::{
-    Align, Align2, Button, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense, Stroke, Ui,
-    WidgetInfo, vec2,
+    Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense,
+    Stroke, Ui, WidgetInfo, vec2,
 };
 
 /// The sheet's size, points.
-const SIZE: egui::Vec2 = vec2(720.0, 500.0);
+const SIZE: egui::Vec2 = vec2(760.0, 560.0);
 /// The size of a thumbnail, points.
-const PICTURE: egui::Vec2 = vec2(134.0, 76.0);
+const PICTURE: egui::Vec2 = vec2(232.0, 131.0);
 /// The height of its caption, points.
 const CAPTION: f32 = 18.0;
 /// The gap between thumbnails, points.
@@ -21,7 +22,7 @@ const GAP: f32 = 8.0;
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "accept all");
-    let bulk = panel.app.review().bulk(&panel.app.session.review);
+    let bulk = panel.app.bulk_accept();
     sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
         ui.horizontal(|ui| {
             ui.label("Confidence at least");
@@ -44,13 +45,25 @@ fn describe(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
         let best = best.map_or_else(String::new, |best| format!(" The highest is {}.", percent(best)));
         return format!("No suggestion has this confidence.{best}");
     };
-    let count = bulk.rows.len();
+    let count = bulk.taken().count();
     let plural = if count == 1 { "" } else { "s" };
-    // The expected number of wrong ones follows from the confidences.
-    let wrong: f64 = bulk.rows.iter().filter_map(|row| row.confidence).map(|confidence| 1.0 - confidence).sum();
-    let expected =
-        if wrong < 0.5 { "all probably right".to_owned() } else { format!("about {wrong:.0} of them wrong") };
-    format!("{count} suggestion{plural}, {expected}. The least confident one ({}) comes first.", percent(lowest))
+    let shown = if bulk.preview().len() < bulk.rows.len() {
+        "The most doubtful and samples of the others are shown"
+    } else {
+        "The most doubtful come first"
+    };
+    let expected = describe_wrong(&bulk.expected_wrong());
+    format!("{count} suggestion{plural}, {expected}. {shown}, from {} on.", percent(lowest))
+}
+
+/// How many are wrong, with the interval that holds in 95 of 100 cases.
+fn describe_wrong(wrong: &ExpectedWrong) -> String {
+    match (wrong.least, wrong.most) {
+        (_, 0) => "all probably right".to_owned(),
+        (least, most) if least == most => format!("{most} of them probably wrong"),
+        (0, most) => format!("at most {most} of them probably wrong"),
+        (least, most) => format!("about {:.0} of them wrong ({least} to {most})", wrong.mean),
+    }
 }
 
 fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
@@ -69,23 +82,26 @@ fn disagreeing(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
     }
 }
 
-/// Thumbnails of the suggestions; a click goes to one.
+/// Thumbnails of some of the suggestions; a click goes to one, its tick takes it out.
 fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
+    let shown = bulk.preview();
     let columns = (((ui.available_width() - 8.0) / (PICTURE.x + GAP)) as usize).max(1);
     let row = PICTURE.y + CAPTION;
     ui.spacing_mut().item_spacing.y = GAP;
     ScrollArea::vertical().id_salt("accept all").auto_shrink(false).show_rows(
         ui,
         row,
-        bulk.rows.len().div_ceil(columns),
+        shown.len().div_ceil(columns),
         |ui, range| {
             for line in range {
                 let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), row), Sense::hover());
                 let first = line * columns;
-                for (column, suggestion) in bulk.rows.iter().skip(first).take(columns).enumerate() {
+                for (column, suggestion) in shown.iter().skip(first).take(columns).enumerate() {
                     let left = place.min + vec2(column as f32 * (PICTURE.x + GAP), 0.0);
                     let confidence = suggestion.confidence.map(percent).unwrap_or_default();
-                    cell(panel, ui, suggestion.frame, &confidence, Rect::from_min_size(left, vec2(PICTURE.x, row)));
+                    let place = Rect::from_min_size(left, vec2(PICTURE.x, row));
+                    cell(panel, ui, suggestion.frame, &confidence, place);
+                    tick(panel, ui, suggestion.frame, !bulk.unticked.contains(&suggestion.frame), place);
                 }
             }
         },
@@ -113,8 +129,21 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     }
 }
 
+/// Whether a suggestion is accepted with the others.
+fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Rect) {
+    let mut ticked = before;
+    let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
+    ui.painter().rect_filled(place, 3.0, theme::PANEL);
+    let response = ui.put(place, Checkbox::without_text(&mut ticked));
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {}", index + 1)));
+    response.on_hover_text("Accept it with the others.");
+    if ticked != before {
+        panel.actions.push(Action::TickSuggestion { frame: index, ticked });
+    }
+}
+
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
-    let count = bulk.rows.len();
+    let count = bulk.taken().count();
     let accept = ui.add_enabled(count > 0, Button::new(format!("Accept {count}")).fill(theme::ACCENT_GROUND));
     if opened {
         accept.request_focus();

@@ -59,7 +59,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         for at in first..last {
             show_row(panel, ui, rows[at], rect_of(at));
             let below = |row: &ReviewRow| row.confidence.unwrap_or(0.0) < choice.threshold;
-            let begins = at > 0 && below(&rows[at]) && !below(&rows[at - 1]);
+            let begins = at > 0 && !below(&rows[at]) && below(&rows[at - 1]);
             if begins && at < on_time && choice.order == ReviewOrder::Confidence {
                 threshold_line(ui.painter(), rect_of(at), choice.threshold);
             }
