@@ -4,7 +4,7 @@ use super::App;
 use crate::app::action::Effect;
 use crate::app::paint_orders::{PointSnapOrder, SnapFailure};
 use crate::app::session::{Level, Mode};
-use crate::document::{Frame, FrameStatus};
+use crate::document::{Frame, FrameStatus, SolutionSource};
 use crate::paint::SnappedPoint;
 
 impl App {
@@ -30,7 +30,7 @@ impl App {
         };
         let Some(frame) = open.document.frames.get(self.session.frame) else { return };
         let (Some(field), Some(camera)) = (self.current.field(), self.current.rough_camera()) else { return };
-        if self.session.mode != Mode::Idle || frame.status == FrameStatus::Rejected {
+        if self.session.mode != Mode::Idle || !is_by_clicks(frame) {
             return;
         }
         let Some((ticket, clicks)) = self.point_snaps.next(frame, open.history.next_undo()) else { return };
@@ -66,17 +66,17 @@ impl App {
         if found.is_empty() {
             return;
         }
-        if self.session.mode != Mode::Idle {
-            // Another point is being placed: these wait for its end.
-            let frame: Frame = (**frame).clone();
-            for (click, _) in found {
-                self.point_snaps.placed(&frame, click, false);
-            }
+        if !is_by_clicks(frame) {
+            // Numbers by hand, or the paint itself, decide now; or somebody has accepted the frame.
             return;
         }
-        let resumed =
-            asked.step.as_ref().is_some_and(|step| self.open.as_mut().is_some_and(|open| open.history.resume(step)));
-        if !resumed && !self.begin("Snap points to the paint") {
+        let resumed = self.session.mode == Mode::Idle
+            && asked.step.as_ref().is_some_and(|step| self.open.as_mut().is_some_and(|open| open.history.resume(step)));
+        if !resumed {
+            // Another point is being placed, or was: these go with it.
+            for (click, _) in found {
+                self.snap_later(click, false);
+            }
             return;
         }
         let Some(frame) = self.frame_mut() else { return };
@@ -89,4 +89,11 @@ impl App {
         self.clicks_changed();
         self.commit();
     }
+}
+
+/// Whether a frame is being labelled by its clicks: what moves them moves its camera.
+fn is_by_clicks(frame: &Frame) -> bool {
+    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
+        && !matches!(source, Some(SolutionSource::Manual | SolutionSource::Markings))
 }
