@@ -25,8 +25,11 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     assert_eq!(window.app().session.panel, SidePanel::Camera);
     assert!(window.app().current().base.is_none(), "nothing is taken over unasked");
     window.harness.get_by_label("WHERE IT STANDS");
+    let use_it = window.harness.get_by_label("Use this base").rect();
+    assert!(use_it.left() > 995.0, "the panel is no wider than its place: {use_it:?}");
     assert!(window.harness.query_all_by_label_contains("0003.png: ").next().is_some());
     window.harness.get_by_label("Use this base").click();
+    window.wait_for(|shell| shell.app().current().base.is_some());
     window.harness.run_steps(3);
     let base = window.app().current().base.unwrap();
     assert!((base.position_m - truth(0).base().position_m).norm() < 0.3, "{:?}", base.position_m);

@@ -116,7 +116,7 @@ fn a_frame_is_rejected_with_its_reason() {
 fn nothing_can_be_clicked_where_the_picture_is_missing() {
     let window = Window::open(2, [960.0, 600.0], 1.0);
     std::fs::remove_file(window.folder.path().join("0001.png")).unwrap();
-    let Window { harness, folder } = window;
+    let Window { harness, folder, .. } = window;
     drop(harness);
     let mut window = Window::on(folder, [960.0, 600.0], 1.0);
     window.key(Key::Period);

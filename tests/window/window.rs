@@ -84,6 +84,7 @@ pub struct Window {
     pub harness: Harness<'static, Shell>,
     /// The project's folder; it goes with the window.
     pub folder: TempDir,
+    _settings: TempDir,
 }
 
 impl Window {
@@ -155,12 +156,16 @@ impl Window {
     /// Opens a project that is there.
     pub fn on(folder: TempDir, size: [f32; 2], pixels_per_point: f32) -> Self {
         let path = folder.path().to_path_buf();
+        let settings = tempfile::tempdir().unwrap();
+        let kept = settings.path().join("settings.json");
+        // The points of these tests are exact, the paint of their small pictures is not.
+        std::fs::write(&kept, r#"{"snap_points": false}"#).unwrap();
         let harness = Harness::builder()
             .with_size(size)
             .with_pixels_per_point(pixels_per_point)
             .wgpu()
-            .build_eframe(move |creation| Shell::new(creation, None, Some(path)).unwrap());
-        let mut window = Self { harness, folder };
+            .build_eframe(move |creation| Shell::new(creation, Some(kept), Some(path)).unwrap());
+        let mut window = Self { harness, folder, _settings: settings };
         window.wait_for(|shell| shell.app().open().is_some() && shell.has_picture());
         window.harness.run_steps(3);
         window

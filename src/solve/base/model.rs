@@ -71,7 +71,7 @@ impl fmt::Display for BaseModel {
             LensModel::Pinhole => "pinhole",
             LensModel::K1 => "one k1",
             LensModel::K1Focal => "k1 linear in f",
-            LensModel::K1FocalK2 => "k1 linear in f, k2 = 2 k1²",
+            LensModel::K1FocalK2 => "k1, k2 by f",
         };
         let crown = if self.crown == CrownModel::Free { ", crowned pitch" } else { "" };
         let centre = if self.principal_point.is_some() { ", principal point" } else { "" };

@@ -2,7 +2,7 @@
 
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
-use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks};
+use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks, LensModel};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::Vec3;
@@ -213,7 +213,9 @@ pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(Bas
         return Some((better_by(WORTHWHILE, *scores.first()?, scores.iter()), ModelReason::HeldOut));
     }
     let usual = scores.last()?;
-    let chosen = better_by(CLEARLY_BETTER, *usual, scores.iter().rev());
+    // Few frames do not tell the two lenses that change with the zoom apart; the later one of the list errs less with them.
+    let apart = |score: &&ModelScore| score.model.lens != LensModel::K1FocalK2 || score.model.lens == usual.model.lens;
+    let chosen = better_by(CLEARLY_BETTER, *usual, scores.iter().rev().filter(apart));
     let as_usual = chosen == usual.model;
     let reason = if as_usual { ModelReason::UsualCamera { frames } } else { ModelReason::UnlikeUsual { frames } };
     Some((chosen, reason))
