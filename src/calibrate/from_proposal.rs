@@ -93,8 +93,15 @@ mod tests {
 
     #[test]
     fn one_click_moves_a_proposal_two_decide_without_it_and_none_brings_it_back() {
+        // Of the forest, or found by the painted lines.
+        proposal_under_clicks(SolutionSource::Forest);
+        proposal_under_clicks(SolutionSource::Markings);
+    }
+
+    fn proposal_under_clicks(source: SolutionSource) {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let (mut document, truth) = slightly_wrong();
+        document.frames[0].solution.as_mut().unwrap().source = Some(source);
         let before = document.frames[0].proposed().unwrap();
         let seen = |landmark: &str| {
             let world = field.landmark_in_world(field.landmark(landmark).unwrap());
@@ -106,7 +113,7 @@ mod tests {
         let corrected = document.pointed(&document.frames[0]).unwrap().ptz();
         assert!((corrected.pan - truth.ptz().pan).abs().degrees() < 0.05, "{corrected:?}");
         assert!((corrected.focal_px - 2310.0).abs() < 5.0, "the focal length is the proposal's: {corrected:?}");
-        assert!(document.frames[0].is_suggestion(), "one click does not make it the annotator's own");
+        assert!(!document.frames[0].is_solved_by_clicks(), "one click does not make it the annotator's own");
         assert_eq!(document.frames[0].proposed(), Some(before.clone()));
         document.frames[0].clicks.push(seen("halfway_far"));
         let two = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();

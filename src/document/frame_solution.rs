@@ -65,7 +65,8 @@ impl Frame {
         if let Some(kept) = &solution.proposed {
             return Some(kept.clone());
         }
-        let (source, ptz) = (solution.source?, self.ptz.clone().filter(|_| self.is_suggestion())?);
+        let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
+        let (source, ptz) = (solution.source?, self.ptz.clone().filter(|_| is_proposed)?);
         let (covariance, worst_corner_sigma_px) = (solution.covariance, solution.worst_corner_sigma_px);
         Some(Proposed { ptz, source, confidence: solution.confidence, covariance, worst_corner_sigma_px })
     }

@@ -1,6 +1,6 @@
 //! What a frame is used for: the training of the forest, the estimation of its camera's base.
 
-use super::{Frame, FrameStatus, SolutionSource, Target};
+use super::{Frame, FrameStatus, Solution, SolutionSource, Target};
 use crate::solve::Verdict;
 
 impl Frame {
@@ -11,17 +11,18 @@ impl Frame {
         self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
-    /// Whether its camera was pulled onto the painted lines.
+    /// Whether its camera is as the painted lines have it, not corrected by a click since.
     #[must_use]
     pub fn is_snapped(&self) -> bool {
-        self.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Markings))
+        let by_paint = |solution: &Solution| solution.source == Some(SolutionSource::Markings);
+        self.solution.as_ref().is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
     }
 
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided(&self) -> FrameStatus {
         match (self.clicks.is_empty(), self.ptz.is_some()) {
-            (true, true) if self.is_suggestion() => FrameStatus::Suggested,
+            (true, true) if self.is_suggestion() || self.is_snapped() => FrameStatus::Suggested,
             (true, false) => FrameStatus::New,
             _ => FrameStatus::Draft,
         }
