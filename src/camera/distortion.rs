@@ -49,12 +49,14 @@ impl FocalCurve {
     }
 
     /// k₁ at a focal length.
+    #[inline]
     #[must_use]
     pub fn at(&self, focal_px: f64) -> f64 {
         self.value + self.slope_per_px() * (focal_px - self.at_focal_px)
     }
 
     /// Both coefficients at a focal length.
+    #[inline]
     #[must_use]
     pub fn radial_at(&self, focal_px: f64) -> Radial {
         let k1 = self.at(focal_px);
@@ -62,12 +64,14 @@ impl FocalCurve {
     }
 
     /// How the stretch at an ideal radius (squared) changes with k₁, the k₂ tied to it included.
+    #[inline]
     #[must_use]
     pub(crate) fn stretch_by_k1(&self, focal_px: f64, radius_squared: f64) -> f64 {
         radius_squared * (1.0 + radius_squared * 2.0 * self.k2_per_k1_squared * self.at(focal_px))
     }
 
     /// dk₁/df, per px.
+    #[inline]
     #[must_use]
     pub fn slope_per_px(&self) -> f64 {
         self.per_1000_px / 1000.0
@@ -104,18 +108,21 @@ impl Radial {
     }
 
     /// By how much a point at this ideal radius (squared) moves outwards, as a factor.
+    #[inline]
     #[must_use]
     pub fn stretch(&self, radius_squared: f64) -> f64 {
         1.0 + radius_squared * (self.k1 + radius_squared * self.k2)
     }
 
     /// The derivative of the distorted radius by the ideal one.
+    #[inline]
     #[must_use]
     pub fn slope(&self, radius_squared: f64) -> f64 {
         1.0 + radius_squared * (3.0 * self.k1 + radius_squared * 5.0 * self.k2)
     }
 
     /// The derivative of the distorted point by the ideal one.
+    #[inline]
     #[must_use]
     pub(crate) fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
         let squared = ideal.norm_squared();
@@ -136,6 +143,7 @@ impl Radial {
     }
 
     /// The largest ideal r² that has an image, where the slope vanishes first; infinite where it never does.
+    #[inline]
     #[must_use]
     pub fn fold_radius_squared(&self) -> f64 {
         if self.k2 == 0.0 {
@@ -167,6 +175,7 @@ pub enum UndistortError {
 }
 
 /// The distorted point of an ideal one (normalised coordinates).
+#[inline]
 pub(crate) fn distort(ideal: Vec2, lens: Radial) -> Vec2 {
     ideal * lens.stretch(ideal.norm_squared())
 }

@@ -1,10 +1,10 @@
 //! What a person should look at before trusting a solved frame, in words with numbers.
 
 use super::context::SAME_FIT;
-use super::covariance::corners;
-use super::{CornerSigma, FrameSolution, Observation, SolveContext, Warning, WarningCode};
+use super::covariance::{OverlayPoint, corners};
+use super::{CornerSigma, FrameSolution, Observation, SolveContext, Uncertainty, Warning, WarningCode};
 use crate::camera::PtzCamera;
-use crate::geometry::{ImagePoint, Vec2, thousands};
+use crate::geometry::{ImagePoint, ImageSize, Vec2, thousands};
 
 /// From this 1-σ at the worst corner on, the points' separation is worth a warning, px at 1920 px width.
 const WARN_CORNER_SIGMA_PX: f64 = 7.0;
@@ -161,6 +161,7 @@ fn uncertain_corner(
         return Some(Warning { code: WarningCode::BaseUncertain, message: of_base(&worst), clicks: Vec::new() });
     }
     let separation_px = solution.separation_px?;
+    let one_more = OneMoreClick::of(camera, solution, context.image_size);
     let landmarks = || used.iter().filter(|observation| observation.shape.point().is_some());
     let gains = |better_px: &f64| *better_px < WORTHWHILE * corner_px;
     if separation_px < GOOD_SEPARATION_PX * scale {
@@ -172,7 +173,7 @@ fn uncertain_corner(
         let sum = landmarks().fold(Vec2::zeros(), |sum, click| sum + click.image.offset_from(ImagePoint::default()));
         let middle = ImagePoint::default().moved(sum / landmarks().count() as f64);
         let distance_px = GOOD_SEPARATION_PX * scale;
-        let better = best_corner_with_click_at(camera, solution, context, middle, distance_px).filter(gains);
+        let better = one_more.best_corner_at_distance(middle, distance_px).filter(gains);
         let way_out = better.map_or_else(String::new, |better| {
             format!(" A point at {distance_px:.0} px would give ±{}.", short(better))
         });
@@ -184,7 +185,7 @@ fn uncertain_corner(
     let cost =
         format!("The worst corner is ±{} px: it lies {nearest_px:.0} px from the nearest point.", short(corner_px));
     let inwards = worst.corner.moved((camera.base().principal_point.offset_from(worst.corner)) * TOWARDS_MIDDLE);
-    let better = corner_with_click_at(camera, solution, context, inwards).filter(gains);
+    let better = one_more.corner_with_click_at(inwards).filter(gains);
     let way_out =
         better.map_or_else(String::new, |better| format!(" A point near that corner would give ±{}.", short(better)));
     Some(Warning { code: WarningCode::Extrapolation, message: cost + &way_out, clicks: Vec::new() })
@@ -199,33 +200,38 @@ fn of_base(worst: &CornerSigma) -> String {
     )
 }
 
-/// The smallest worst-corner sigma that one more landmark click gives, at a distance from a pixel within the frame.
-fn best_corner_with_click_at(
-    camera: &PtzCamera,
-    solution: &FrameSolution,
-    context: &SolveContext,
-    from: ImagePoint,
-    distance_px: f64,
-) -> Option<f64> {
-    const DIRECTIONS: u32 = 16;
-    (0..DIRECTIONS)
-        .map(|direction| f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU)
-        .map(|angle| from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px))
-        .filter(|pixel| context.image_size.contains(*pixel))
-        .filter_map(|pixel| corner_with_click_at(camera, solution, context, pixel))
-        .min_by(f64::total_cmp)
+/// One more landmark click, as noisy as the noisiest one there is, and what it would do for the worst corner.
+struct OneMoreClick<'a> {
+    camera: &'a PtzCamera,
+    uncertainty: &'a Uncertainty,
+    image_size: ImageSize,
+    /// What the frame's corners show.
+    corners: [Option<OverlayPoint>; 4],
+    sigma_px: f64,
 }
 
-/// The worst-corner sigma with one more landmark click at a pixel, as noisy as the noisiest one there is.
-fn corner_with_click_at(
-    camera: &PtzCamera,
-    solution: &FrameSolution,
-    context: &SolveContext,
-    pixel: ImagePoint,
-) -> Option<f64> {
-    let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
-    let better = solution.uncertainty.with_click_at(camera, pixel, sigma_px)?;
-    Some(better.worst_sigma_px(&corners(camera, context.image_size)))
+impl<'a> OneMoreClick<'a> {
+    fn of(camera: &'a PtzCamera, solution: &'a FrameSolution, image_size: ImageSize) -> Self {
+        let sigma_px = solution.residuals.iter().map(|residual| residual.sigma_px).fold(0.0, f64::max);
+        let corners = corners(camera, image_size);
+        Self { camera, uncertainty: &solution.uncertainty, image_size, corners, sigma_px }
+    }
+
+    /// The worst-corner sigma with the click at a pixel, px.
+    fn corner_with_click_at(&self, pixel: ImagePoint) -> Option<f64> {
+        Some(self.uncertainty.with_click_at(self.camera, pixel, self.sigma_px)?.worst_sigma_px(&self.corners))
+    }
+
+    /// The smallest such sigma with the click at a distance from a pixel, within the frame.
+    fn best_corner_at_distance(&self, from: ImagePoint, distance_px: f64) -> Option<f64> {
+        const DIRECTIONS: u32 = 16;
+        (0..DIRECTIONS)
+            .map(|direction| f64::from(direction) / f64::from(DIRECTIONS) * std::f64::consts::TAU)
+            .map(|angle| from.moved(Vec2::new(angle.cos(), angle.sin()) * distance_px))
+            .filter(|pixel| self.image_size.contains(*pixel))
+            .filter_map(|pixel| self.corner_with_click_at(pixel))
+            .min_by(f64::total_cmp)
+    }
 }
 
 /// A positive number, rounded: "2,410".
@@ -242,7 +248,7 @@ fn short(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::camera::{BaseSigma, CameraBase, Ptz};
-    use crate::geometry::{ImageSize, Mat3, Vec3};
+    use crate::geometry::{Mat3, Vec3};
     use crate::solve::solve_frame;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
