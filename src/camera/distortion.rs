@@ -126,8 +126,9 @@ impl Radial {
     #[must_use]
     pub(crate) fn by_ideal(&self, ideal: Vec2) -> Matrix2<f64> {
         let squared = ideal.norm_squared();
-        Matrix2::identity() * self.stretch(squared)
-            + ideal * ideal.transpose() * (2.0 * self.k1 + 4.0 * self.k2 * squared)
+        let (stretch, along) = (self.stretch(squared), 2.0 * self.k1 + 4.0 * self.k2 * squared);
+        let across = along * ideal.x * ideal.y;
+        Matrix2::new(stretch + along * ideal.x * ideal.x, across, across, stretch + along * ideal.y * ideal.y)
     }
 
     /// Nothing is bent.
