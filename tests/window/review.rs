@@ -14,6 +14,7 @@ pub const TESTS: &[Test] = tests![
     [Adapter] under_the_pointer_no_row_moves;
     [Adapter] the_panel_and_the_filmstrip_look_like_this;
     [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
+    [Adapter] the_pictures_of_many_suggestions_lie_apart;
     [Adapter] an_accepted_suggestion_can_be_used_for_training;
 ];
 
@@ -89,6 +90,18 @@ fn the_panel_and_the_filmstrip_look_like_this() {
     window.snapshot_of("review_panel", panel);
 }
 
+fn the_pictures_of_many_suggestions_lie_apart() {
+    let mut window = Window::open_suggested(&[Some(0.99); 7], SIZE);
+    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Enter);
+    window.harness.run_steps(3);
+    let pictures: Vec<_> =
+        window.harness.get_all_by_label_contains("Look at frame").map(|picture| picture.rect()).collect();
+    assert!(pictures.len() > 3, "more than one row: {pictures:?}");
+    for (index, one) in pictures.iter().enumerate() {
+        assert!(pictures[..index].iter().all(|other| !other.intersects(*one)), "{one:?} lies over another");
+    }
+}
+
 fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     use FrameStatus::{Reference, Suggested};
     let mut window = Window::open_suggested(&[Some(0.99), Some(0.5), Some(0.97)], SIZE);
@@ -97,7 +110,7 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     assert_eq!(window.app().session.dialog, Some(Dialog::AcceptAll));
     window
         .harness
-        .get_by_label("2 suggestions, at most 1 of them probably wrong. The most doubtful come first, from 97 % on.");
+        .get_by_label("2 suggestions, probably at most 1 of them wrong. The most doubtful come first, from 97 % on.");
     window.harness.get_by_label("Look at frame 3, 97 %");
     let tick = window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 3");
     tick.click();

@@ -7,7 +7,7 @@ use crate::proposals::ExpectedWrong;
 use crate::ui::{Panel, miniature, review, theme};
 use egui::{
     Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense,
-    Stroke, Ui, WidgetInfo, vec2,
+    Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
 
 /// The sheet's size, points.
@@ -61,7 +61,7 @@ fn describe_wrong(wrong: &ExpectedWrong) -> String {
     match (wrong.least, wrong.most) {
         (_, 0) => "all probably right".to_owned(),
         (least, most) if least == most => format!("{most} of them probably wrong"),
-        (0, most) => format!("at most {most} of them probably wrong"),
+        (0, most) => format!("probably at most {most} of them wrong"),
         (least, most) => format!("about {:.0} of them wrong ({least} to {most})", wrong.mean),
     }
 }
@@ -134,7 +134,8 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
     let mut ticked = before;
     let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
     ui.painter().rect_filled(place, 3.0, theme::PANEL);
-    let response = ui.put(place, Checkbox::without_text(&mut ticked));
+    // A child of its own: the rows stay where they are.
+    let response = ui.new_child(UiBuilder::new().max_rect(place)).add(Checkbox::without_text(&mut ticked));
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {}", index + 1)));
     response.on_hover_text("Accept it with the others.");
     if ticked != before {
