@@ -80,8 +80,7 @@ pub fn next_for_base(document: &Document, camera: &CameraId, field: &FieldModel)
     };
     // How far a frame is from the wide ones: by where it looks, else by its place.
     let gain = |index: usize, frame: &Frame| {
-        let apart_deg =
-            |(_, other): &(usize, Option<Angle>)| Some((pan_of(frame)? - (*other)?).wrapped().degrees().abs());
+        let apart_deg = |(_, other): &(usize, Option<Angle>)| Some(pan_of(frame)?.turn_from((*other)?).degrees().abs());
         let by_pan = wide.iter().filter_map(apart_deg).min_by(f64::total_cmp);
         let by_place = wide.iter().map(|(other, _)| index.abs_diff(*other)).min().unwrap_or(0);
         (by_pan.is_some(), by_pan.unwrap_or(by_place as f64))

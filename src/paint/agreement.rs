@@ -22,22 +22,35 @@ pub struct Agreement {
     pub seen: f64,
 }
 
-impl Agreement {
-    /// Of the strokes of a picture with a camera's lines.
-    pub(super) fn of(strokes: &Strokes, field: &FieldModel, camera: &PtzCamera) -> Self {
+/// The strokes of a picture, made ready to be compared with the lines of many cameras.
+pub(super) struct PaintedCells<'a> {
+    strokes: &'a Strokes,
+    cells: DirectedCells,
+}
+
+impl<'a> PaintedCells<'a> {
+    pub fn of(strokes: &'a Strokes) -> Self {
+        let points = strokes.points.iter().map(|point| (point.at, point.normal));
+        Self { strokes, cells: DirectedCells::of(strokes.size(), points) }
+    }
+
+    /// How far they agree with a camera's lines.
+    pub fn agreement(&self, field: &FieldModel, camera: &PtzCamera) -> Agreement {
+        let strokes = self.strokes;
         let size = strokes.size();
         let scale = size.scale_from_1920();
         let options = SampleOptions { spacing_px: SPACING_PX * scale, ..SampleOptions::default() };
         let samples = sample_lines(field, camera, size, &options);
         let predicted = DirectedCells::of(size, samples.iter().map(|sample| (sample.image, sample.normal)));
-        let painted = DirectedCells::of(size, strokes.points.iter().map(|point| (point.at, point.normal)));
         let open = samples.iter().filter(|sample| strokes.shown(sample.image) != Shown::Other);
-        Self {
+        Agreement {
             explained: share(strokes.points.iter().map(|point| predicted.holds(point.at, point.normal))),
-            seen: share(open.map(|sample| painted.holds(sample.image, sample.normal))),
+            seen: share(open.map(|sample| self.cells.holds(sample.image, sample.normal))),
         }
     }
+}
 
+impl Agreement {
     /// Both at once: the product.
     #[must_use]
     pub fn both(&self) -> f64 {
@@ -104,13 +117,14 @@ mod tests {
     #[test]
     fn the_right_camera_agrees_both_ways_and_wrong_ones_do_not() {
         let (strokes, field) = (Strokes::of(&GroundPicture::new(&PICTURE, &[])), soccer());
-        let right = Agreement::of(&strokes, &field, &truth());
+        let painted = PaintedCells::of(&strokes);
+        let right = painted.agreement(&field, &truth());
         assert!(right.explained > 0.55 && right.seen > 0.85, "{right:?}");
         for (pan_deg, tilt_deg, focal_px) in [(8.0, -14.0, 1500.0), (4.0, -17.0, 1500.0), (4.0, -14.0, 2200.0)] {
-            let wrong = Agreement::of(&strokes, &field, &camera(pan_deg, tilt_deg, focal_px));
+            let wrong = painted.agreement(&field, &camera(pan_deg, tilt_deg, focal_px));
             assert!(wrong.both() < 0.3 * right.both(), "{wrong:?}");
         }
-        let away = Agreement::of(&strokes, &field, &camera(180.0, -14.0, 1500.0));
+        let away = painted.agreement(&field, &camera(180.0, -14.0, 1500.0));
         assert_eq!((away.explained, away.seen, away.both()), (0.0, 0.0, 0.0));
     }
 }

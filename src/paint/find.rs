@@ -4,7 +4,7 @@
 //! where the strokes agree most, the best of those are snapped, and what the paint bears out is compared. Nothing is drawn by
 //! chance.
 
-use super::agreement::Agreement;
+use super::agreement::{Agreement, PaintedCells};
 use super::check::overlays_apart_px;
 use super::evidence::{Chains, EvidenceMaps};
 use super::strokes::Strokes;
@@ -191,7 +191,7 @@ impl Node {
 
     /// About how far the picture moves from one to another, px.
     fn apart_px(self, other: &Self, width_px: u32) -> f64 {
-        let across = (self.ptz.pan - other.ptz.pan).wrapped().radians() * self.ptz.focal_px;
+        let across = self.ptz.pan.turn_from(other.ptz.pan).radians() * self.ptz.focal_px;
         let down = (self.ptz.tilt - other.ptz.tilt).radians() * self.ptz.focal_px;
         let zoom = (self.ptz.focal_px / other.ptz.focal_px).ln() * f64::from(width_px) / 2.0;
         across.hypot(down).hypot(zoom)
@@ -284,6 +284,7 @@ impl Search<'_> {
 
     /// The likely cameras snapped, and the best of them if the paint decides for it.
     fn decided(&self, likely: &[Node], watch: WatchFind<'_>) -> Result<Found, FindError> {
+        let painted = PaintedCells::of(&self.strokes);
         let mut refused = None;
         let mut fits: Vec<(Agreement, Snapped)> = Vec::new();
         for (index, node) in likely.iter().enumerate() {
@@ -292,7 +293,7 @@ impl Search<'_> {
             }
             match snap(self.ground, self.field, self.base, node.ptz, self.clicks, &self.options.snap) {
                 Ok(snapped) => {
-                    fits.push((Agreement::of(&self.strokes, self.field, &self.camera(snapped.ptz)), snapped));
+                    fits.push((painted.agreement(self.field, &self.camera(snapped.ptz)), snapped));
                 }
                 Err(reason) => {
                     refused.get_or_insert(reason);
@@ -307,7 +308,7 @@ impl Search<'_> {
         let apart_px = |ptz: Ptz| overlays_apart_px(&self.camera(snapped.ptz), ptz, self.size());
         // A likely camera that cannot be snapped is a rival as well.
         let nodes = likely.iter().map(|node| {
-            let agreement = Agreement::of(&self.strokes, self.field, &self.camera(node.ptz));
+            let agreement = painted.agreement(self.field, &self.camera(node.ptz));
             (agreement.both(), node.ptz)
         });
         let nodes = nodes.filter(|(_, ptz)| apart_px(*ptz) > GRID_PX * self.scale);
