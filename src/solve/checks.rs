@@ -247,15 +247,15 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseSigma, CameraBase, Ptz};
-    use crate::geometry::{Mat3, Vec3};
+    use crate::camera::{BaseAngles, BaseSigma, CameraBase, Ptz};
+    use crate::geometry::Vec3;
     use crate::solve::solve_frame;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// A camera whose base is known to these metres in each direction.
     fn camera(sigma_m: f64) -> PtzCamera {
-        let turn = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let turn = BaseAngles::default().base_from_world();
         let mut base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turn, SIZE.centre());
         base.sigma = BaseSigma { position_m: Vec3::repeat(sigma_m), rotation: Vec3::zeros() };
         PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 2000.0))

@@ -3,8 +3,8 @@
 use crate::geometry::{Angle, Mat3, Vec3};
 use nalgebra::SymmetricEigen;
 
-/// How far down cameras at a field look where the frames do not tell: they pan too little.
-const USUAL_TILT: Angle = Angle::from_degrees(-12.0);
+/// How far down cameras at a field look, where the frames leave it open.
+pub(super) const USUAL_TILT: Angle = Angle::from_degrees(-12.0);
 
 /// The weight of that, as the mean square of the sine of the pan: frames that pan by more than this root (0.6°) decide
 /// themselves.

@@ -1,6 +1,7 @@
 //! Ties that contradict the others: going from one frame to another over a third should lead to the same place.
 
 use super::Tie;
+use super::tie::brought;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use std::collections::BTreeMap;
 
@@ -53,9 +54,8 @@ fn ahead_at(homography: Mat3, at: ImagePoint) -> Mat3 {
 fn apart_px(one: &Mat3, other: &Mat3, size: ImageSize) -> Option<f64> {
     let (width, height) = (f64::from(size.width), f64::from(size.height));
     let apart = |(x, y): (f64, f64)| {
-        let at = Vec3::new(x * width, y * height, 1.0);
-        let (a, b) = (one * at, other * at);
-        (a.z > 0.0 && b.z > 0.0).then(|| (a.x / a.z - b.x / b.z).hypot(a.y / a.z - b.y / b.z))
+        let at = ImagePoint::new(x * width, y * height);
+        Some(brought(one, at)?.distance_px(brought(other, at)?))
     };
     let mut distances: Vec<f64> =
         [(0.25, 0.4), (0.75, 0.4), (0.25, 0.7), (0.75, 0.7)].into_iter().filter_map(apart).collect();

@@ -2,10 +2,10 @@
 
 use super::cycles::uncontradicted;
 use super::matches::{Described, mutual_matches};
-use super::tie::zoom_and_turn;
+use super::tie::{brought, zoom_and_turn};
 use super::{Tie, TrackError};
 use crate::features::{Features, STANDING_PX, WHOLE_PICTURE, place_share};
-use crate::geometry::{ImagePoint, Mat3, Vec3};
+use crate::geometry::{ImagePoint, Mat3};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
@@ -107,10 +107,7 @@ fn tie_pair(
 /// How many features of each frame lie where the other looks: of the frame with fewer.
 fn shown_by_both(one: &Features, other: &Features, other_from_one: &Mat3) -> usize {
     let inside = |from: &Features, to: &Features, to_from: &Mat3| {
-        let seen = |at: ImagePoint| {
-            let there = to_from * Vec3::new(at.x, at.y, 1.0);
-            there.z > 0.0 && to.image_size.contains(ImagePoint::new(there.x / there.z, there.y / there.z))
-        };
+        let seen = |at: ImagePoint| brought(to_from, at).is_some_and(|there| to.image_size.contains(there));
         from.keypoints.iter().filter(|keypoint| seen(keypoint.point)).count()
     };
     let back = other_from_one.try_inverse().map_or(0, |one_from_other| inside(other, one, &one_from_other));

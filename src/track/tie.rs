@@ -1,6 +1,6 @@
 //! A tie: what two frames of one camera show alike.
 
-use crate::geometry::{ImagePoint, Mat3};
+use crate::geometry::{ImagePoint, Mat3, Vec3};
 
 /// Matches of two frames.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +15,12 @@ pub struct Tie {
     pub agreeing: usize,
     /// The homography from the first to the second frame, px.
     pub second_from_first: Mat3,
+}
+
+/// Where a homography between two frames brings a point; none where it lies behind the second frame's camera.
+pub(super) fn brought(to_from: &Mat3, at: ImagePoint) -> Option<ImagePoint> {
+    let there = to_from * Vec3::new(at.x, at.y, 1.0);
+    (there.z > 0.0).then(|| ImagePoint::new(there.x / there.z, there.y / there.z))
 }
 
 /// How much larger the second frame shows what is at a point of the first, and how far it is turned there, degrees.

@@ -1,7 +1,7 @@
 //! The least-squares problem of frames tied to each other: every match is one direction, seen by two frames.
 
 use super::Tie;
-use super::axis::upright_from_common;
+use super::axis::{USUAL_TILT, upright_from_common};
 use super::tie_residual::{Sight, View, by_turn};
 use crate::camera::{FocalCurve, PanTilt, Ptz};
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, q_pan, q_tilt};
@@ -12,8 +12,7 @@ use nalgebra::{DVector, Vector1};
 /// What a match counts for that lies beyond the fold of the lens, px at 1920 px width.
 const NOWHERE_PX: f64 = 1000.0;
 
-/// How far down cameras at a field look, where the ties leave it open, and its 1-σ.
-const TILT: Angle = Angle::from_degrees(-12.0);
+/// 1-σ of how far down cameras at a field look, where the ties leave it open.
 const TILT_SIGMA: Angle = Angle::from_degrees(15.0);
 
 /// What of a frame's rotation is free.
@@ -152,7 +151,7 @@ impl Tied<'_> {
         if self.freedom == Freedom::PanTilt {
             for (frame, view) in at.views.iter().enumerate() {
                 let tilt = view.ray().tilt;
-                let value = Vector1::new((tilt - TILT).radians());
+                let value = Vector1::new((tilt - USUAL_TILT).radians());
                 equations.add(&value, TILT_SIGMA.radians(), &[(LENS + own * frame + 1, one)], SURE);
             }
         }

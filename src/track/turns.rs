@@ -7,8 +7,8 @@
 use super::start::{steps, views};
 use super::tie_problem::{Freedom, Tied, TiedState, residual_px};
 use super::{Tie, TrackError};
-use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
-use crate::geometry::{ImageSize, Mat3, Vec3};
+use crate::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
+use crate::geometry::{ImageSize, Vec3};
 use crate::solve::{Loss, Stopping, minimise};
 
 /// What is expected of the lens beforehand, and how the frames are adjusted.
@@ -54,7 +54,7 @@ impl Turns {
     /// A frame's camera, at the origin of `world`, the pan axis along world z.
     #[must_use]
     pub fn camera(&self, frame: usize) -> PtzCamera {
-        let level = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let level = BaseAngles::default().base_from_world();
         let base =
             CameraBase { distortion: self.lens, ..CameraBase::new(Vec3::zeros(), level, self.image_size.centre()) };
         PtzCamera::new(base, self.ptz[frame])
@@ -133,7 +133,7 @@ const fn until(max_iterations: usize) -> Stopping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::ImagePoint;
+    use crate::geometry::{ImagePoint, Mat3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
     const LENS: FocalCurve = FocalCurve { at_focal_px: 2000.0, value: -0.05, per_1000_px: 0.15, ..FocalCurve::NONE };

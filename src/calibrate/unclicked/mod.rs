@@ -18,10 +18,10 @@ pub use error::UnclickedError;
 pub use evidence::UnclickedEvidence;
 pub use record::record_found;
 
-use crate::camera::{CameraBase, Ptz};
+use crate::camera::{BaseAngles, CameraBase, Ptz};
 use crate::features::{FeatureError, FeatureOptions, Features, extract};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Mat3, PixelBox, Vec3};
+use crate::geometry::{ImageSize, PixelBox, Vec3};
 use crate::media::Picture;
 use crate::paint::{GroundPicture, PersistentPoint, SeenGround, Strokes, persistent_paint};
 use crate::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
@@ -213,7 +213,7 @@ struct Start {
 impl Start {
     fn base(&self, size: ImageSize) -> CameraBase {
         let RigPose { position_m, world_from_rig } = self.hypothesis.pose;
-        let base_from_rig = Mat3::new(1.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 1.0, 0.0);
+        let base_from_rig = BaseAngles::default().base_from_world();
         let base_from_world = base_from_rig * world_from_rig.transpose();
         CameraBase { distortion: self.turns.lens, ..CameraBase::new(position_m, base_from_world, size.centre()) }
     }

@@ -38,6 +38,8 @@ impl RigPose {
 struct PaintSight {
     direction_in_rig: Vec3,
     line: OnLine,
+    /// What it counts for against the prior: directions scatter by this, rad.
+    sigma: f64,
 }
 
 impl PaintSight {
@@ -57,7 +59,7 @@ impl Residual<1, 0, 6> for PaintSight {
     }
 
     fn sigma(&self) -> f64 {
-        1.0
+        self.sigma
     }
 
     fn value(&self, at: &RigPose) -> Option<SVector<f64, 1>> {
@@ -120,33 +122,6 @@ struct OnPaint {
     sights: Vec<PaintSight>,
     upright: Upright,
     loss: Loss,
-    /// What a sight counts for against the prior: directions scatter by this, rad.
-    scatter: f64,
-}
-
-struct Scaled<'a> {
-    sight: &'a PaintSight,
-    sigma: f64,
-}
-
-impl Residual<1, 0, 6> for Scaled<'_> {
-    type State = RigPose;
-
-    fn element(&self) -> Option<FieldElement> {
-        None
-    }
-
-    fn sigma(&self) -> f64 {
-        self.sigma
-    }
-
-    fn value(&self, at: &RigPose) -> Option<SVector<f64, 1>> {
-        self.sight.value(at)
-    }
-
-    fn linearised(&self, at: &RigPose) -> Option<Linearised<1, 0, 6>> {
-        self.sight.linearised(at)
-    }
 }
 
 impl Problem for OnPaint {
@@ -156,7 +131,7 @@ impl Problem for OnPaint {
     fn equations(&self, at: &RigPose) -> BlockEquations<0, 6> {
         let mut equations = BlockEquations::zero();
         for sight in &self.sights {
-            equations.add(&Scaled { sight, sigma: self.scatter }, at, self.loss);
+            equations.add(sight, at, self.loss);
         }
         equations.add(&self.upright, at, self.loss);
         equations
@@ -181,17 +156,17 @@ const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
 pub(super) fn fitted(start: RigPose, directions_in_rig: &[Vec3], map: &PitchMap) -> RigPose {
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
+        let sigma = reach_deg.to_radians();
         let sight = |direction: &Vec3| {
             let line = map.nearest(pose.ground(*direction)?)?;
-            let sight = PaintSight { direction_in_rig: *direction, line };
+            let sight = PaintSight { direction_in_rig: *direction, line, sigma };
             let off = sight.value(&pose)?[0].abs();
-            (off < 3.0 * reach_deg.to_radians()).then_some(sight)
+            (off < 3.0 * sigma).then_some(sight)
         };
         let problem = OnPaint {
             sights: directions_in_rig.iter().filter_map(sight).collect(),
             upright: Upright(UPRIGHT_SIGMA.radians()),
             loss: Loss::Cauchy { c: 1.0 },
-            scatter: reach_deg.to_radians(),
         };
         if problem.sights.len() < 12 {
             return pose;
