@@ -60,19 +60,25 @@ fn seen(window: &mut Window, at: ImagePoint) -> Vec<u8> {
     image::imageops::crop(&mut image, 0, 24, 960, height).to_image().into_raw()
 }
 
+/// Whether two pictures of the window show the same. A glyph has another place in the texture of glyphs when texts were
+/// first drawn in another order, which can round a pixel of its edge by a level; what a label draws changes hundreds.
+fn alike(a: &[u8], b: &[u8]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.abs_diff(*b) <= 2)
+}
+
 fn nothing_of_the_label_shows_in_a_blind_round() {
     let (mut near, mut far) = (round(0.0), round(20.0));
     let label = near.app().frame().unwrap().clicks[0].image;
     assert!(label.distance_px(far.app().frame().unwrap().clicks[0].image) > 25.0);
     for at in [label, ImagePoint::new(320.0, 180.0)] {
-        assert!(seen(&mut near, at) == seen(&mut far, at), "the label shows with the pointer at {at:?}");
+        assert!(alike(&seen(&mut near, at), &seen(&mut far, at)), "the label shows with the pointer at {at:?}");
     }
     // Outside of a round the same windows differ.
     for window in [&mut near, &mut far] {
         window.harness.state_mut().apply([Action::Command(Command::Cancel)]);
         window.harness.run_steps(3);
     }
-    assert!(seen(&mut near, label) != seen(&mut far, label));
+    assert!(!alike(&seen(&mut near, label), &seen(&mut far, label)));
 }
 
 fn a_blind_click_is_kept_where_it_was_made() {
