@@ -8,8 +8,10 @@ use super::{FieldModel, Symmetry};
 pub enum FieldElement {
     /// An index into [`FieldModel::landmarks`].
     Landmark(usize),
-    /// An index into [`FieldModel::lines`].
+    /// An index into [`FieldModel::lines`]: the line itself, as the rule has it.
     Line(usize),
+    /// An index into [`FieldModel::lines`]: the middle of the line's paint, which may lie half its width beside it.
+    Paint(usize),
 }
 
 impl FieldElement {
@@ -18,7 +20,7 @@ impl FieldElement {
     pub fn name(self, field: &FieldModel) -> Option<&str> {
         match self {
             Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.id.as_str()),
-            Self::Line(index) => field.lines.get(index).map(|line| line.id.as_str()),
+            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.id.as_str()),
         }
     }
 
@@ -27,7 +29,7 @@ impl FieldElement {
     pub fn label(self, field: &FieldModel) -> Option<&str> {
         match self {
             Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.label.as_str()),
-            Self::Line(index) => field.lines.get(index).map(|line| line.label.as_str()),
+            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.label.as_str()),
         }
     }
 
@@ -36,7 +38,7 @@ impl FieldElement {
     pub fn code(self, field: &FieldModel) -> Option<&str> {
         match self {
             Self::Landmark(index) => field.landmarks.get(index).map(|landmark| landmark.code.as_str()),
-            Self::Line(index) => field.lines.get(index).map(|line| line.code.as_str()),
+            Self::Line(index) | Self::Paint(index) => field.lines.get(index).map(|line| line.code.as_str()),
         }
     }
 
@@ -48,10 +50,8 @@ impl FieldElement {
                 let twin = symmetry.landmark_twin(field, field.landmarks.get(index)?)?;
                 field.landmark_element(twin.id.as_str())
             }
-            Self::Line(index) => {
-                let twin = symmetry.line_twin(field, field.lines.get(index)?)?;
-                field.line_element(twin.id.as_str())
-            }
+            Self::Line(index) => line_twin(symmetry, field, index).map(Self::Line),
+            Self::Paint(index) => line_twin(symmetry, field, index).map(Self::Paint),
         }
     }
 
@@ -60,9 +60,16 @@ impl FieldElement {
         let (count, element): (usize, fn(usize) -> Self) = match self {
             Self::Landmark(_) => (field.landmarks.len(), Self::Landmark),
             Self::Line(_) => (field.lines.len(), Self::Line),
+            Self::Paint(_) => (field.lines.len(), Self::Paint),
         };
         (0..count).map(element)
     }
+}
+
+/// The line onto which a symmetry moves a line, by its place.
+fn line_twin(symmetry: Symmetry, field: &FieldModel, index: usize) -> Option<usize> {
+    let twin = symmetry.line_twin(field, field.lines.get(index)?)?;
+    field.lines.iter().position(|line| line.id == twin.id)
 }
 
 impl FieldModel {
@@ -103,7 +110,8 @@ mod tests {
     #[test]
     fn the_twin_of_a_twin_is_the_element_itself() {
         let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap();
-        for element in FieldElement::Landmark(0).alike(&field).chain(FieldElement::Line(0).alike(&field)) {
+        let kinds = [FieldElement::Landmark(0), FieldElement::Line(0), FieldElement::Paint(0)];
+        for element in kinds.into_iter().flat_map(|kind| kind.alike(&field)) {
             for symmetry in Symmetry::ALL {
                 let twin = element.twin(symmetry, &field).unwrap();
                 assert_eq!(twin.twin(symmetry, &field), Some(element));

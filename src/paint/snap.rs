@@ -6,8 +6,8 @@ use super::search::likely_steps;
 use super::sightings::Look;
 use super::{GroundPicture, LineCheck, Sightings, SnapError};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::field::{FieldElement, FieldModel};
-use crate::solve::{Observation, ObservedShape, SolveError, Uncertainty, WorldCurve};
+use crate::field::FieldModel;
+use crate::solve::{Observation, SolveError, Uncertainty};
 use nalgebra::Vector6;
 
 /// How a camera is snapped. Lengths are px at 1920 px width.
@@ -241,15 +241,8 @@ impl Problem<'_> {
         let stands_for = (every as f64).sqrt();
         let of_paint = taking_part.iter().step_by(every).filter_map(|(index, _)| {
             let sample = &fit.seen.samples[*index];
-            let curve = self.field.lines[sample.line].paint_centre;
-            Some(Observation {
-                image: camera.image_from_world(sample.at).ok()?,
-                sigma_px: sigmas_px[*index] / stands_for,
-                element: Some(FieldElement::Line(sample.line)),
-                shape: ObservedShape::Curve(WorldCurve::on_field(self.field, curve)),
-                click: *index,
-                check: false,
-            })
+            let image = camera.image_from_world(sample.at).ok()?;
+            Observation::of_paint(self.field, sample.line, image, sigmas_px[*index] / stands_for, *index)
         });
         let clicks = self.clicks.iter().filter(|click| !click.check).copied();
         let observations: Vec<Observation> = of_paint.chain(clicks).collect();

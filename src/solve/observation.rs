@@ -68,6 +68,18 @@ impl Observation {
             .ok_or_else(unknown)
     }
 
+    /// A place in the picture where the middle of a line's paint is seen; `place` numbers it. None if the field has no such line.
+    #[must_use]
+    pub fn of_paint(field: &FieldModel, line: usize, image: ImagePoint, sigma_px: f64, place: usize) -> Option<Self> {
+        Self::of_point(Vec3::zeros(), image, sigma_px, place).renamed(field, FieldElement::Paint(line))
+    }
+
+    /// Whether it is paint that was seen, not a click.
+    #[must_use]
+    pub const fn is_paint(&self) -> bool {
+        matches!(self.element, Some(FieldElement::Paint(_)))
+    }
+
     /// The same click under another name, or on another size of its field; its noise stays. None if the field has no such
     /// element.
     #[must_use]

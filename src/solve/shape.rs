@@ -44,7 +44,7 @@ pub(crate) struct ShapeJacobian {
 }
 
 impl ObservedShape {
-    /// The shape of a field's landmark or line; none if the field has no such element.
+    /// The shape of a field's landmark, line or paint; none if the field has no such element.
     #[must_use]
     pub fn of_element(field: &FieldModel, element: FieldElement) -> Option<Self> {
         match element {
@@ -53,6 +53,9 @@ impl ObservedShape {
             }
             FieldElement::Line(index) => {
                 field.lines.get(index).map(|line| Self::Curve(WorldCurve::on_field(field, line.curve)))
+            }
+            FieldElement::Paint(index) => {
+                field.lines.get(index).map(|line| Self::Curve(WorldCurve::on_field(field, line.paint_centre)))
             }
         }
     }

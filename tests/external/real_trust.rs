@@ -52,7 +52,7 @@ fn real_bases_from_halves_agree_within_what_they_state() {
         };
         let number = |click: &Observation| match click.element.unwrap() {
             FieldElement::Landmark(index) => index,
-            FieldElement::Line(_) => 0,
+            FieldElement::Line(_) | FieldElement::Paint(_) => 0,
         };
         for (what, one, two) in [
             ("frames", kept(&|index, _| index % 2 == 0), kept(&|index, _| index % 2 == 1)),

@@ -2,12 +2,12 @@
 
 use super::pitch_map::PitchMap;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::field::{FieldElement, FieldModel};
+use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3, median};
 use crate::solve::base::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
 };
-use crate::solve::{Loss, Observation, ObservedShape, WorldCurve};
+use crate::solve::{Loss, Observation};
 
 /// How far paint may lie from the line that it is taken for, round by round, px at 1920 px width.
 const REACH_PX: [f64; 6] = [40.0, 25.0, 14.0, 8.0, 5.0, 4.0];
@@ -143,14 +143,7 @@ fn near_lines(
         if off_px > reach_px {
             continue;
         }
-        of_line[near.line].push(Observation {
-            image: *image,
-            sigma_px: SIGMA_PX * scale,
-            element: Some(FieldElement::Line(near.line)),
-            shape: ObservedShape::Curve(WorldCurve::on_field(field, field.lines[near.line].paint_centre)),
-            click: place,
-            check: false,
-        });
+        of_line[near.line].extend(Observation::of_paint(field, near.line, *image, SIGMA_PX * scale, place));
     }
     let spread = |places: Vec<Observation>| {
         let every = places.len().div_ceil(OF_LINE).max(1);

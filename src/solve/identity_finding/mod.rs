@@ -69,7 +69,9 @@ impl Name {
     pub(crate) fn of(element: FieldElement, field: &FieldModel) -> Option<Self> {
         match element {
             FieldElement::Landmark(index) => field.landmarks.get(index).map(|known| Self::Landmark(known.id.clone())),
-            FieldElement::Line(index) => field.lines.get(index).map(|known| Self::Line(known.id.clone())),
+            FieldElement::Line(index) | FieldElement::Paint(index) => {
+                field.lines.get(index).map(|known| Self::Line(known.id.clone()))
+            }
         }
     }
 
