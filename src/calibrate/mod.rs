@@ -46,6 +46,7 @@ pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use solve_frames::{is_by_clicks, record_outcome};
 pub use unclicked::{
-    FrameTraces, UnclickedBase, UnclickedError, UnclickedEvidence, UnclickedProgress, base_without_clicks, record_found,
+    Abstention, DecidingLandmark, Doubt, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError,
+    UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_without_clicks, record_found,
 };
 pub use which_camera::AssignError;

@@ -5,15 +5,14 @@ use super::messages::Messages;
 use super::new::parameter;
 use super::output::refuse_existing;
 use crate::calibrate::{
-    FrameTraces, UnclickedBase, UnclickedProgress, base_without_clicks, record_found, record_snapped, snap_frame,
+    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, record_found,
 };
-use crate::document::{CameraId, Document, FieldSpec, Fields, document_from_frames};
-use crate::media::{FrameReader, FrameSource, Picture};
-use crate::paint::SnapOptions;
-use crate::proposals::read_picture;
+use crate::document::{CameraId, Document, DocumentAt, FieldSpec, document_from_frames};
+use crate::media::{FrameReader, FrameSource};
+use crate::proposals::{PictureError, read_picture};
 use crate::store::Location;
-use anyhow::{Context as _, ensure};
-use rayon::prelude::*;
+use anyhow::{Context as _, bail, ensure};
+use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -42,10 +41,6 @@ pub struct CalibrateArgs {
     force: bool,
 }
 
-/// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
-/// real and drawn matches, wrong ones .5 and less.
-const MIN_SNAPPED: f64 = 0.75;
-
 /// Carries out the command.
 ///
 /// # Errors
@@ -60,7 +55,7 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let mut field = FieldSpec::new(&args.field);
     ensure!(!field.is_file(), "{}: calibrate takes the templates that are built in", args.field);
     field.params = args.set.iter().cloned().collect();
-    let model = field.model(Path::new(""))?;
+    field.model(Path::new(""))?;
     let source = FrameSource::open(&args.frames)?;
     for notice in source.notices() {
         messages.note(&notice.to_string());
@@ -74,37 +69,25 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     }
     let mut document = made.document;
     let camera = document.cameras.first().context("not one image can be read")?.id.clone();
-    let looked_at = spread(&document, &camera, args.look_at as usize);
-    let (looked_at, traces) = look(&document, &looked_at, &folder, messages)?;
-    let bar = messages.progress(100, "Tying frames");
-    let found = base_without_clicks(&traces, &model, &|progress| {
-        match progress {
-            UnclickedProgress::Tying(done, of) => bar.set_position((done * 100 / of.max(1)) as u64),
-            UnclickedProgress::Trying(_) => bar.set_message("Trying places"),
-            UnclickedProgress::Adjusting(..) => bar.set_message("Adjusting"),
+    let found = look_for(&document.at(&folder), &camera, args.look_at as usize, messages)?;
+    let found = match found {
+        UnclickedAnswer::Found(found) => found,
+        UnclickedAnswer::Two { best, other, deciding } => {
+            bail!("{}: {}", args.frames.display(), two_answers(&document, &best, &other, deciding.as_ref()))
         }
-        ControlFlow::Continue(())
-    });
-    bar.finish_and_clear();
-    let found = found.with_context(|| args.frames.display().to_string())?;
-    record_found(&mut document, &camera, &looked_at, &found);
-    let snapped = snap_found(&mut document, &looked_at, &folder, messages)?;
-    let of = found.ptz.iter().flatten().count();
-    ensure!(
-        snapped as f64 >= MIN_SNAPPED * of as f64,
-        "{}: the best answer is not certain, so none is given: only {snapped} of {of} frames agree with the painted lines of \
-         their own picture. Click 4 landmarks on 2 frames instead",
-        args.frames.display()
-    );
+        UnclickedAnswer::Abstained(why) => bail!("{}: {why}", args.frames.display()),
+    };
+    record_found(&mut document, &camera, &found);
     say(&found, messages);
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
     messages.note(&format!(
-        "{}: {} frames, {} with a suggested camera, {snapped} of them snapped to the painted lines",
+        "{}: {} frames, {} with a suggested camera, {} of them snapped to the painted lines",
         location.file().display(),
         document.frames.len(),
-        of,
+        found.frames.len(),
+        found.snapped_count(),
     ));
     Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }
@@ -134,46 +117,60 @@ impl Drop for NewFolder {
     }
 }
 
-/// The frames that are looked at: of one camera, spread evenly.
-fn spread(document: &Document, camera: &CameraId, count: usize) -> Vec<usize> {
-    let of_camera: Vec<usize> =
-        (0..document.frames.len()).filter(|index| document.frames[*index].camera == *camera).collect();
-    let count = count.min(of_camera.len());
-    (0..count).map(|place| of_camera[place * of_camera.len() / count]).collect()
+/// The search with a bar for each of its steps.
+fn look_for(
+    document: &DocumentAt<'_>,
+    camera: &CameraId,
+    look_at: usize,
+    messages: Messages,
+) -> anyhow::Result<UnclickedAnswer> {
+    const PARTS: usize = 1000;
+    let bar = messages.progress(PARTS, "Finding the camera");
+    let mut reader = FrameReader::new();
+    let mut failed = BTreeSet::new();
+    let mut picture = |index: usize| {
+        let frame = &document.frames[index];
+        let told = |error: &PictureError| {
+            if failed.insert(index) {
+                messages.frame_failed(&frame.name(), &error.to_string());
+            }
+        };
+        read_picture(&mut reader, frame, document.folder).inspect_err(told).ok()
+    };
+    let watch = |progress: UnclickedProgress| {
+        bar.set_message(progress.to_string());
+        bar.set_position((progress.share_of_step() * PARTS as f64) as u64);
+        ControlFlow::Continue(())
+    };
+    let found = camera_without_clicks(*document, camera, look_at, &mut picture, &watch);
+    bar.finish_and_clear();
+    Ok(found?)
 }
 
-/// What is kept of the frames' pictures, and which frames could be read. Pictures are read a few at a time.
-fn look(
+/// Two answers in words, and the click that decides between them.
+fn two_answers(
     document: &Document,
-    frames: &[usize],
-    folder: &Path,
-    messages: Messages,
-) -> anyhow::Result<(Vec<usize>, Vec<FrameTraces>)> {
-    const AT_ONCE: usize = 8;
-    let mut reader = FrameReader::new();
-    let bar = messages.progress(frames.len(), "Looking at frames");
-    let (mut read, mut traces) = (Vec::new(), Vec::new());
-    for some in frames.chunks(AT_ONCE) {
-        let mut pictures: Vec<(usize, Picture)> = Vec::new();
-        for &index in some {
-            match read_picture(&mut reader, &document.frames[index], folder) {
-                Ok(picture) => pictures.push((index, picture)),
-                Err(error) => messages.frame_failed(&document.frames[index].name(), &error.to_string()),
-            }
-        }
-        let of_picture = |(index, picture): &(usize, Picture)| {
-            FrameTraces::of(picture, &document.masks_of(&document.frames[*index]))
-        };
-        traces.extend(pictures.par_iter().map(of_picture).collect::<Result<Vec<_>, _>>()?);
-        read.extend(pictures.iter().map(|(index, _)| *index));
-        bar.inc(some.len() as u64);
-    }
-    bar.finish_and_clear();
-    Ok((read, traces))
+    best: &UnclickedCamera,
+    other: &UnclickedCamera,
+    deciding: Option<&DecidingLandmark>,
+) -> String {
+    let at = |found: &UnclickedCamera| {
+        let at = found.base.position_m;
+        format!("({:.1}, {:.1}, {:.1}) m", at.x, at.y, at.z)
+    };
+    let click = deciding.map_or_else(
+        || "click 4 landmarks on 2 frames".to_owned(),
+        |deciding| {
+            let frame = document.frames[deciding.frame].name();
+            let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
+            format!("one click decides: {} on {frame} is at {here} or at {there} px", deciding.landmark.as_str())
+        },
+    );
+    format!("two places for the camera explain the paint, {} and {}, so none is given; {click}", at(best), at(other))
 }
 
 /// What was found and what speaks for it.
-fn say(found: &UnclickedBase, messages: Messages) {
+fn say(found: &UnclickedCamera, messages: Messages) {
     let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
     messages.note(&format!(
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
@@ -190,24 +187,4 @@ fn say(found: &UnclickedBase, messages: Messages) {
         evidence.residual_px,
         evidence.halves_m,
     ));
-}
-
-/// Pulls the found cameras onto the painted lines of their own pictures; how many could be.
-fn snap_found(document: &mut Document, frames: &[usize], folder: &Path, messages: Messages) -> anyhow::Result<usize> {
-    let fields = Fields::of(document.at(folder))?;
-    let mut reader = FrameReader::new();
-    let bar = messages.progress(frames.len(), "Snapping");
-    let mut snapped = 0;
-    for &index in frames {
-        bar.inc(1);
-        let frame = &*document.frames[index];
-        let Ok(picture) = read_picture(&mut reader, frame, folder) else { continue };
-        let field = fields.of_frame(document, frame);
-        if let Ok((base, found)) = snap_frame(document, frame, field, &picture, &SnapOptions::default()) {
-            snapped += 1;
-            record_snapped(&mut document.frames[index], &base, &found);
-        }
-    }
-    bar.finish_and_clear();
-    Ok(snapped)
 }

@@ -1,26 +1,46 @@
-//! Why a base was not found without clicks.
+//! Why there is no base without clicks.
 
+use crate::features::FeatureError;
+use crate::field::FieldError;
 use crate::track::TrackError;
 use thiserror::Error;
 
-/// Why a base was not found from frames alone.
-#[derive(Clone, Debug, PartialEq, Error)]
+/// Why a camera was not looked for to the end.
+#[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum UnclickedError {
+    /// The camera's field cannot be had.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The program was built without OpenCV, or OpenCV refused.
+    #[error(transparent)]
+    Features(#[from] FeatureError),
+    /// Frames could not be compared.
+    #[error(transparent)]
+    Track(TrackError),
+    /// It was given up.
+    #[error("the search was stopped")]
+    Stopped,
+}
+
+/// Why no camera is given although the search came to its end.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Abstention {
     /// The frames do not show the same.
     #[error(
         "{tied} of {frames} frames at most show the same stadium: give frames of one camera that stands still, near enough \
          to each other to overlap"
     )]
     NotTied {
-        /// Frames asked for.
+        /// Frames looked at.
         frames: usize,
         /// Frames of the largest group.
         tied: usize,
     },
     /// The frames are not of a camera that turns and zooms.
     #[error(transparent)]
-    Track(#[from] TrackError),
+    NotTurning(TrackError),
     /// Hardly any paint.
     #[error("only {places} places of paint stay where they are: give frames that show more of the lines")]
     LittlePaint {
@@ -31,12 +51,72 @@ pub enum UnclickedError {
     #[error("no place for the camera explains the paint: is it another sport's field?")]
     NothingFits,
     /// The best answer is not certain.
-    #[error("the best answer is not certain, so none is given: {reason}. Click 4 landmarks on 2 frames instead")]
+    #[error("the best answer is not certain, so none is given: {}. Click 4 landmarks on 2 frames instead", listed(.doubts))]
     Uncertain {
         /// What speaks against it.
-        reason: String,
+        doubts: Vec<Doubt>,
     },
-    /// It was given up.
-    #[error("the search was stopped")]
-    Stopped,
+}
+
+/// What speaks against an answer.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// Paint lies where the field has no line.
+    #[error("{:.0} % of the paint lies on no line", 100.0 * .share)]
+    Unexplained {
+        /// Of the paint that stays.
+        share: f64,
+    },
+    /// Lines should be seen and are not.
+    #[error("{:.0} % of the lines are not seen where they should be", 100.0 * .share)]
+    Unseen {
+        /// Of the lines on open ground.
+        share: f64,
+    },
+    /// Few lines were seen.
+    #[error("only {lines} lines are seen")]
+    FewLines {
+        /// How many.
+        lines: usize,
+    },
+    /// Whole lines are missing.
+    #[error("no paint lies where {} should be", .lines.join(", "))]
+    LinesMissing {
+        /// Their names.
+        lines: Vec<String>,
+    },
+    /// The paint is near its lines, not on them.
+    #[error("paint lies {residual_px:.1} px off its lines")]
+    OffLines {
+        /// The median, px at 1920 px width.
+        residual_px: f64,
+    },
+    /// Two halves of the frames give two bases.
+    #[error("two halves of the frames disagree by {halves_m:.1} m")]
+    HalvesDisagree {
+        /// How far they lie apart, m.
+        halves_m: f64,
+    },
+    /// Camera heads are levelled.
+    #[error("the camera would lean by {roll_deg:.1}°")]
+    Leans {
+        /// Its roll, degrees.
+        roll_deg: f64,
+    },
+    /// Another place for the camera is as good.
+    #[error("another place explains the paint nearly as well")]
+    Rival,
+    /// Frames do not agree with their own paint.
+    #[error("only {snapped} of {frames} frames agree with the painted lines of their own picture")]
+    FewSnapped {
+        /// Frames that agree.
+        snapped: usize,
+        /// Frames that were asked.
+        frames: usize,
+    },
+}
+
+fn listed(doubts: &[Doubt]) -> String {
+    doubts.iter().map(Doubt::to_string).collect::<Vec<_>>().join("; ")
 }

@@ -1,6 +1,6 @@
-//! What speaks for a base that was found from frames alone, and whether that is enough.
+//! What speaks for and against a base that was found from frames alone.
 
-use super::UnclickedError;
+use super::Doubt;
 use super::joint::{FramePaint, Joint};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
@@ -49,37 +49,29 @@ impl UnclickedEvidence {
         self.explained * self.visible
     }
 
-    /// Whether it is enough.
-    pub(super) fn check(&self, joint: &Joint) -> Result<(), UnclickedError> {
+    /// What speaks against it.
+    pub(super) fn doubts(&self, joint: &Joint) -> Vec<Doubt> {
         const MIN_EXPLAINED: f64 = 0.6;
         const MIN_VISIBLE: f64 = 0.6;
-        const OVER_RIVAL: f64 = 1.35;
         const MIN_LINES: usize = 5;
         const MAX_RESIDUAL_PX: f64 = 1.5;
         const MAX_HALVES_M: f64 = 2.0;
         const MAX_ROLL_DEG: f64 = 1.5;
-        let angles = joint.base.angles();
-        let mut against = Vec::new();
-        let mut ask = |wrong: bool, reason: String| {
+        let roll_deg = joint.base.angles().roll.degrees();
+        let mut doubts = Vec::new();
+        let mut ask = |wrong: bool, doubt: Doubt| {
             if wrong {
-                against.push(reason);
+                doubts.push(doubt);
             }
         };
-        ask(
-            self.explained < MIN_EXPLAINED,
-            format!("{:.0} % of the paint lies on no line", 100.0 * (1.0 - self.explained)),
-        );
-        ask(
-            self.visible < MIN_VISIBLE,
-            format!("{:.0} % of the lines are not seen where they should be", 100.0 * (1.0 - self.visible)),
-        );
-        ask(self.score() < OVER_RIVAL * self.rival, "another place explains the paint nearly as well".to_owned());
-        ask(self.lines.len() < MIN_LINES, format!("only {} lines are seen", self.lines.len()));
-        ask(!self.missing.is_empty(), format!("no paint lies where {} should be", self.missing.join(", ")));
-        ask(self.residual_px > MAX_RESIDUAL_PX, format!("paint lies {:.1} px off its lines", self.residual_px));
-        ask(self.halves_m > MAX_HALVES_M, format!("two halves of the frames disagree by {:.1} m", self.halves_m));
-        ask(angles.roll.degrees().abs() > MAX_ROLL_DEG, format!("the camera would lean by {:.1}", angles.roll));
-        if against.is_empty() { Ok(()) } else { Err(UnclickedError::Uncertain { reason: against.join("; ") }) }
+        ask(self.explained < MIN_EXPLAINED, Doubt::Unexplained { share: 1.0 - self.explained });
+        ask(self.visible < MIN_VISIBLE, Doubt::Unseen { share: 1.0 - self.visible });
+        ask(self.lines.len() < MIN_LINES, Doubt::FewLines { lines: self.lines.len() });
+        ask(!self.missing.is_empty(), Doubt::LinesMissing { lines: self.missing.clone() });
+        ask(self.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: self.residual_px });
+        ask(self.halves_m > MAX_HALVES_M, Doubt::HalvesDisagree { halves_m: self.halves_m });
+        ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
+        doubts
     }
 }
 

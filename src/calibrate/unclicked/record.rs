@@ -1,22 +1,30 @@
-//! A base that was found without clicks, written into its document.
+//! A camera that was found without clicks, written into its document.
 
-use super::UnclickedBase;
+use super::UnclickedCamera;
+use crate::calibrate::record_snapped;
 use crate::document::{CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource};
 
-/// Writes a found base into a camera, and the cameras of the frames that it was found from as suggestions. `frames` are their
-/// places in the document.
-pub fn record_found(document: &mut Document, camera: &CameraId, frames: &[usize], found: &UnclickedBase) {
+/// Writes a found camera into a document: base, crown, and its frames as suggestions. References stay as they are.
+pub fn record_found(document: &mut Document, camera: &CameraId, found: &UnclickedCamera) {
     let Some(of_document) = document.camera_mut(camera) else { return };
     of_document.set_base(&found.base);
     let field = if of_document.field.is_some() { of_document.field.as_mut() } else { Some(&mut document.field) };
     if let Some(field) = field {
         field.set_crown_m(found.crown_m);
     }
-    for (&index, ptz) in frames.iter().zip(&found.ptz) {
-        let (Some(frame), Some(ptz)) = (document.frames.get_mut(index), ptz) else { continue };
-        let lens = Some(found.base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
-        frame.ptz = Some(FramePtz::new(*ptz, lens));
-        frame.status = FrameStatus::Suggested;
+    for of_found in &found.frames {
+        let Some(frame) = document.frames.get_mut(of_found.index) else { continue };
+        if frame.status == FrameStatus::Reference {
+            continue;
+        }
+        if frame.status == FrameStatus::New {
+            frame.status = FrameStatus::Suggested;
+        }
+        let lens = Some(found.base.distortion.radial_at(of_found.ptz.focal_px)).filter(|lens| !lens.is_none());
+        frame.ptz = Some(FramePtz::new(of_found.ptz, lens));
         frame.solution = Some(Solution { source: Some(SolutionSource::Markings), ..Solution::default() });
+        if let Some(snapped) = &of_found.snapped {
+            record_snapped(frame, &found.base, snapped);
+        }
     }
 }

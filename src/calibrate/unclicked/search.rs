@@ -94,15 +94,37 @@ impl Hypothesis {
 }
 
 /// The ranges in which a camera is looked for, m and degrees.
-const X_M: f64 = 64.0;
-const X_STEP_M: f64 = 4.0;
-const Y_M: (f64, f64) = (-110.0, -36.0);
-const Y_STEP_M: f64 = 5.0;
+const X_M: Range = Range { from: -64.0, step: 4.0, count: 33 };
+const Y_M: Range = Range { from: -110.0, step: 5.0, count: 15 };
+const TURN_DEG: Range = Range { from: -40.0, step: 2.0, count: 41 };
 const LOWEST_M: f64 = 5.0;
 const HEIGHT_RATIO: f64 = 1.14;
-const HEIGHTS: i32 = 15;
-const HEADING_DEG: f64 = 40.0;
-const HEADING_STEP_DEG: f64 = 2.0;
+const HEIGHTS: usize = 15;
+
+/// Values tried one after the other.
+struct Range {
+    from: f64,
+    step: f64,
+    count: usize,
+}
+
+impl Range {
+    fn at(&self, index: usize) -> f64 {
+        self.from + self.step * (index % self.count) as f64
+    }
+}
+
+/// How many places are tried.
+pub(super) const PLACES: usize = HEIGHTS * Y_M.count * X_M.count * TURN_DEG.count;
+
+/// One of the places, with the heading: near the direction of the field's middle.
+fn place(index: usize) -> (Vec3, Angle) {
+    let (x, y) = (X_M.at(index / TURN_DEG.count), Y_M.at(index / (TURN_DEG.count * X_M.count)));
+    let height = index / (TURN_DEG.count * X_M.count * Y_M.count);
+    let to_middle_deg = (-x).atan2(-y).to_degrees();
+    let z = LOWEST_M * HEIGHT_RATIO.powi(height as i32);
+    (Vec3::new(x, y, z), Angle::from_degrees(to_middle_deg + TURN_DEG.at(index)))
+}
 
 /// How far paint may lie beside a line at the first look, as a share of its distance from the camera, and at least, m.
 const SCATTER: f64 = 0.025;
@@ -114,24 +136,7 @@ const FITTED: usize = 80;
 
 /// The best places, the most likely first.
 pub(super) fn search(panorama: &Panorama, map: &PitchMap) -> Vec<Hypothesis> {
-    let mut tries = Vec::new();
-    for height in 0..HEIGHTS {
-        let z = LOWEST_M * HEIGHT_RATIO.powi(height);
-        let mut y = Y_M.0;
-        while y <= Y_M.1 {
-            let mut x = -X_M;
-            while x <= X_M {
-                let to_middle = (-x).atan2(-y).to_degrees();
-                let mut turn = -HEADING_DEG;
-                while turn <= HEADING_DEG {
-                    tries.push((Vec3::new(x, y, z), Angle::from_degrees(to_middle + turn)));
-                    turn += HEADING_STEP_DEG;
-                }
-                x += X_STEP_M;
-            }
-            y += Y_STEP_M;
-        }
-    }
+    let tries: Vec<(Vec3, Angle)> = (0..PLACES).map(place).collect();
     let few: Vec<Vec3> = panorama.directions.iter().step_by(3).copied().collect();
     let mut scored: Vec<(f64, usize)> = tries
         .par_iter()

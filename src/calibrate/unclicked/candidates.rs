@@ -1,0 +1,190 @@
+//! The bases that explain the paint of tied frames, the best first.
+
+use super::joint::{FramePaint, Joint, joint};
+use super::pitch_map::PitchMap;
+use super::pose::RigPose;
+use super::search::{Hypothesis, PLACES, Panorama, search};
+use super::traces::FrameTraces;
+use super::{Abstention, Doubt, UnclickedError, UnclickedEvidence, UnclickedProgress, WatchUnclicked, evidence};
+use crate::camera::{BaseAngles, CameraBase, Ptz};
+use crate::features::Features;
+use crate::field::FieldModel;
+use crate::geometry::{ImageSize, Vec3};
+use crate::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
+use crate::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+
+/// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
+const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
+
+/// Places that are adjusted with all frames.
+const ADJUSTED: usize = 5;
+
+/// Two answers this near to each other are one, m.
+pub(super) const SAME_M: f64 = 1.5;
+
+/// A place is taken for the only one if it explains this many times as much as the next.
+pub(super) const OVER_RIVAL: f64 = 1.35;
+
+/// Why the search ended before its answer.
+pub(super) enum Stop {
+    Failed(UnclickedError),
+    Abstained(Abstention),
+}
+
+impl From<UnclickedError> for Stop {
+    fn from(error: UnclickedError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<Abstention> for Stop {
+    fn from(why: Abstention) -> Self {
+        Self::Abstained(why)
+    }
+}
+
+/// A base adjusted to all frames, with what speaks for and against it.
+pub(super) struct Candidate {
+    pub base: CameraBase,
+    pub crown_m: f64,
+    /// Of each frame; none for those that do not hang together with the others or show too little paint.
+    pub ptz: Vec<Option<Ptz>>,
+    pub evidence: UnclickedEvidence,
+    pub doubts: Vec<Doubt>,
+}
+
+impl Candidate {
+    pub fn score(&self) -> f64 {
+        self.evidence.score()
+    }
+}
+
+/// The bases that explain the frames' paint, the best first.
+pub(super) fn candidates(
+    frames: &[FrameTraces],
+    field: &FieldModel,
+    watch: WatchUnclicked<'_>,
+) -> Result<Vec<Candidate>, Stop> {
+    let told = |progress| if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) };
+    let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
+    let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
+    let ties = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
+        .map_err(UnclickedError::Track)?;
+    told(UnclickedProgress::Tying { done: pairs, of: pairs })?;
+    let group = largest_group(frames, &ties)?;
+    let size = frames[group[0]].size();
+    let tied = Group::new(frames, &group, &ties);
+
+    told(UnclickedProgress::Gathering)?;
+    let map = PitchMap::of(field);
+    let mut starts: Vec<Start> = Vec::new();
+    for (done, percent) in FOCAL_PERCENT.into_iter().enumerate() {
+        told(UnclickedProgress::Trying { places: PLACES, done, of: FOCAL_PERCENT.len() })?;
+        let options = TurnOptions { focal_scale: f64::from(percent) / 100.0, ..TurnOptions::default() };
+        let turns = match adjust_turns(group.len(), &tied.ties, size, &options) {
+            Ok(turns) => turns,
+            Err(error) if percent == FOCAL_PERCENT[0] => return Err(Abstention::NotTurning(error).into()),
+            Err(_) => continue,
+        };
+        starts.extend(tied.places(&turns, &map)?);
+    }
+    starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
+
+    let mut joints: Vec<(Joint, UnclickedEvidence)> = Vec::new();
+    let mut tried = 0;
+    for start in &starts {
+        if tried == ADJUSTED {
+            break;
+        }
+        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED })?;
+        let base = start.base(size);
+        if joints.iter().any(|(joint, _)| (joint.start_m - base.position_m).norm() < SAME_M) {
+            continue;
+        }
+        tried += 1;
+        let Some(joint) = joint(field, &start.paint, base, &start.turns.ptz, size) else { continue };
+        let evidence = evidence::of(field, &joint, &start.paint, &tied.strokes);
+        joints.push((joint, evidence));
+    }
+    joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
+    let candidate = |(joint, evidence): (Joint, UnclickedEvidence)| {
+        let mut ptz = vec![None; frames.len()];
+        for (frame, found) in group.iter().zip(&joint.ptz) {
+            ptz[*frame] = *found;
+        }
+        let doubts = evidence.doubts(&joint);
+        Candidate { base: joint.base, crown_m: joint.crown_m, ptz, evidence, doubts }
+    };
+    Ok(joints.into_iter().map(candidate).collect())
+}
+
+/// The largest group of frames of one size that hang together.
+fn largest_group(frames: &[FrameTraces], ties: &[Tie]) -> Result<Vec<usize>, Abstention> {
+    /// Fewer frames hardly show what is drawn on the ground and what is not.
+    const LEAST: usize = 3;
+    let same_size: Vec<Tie> =
+        ties.iter().filter(|tie| frames[tie.first].size() == frames[tie.second].size()).cloned().collect();
+    let group = groups(frames.len(), &same_size).into_iter().next().unwrap_or_default();
+    if group.len() < LEAST {
+        return Err(Abstention::NotTied { frames: frames.len(), tied: group.len() });
+    }
+    Ok(group)
+}
+
+/// Frames that hang together, numbered among themselves.
+struct Group {
+    ties: Vec<Tie>,
+    strokes: Vec<Strokes>,
+}
+
+impl Group {
+    fn new(frames: &[FrameTraces], group: &[usize], ties: &[Tie]) -> Self {
+        let place = |frame: usize| group.binary_search(&frame).ok();
+        let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
+        let strokes = group.iter().map(|frame| frames[*frame].strokes.clone()).collect();
+        Self { ties: ties.iter().filter_map(inside).collect(), strokes }
+    }
+
+    /// The best places for the frames turned as stated.
+    fn places(&self, turns: &Turns, map: &PitchMap) -> Result<Vec<Start>, Abstention> {
+        /// Places of one focal scale that may be adjusted.
+        const OF_SCALE: usize = 3;
+        /// Directions of paint without which nothing can be found.
+        const LEAST: usize = 150;
+        let frames: Vec<_> =
+            self.strokes.iter().enumerate().map(|(frame, strokes)| (turns.camera(frame), strokes.clone())).collect();
+        let points = persistent_paint(&frames);
+        let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
+        let panorama = Panorama::of(&directions, SeenGround::of(&frames));
+        if panorama.directions.len() < LEAST {
+            return Err(Abstention::LittlePaint { places: panorama.directions.len() });
+        }
+        let paint = paint_of_frames(&points, self.strokes.len());
+        let start = |hypothesis| Start { hypothesis, turns: turns.clone(), paint: paint.clone() };
+        Ok(search(&panorama, map).into_iter().take(OF_SCALE).map(start).collect())
+    }
+}
+
+fn paint_of_frames(points: &[PersistentPoint], frames: usize) -> Vec<FramePaint> {
+    let mut paint = vec![FramePaint::new(); frames];
+    for point in points {
+        paint[point.frame].push(point.stroke.at);
+    }
+    paint
+}
+
+/// A place from which everything is adjusted.
+struct Start {
+    hypothesis: Hypothesis,
+    turns: Turns,
+    paint: Vec<FramePaint>,
+}
+
+impl Start {
+    fn base(&self, size: ImageSize) -> CameraBase {
+        let RigPose { position_m, world_from_rig } = self.hypothesis.pose;
+        let base_from_rig = BaseAngles::default().base_from_world();
+        let base_from_world = base_from_rig * world_from_rig.transpose();
+        CameraBase { distortion: self.turns.lens, ..CameraBase::new(position_m, base_from_world, size.centre()) }
+    }
+}

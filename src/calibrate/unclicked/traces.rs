@@ -1,0 +1,30 @@
+//! What a search keeps of a picture.
+
+use crate::features::{FeatureError, FeatureOptions, Features, extract};
+use crate::geometry::{ImageSize, PixelBox};
+use crate::media::Picture;
+use crate::paint::{GroundPicture, Strokes};
+
+/// What is kept of a frame's picture.
+#[derive(Clone, Debug)]
+pub(super) struct FrameTraces {
+    pub features: Features,
+    pub strokes: Strokes,
+}
+
+impl FrameTraces {
+    /// Of a picture; nothing within `masks` (px) counts.
+    ///
+    /// # Errors
+    /// The program was built without OpenCV, or OpenCV refused.
+    pub fn of(picture: &Picture, masks: &[PixelBox]) -> Result<Self, FeatureError> {
+        let options = FeatureOptions { root_sift: true, ..FeatureOptions::default() };
+        let features = extract(picture, masks, &options)?;
+        let strokes = Strokes::of(&GroundPicture::new(picture, masks));
+        Ok(Self { features, strokes })
+    }
+
+    pub fn size(&self) -> ImageSize {
+        self.strokes.size()
+    }
+}
