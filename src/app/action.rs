@@ -135,6 +135,13 @@ pub enum Action {
         /// Which, from 0.
         index: usize,
     },
+    /// How far the search of the painted lines has come.
+    SnapProgress {
+        /// Which order.
+        ticket: u64,
+        /// From 0 to 1.
+        share: f64,
+    },
     /// A frame's camera was pulled onto the painted lines, or why it was not.
     Snapped {
         /// Which order.
@@ -445,6 +452,7 @@ impl Action {
             | Self::MirrorNames { .. } => ActionKind::Edit,
             Self::Proposals(_)
             | Self::BurntIn { .. }
+            | Self::SnapProgress { .. }
             | Self::Snapped { .. }
             | Self::PointsSnapped { .. }
             | Self::LinesChecked { .. }
@@ -629,8 +637,11 @@ pub enum Effect {
     CancelBulk,
     /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
     WatchCamera(Box<CameraWatch>),
-    /// Pull a frame's camera onto the painted lines and report [`Action::Snapped`].
+    /// Pull a frame's camera onto the painted lines, or search it by them; report [`Action::SnapProgress`] on the way and
+    /// [`Action::Snapped`] in the end.
     Snap(Box<SnapOrder>),
+    /// Nobody waits any more for a snap or a search.
+    CancelSnap,
     /// Look where the landmarks of clicks are painted and report [`Action::PointsSnapped`].
     SnapPoints(Box<PointSnapOrder>),
     /// Judge cameras by the painted lines and report [`Action::LinesChecked`].

@@ -56,8 +56,12 @@ pub enum Command {
     SearchLines,
     /// The frame to click next for the base is shown.
     ShowForBase,
+    /// The search by the painted lines ends.
+    StopSearch,
     /// Points go to the paint that they name, or stay where they are placed.
     SnapPoints,
+    /// Suggestions are snapped to the painted lines before they are shown, or left as the forest gives them.
+    SnapSuggestions,
     ZoomIn,
     ZoomOut,
     ZoomToFit,
@@ -203,7 +207,9 @@ rows! {
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
     SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
+    StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner or crossing that it names, where that is certain. Alt at the release keeps it where it is.", [];
+    SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "What the forest proposes is pulled onto the painted lines before you review it, where they decide; elsewhere it stays as proposed. Switching it over asks the forest again.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
@@ -303,6 +309,7 @@ impl Command {
             | Self::Cancel
             | Self::PauseTrainer
             | Self::SnapPoints
+            | Self::SnapSuggestions
             | Self::Palette
             | Self::Keys
             | Self::About => CommandKind::Application,
@@ -340,6 +347,7 @@ impl Command {
             | Self::UseEstimatedBase
             | Self::DropEstimatedBase
             | Self::StopSolving
+            | Self::StopSearch
             | Self::UseForBase
             | Self::AssignToCamera
             | Self::SelectShot

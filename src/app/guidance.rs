@@ -2,7 +2,7 @@
 
 use super::base::BaseWork;
 use super::progress::nothing_needs_you;
-use super::session::{Mode, reason_label};
+use super::session::{Mode, Snapping, reason_label};
 use super::{App, Command};
 use crate::calibrate::{CalibrationError, LANDMARKS_ALONE, WIDE_FRAMES};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
@@ -42,6 +42,11 @@ pub fn next_step(app: &App) -> Guidance {
     };
     if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
+    }
+    if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
+        && app.session.mode == Mode::Idle
+    {
+        return Guidance::say(searching).offer("Stop", Command::StopSearch);
     }
     if app.session.quality.open {
         let key = app.settings.keys.shown(Command::QualityPage);
@@ -202,7 +207,10 @@ fn clicks(app: &App, frame: &Frame) -> Guidance {
         }
         Some(Err(error)) if proposed(frame).is_none() => Guidance::say(format!("No camera yet: {error}.")),
         _ => match proposed(frame) {
-            Some(_) => Guidance::say("Dashed = proposed. Enter takes it, a click corrects it, X rejects it."),
+            Some(_) => Guidance::say(format!(
+                "Dashed = proposed{}. Enter takes it, a click corrects it, X rejects it.",
+                if frame.is_snapped_proposal() { " and snapped to the painted lines" } else { "" }
+            )),
             None if frame.is_unanswered() => Guidance::say(format!("No proposal here. {}", first_point())),
             None => Guidance::say(first_point()),
         },

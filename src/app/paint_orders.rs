@@ -5,7 +5,7 @@ use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Document, FrameId};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped, SnappedPoint};
+use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped, SnappedPoint, WatchFind};
 use crate::proposals::{PictureError, read_picture};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -59,20 +59,20 @@ pub enum SnapFailure {
 }
 
 impl SnapOrder {
-    /// Pulls the camera onto the paint, or finds it; `watch` may end a search.
+    /// Pulls the camera onto the paint, or finds it; `watch` is told how far a search has come and may end it.
     ///
     /// # Errors
     /// The picture cannot be had, or the paint does not decide.
     pub fn carry_out(
         &self,
         reader: &mut dyn ReadFrames,
-        watch: &(dyn Fn() -> ControlFlow<()> + Sync),
+        watch: WatchFind<'_>,
     ) -> Result<Box<SnappedFrame>, SnapFailure> {
         let frame = self.document.frames.get(self.frame).ok_or(SnapFrameError::Unsolved)?;
         let picture = read_picture(reader, frame, &self.folder)?;
         if self.from_nothing {
             let options = FindOptions::default();
-            let (base, found) = find_frame(&self.document, frame, &self.field, &picture, &options, &|_| watch())?;
+            let (base, found) = find_frame(&self.document, frame, &self.field, &picture, &options, watch)?;
             return Ok(Box::new(SnappedFrame { base, snapped: found.snapped }));
         }
         let options = SnapOptions::default();

@@ -108,6 +108,17 @@ pub struct Snapping {
     pub frame: Shared<Frame>,
     /// Whether its camera is searched by the lines alone.
     pub from_nothing: bool,
+    /// How far a search has come, from 0 to 1; none before it says so.
+    pub progress: Option<f64>,
+}
+
+impl Snapping {
+    /// What is being searched for, in one sentence; none for a snap, which is over at once.
+    #[must_use]
+    pub fn describe(&self) -> Option<String> {
+        let far = self.progress.map(|share| format!(": {:.0} %", 100.0 * share)).unwrap_or_default();
+        self.from_nothing.then(|| format!("Searching the painted lines of {}{far}…", self.frame.name()))
+    }
 }
 
 /// A frame that was to be accepted although its verdict is wrong.

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 pub const MAX_RECENT: usize = 12;
 
 /// The user's settings, kept as JSON in the user's configuration folder.
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of its own")]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settings {
@@ -24,6 +25,8 @@ pub struct Settings {
     pub details: bool,
     /// A point that is placed or dropped goes to the painted corner or crossing that it names.
     pub snap_points: bool,
+    /// What the forest proposes is snapped to the painted lines before it is shown, where they decide.
+    pub snap_suggestions: bool,
     /// The note that drawing runs on the processor has been shown for this adapter.
     pub told_about_adapter: String,
 }
@@ -37,6 +40,7 @@ impl Default for Settings {
             field_map: true,
             details: false,
             snap_points: true,
+            snap_suggestions: false,
             told_about_adapter: String::new(),
         }
     }

@@ -20,6 +20,8 @@ pub struct TrainerState {
     pub(super) told_version: Option<u64>,
     /// The frame that it knows to be shown.
     pub(super) told_frame: Option<FrameId>,
+    /// It knows that proposals are to be snapped.
+    pub(super) told_snapping: bool,
 }
 
 /// What the trainer reports.
@@ -119,6 +121,8 @@ pub enum TrainerOrder {
     Features(bool),
     /// It rests, or goes on.
     Pause(bool),
+    /// Proposals are snapped to the painted lines before they are shown, or left as the forest gives them.
+    Snap(bool),
 }
 
 impl Share {

@@ -32,6 +32,9 @@ pub struct RelocalizeArgs {
     /// The least confidence of an answer, from 0 to 1.
     #[arg(long, value_name = "0..1", default_value_t = PoseOptions::default().min_confidence, value_parser = probability)]
     min_confidence: f64,
+    /// Pull each answer onto the painted lines, where they decide.
+    #[arg(long)]
+    snap: bool,
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
@@ -77,7 +80,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     tell_refusal(&store, messages);
     let mut proposals = proposals.unwrap_or_default();
     let at = document.at(&folder);
-    LineEvidence::of(at, &mut reader)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
+    LineEvidence::of(at, &mut reader, args.snap)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
     let mut answered = 0;
     for proposal in proposals {
         let Some(frame) = document.frames.by_id_mut(&proposal.frame) else { continue };

@@ -18,6 +18,13 @@ impl Frame {
         self.solution.as_ref().is_some_and(|solution| by_paint(solution) && solution.proposed.is_none())
     }
 
+    /// Whether its camera is the forest's, pulled onto the painted lines before anybody saw it.
+    #[must_use]
+    pub fn is_snapped_proposal(&self) -> bool {
+        let on_paint = |solution: &Solution| solution.samples.is_some();
+        self.is_suggestion() && self.solution.as_ref().is_some_and(on_paint)
+    }
+
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided(&self) -> FrameStatus {

@@ -4,6 +4,7 @@ use super::SharedPictures;
 use super::shared_pictures::SharedReader;
 use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, SnapOrder};
 use crate::media::FrameReader;
+use crate::paint::WatchFind;
 use crate::proposals::{FeatureStore, WorkFolder};
 use std::ops::ControlFlow;
 
@@ -20,12 +21,8 @@ pub(super) fn burnt_in(
     Action::BurntIn { file: search.file.clone(), found }
 }
 
-/// Pulls a frame's camera onto the painted lines, or finds it by them.
-pub(super) fn snapped(
-    order: &SnapOrder,
-    pictures: SharedPictures,
-    watch: &(dyn Fn() -> ControlFlow<()> + Sync),
-) -> Action {
+/// Pulls a frame's camera onto the painted lines, or finds it by them; `watch` is told how far a search has come.
+pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchFind<'_>) -> Action {
     let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::Snapped { ticket: order.ticket, result }
 }

@@ -144,9 +144,13 @@ impl Runner {
             Effect::Snap(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("snap", Kind::Snap(order.ticket), move |watch| {
-                    Ok(Outcome::Action(snapped(&order, pictures, &|| watch.goes_on())))
+                    let ticket = order.ticket;
+                    Ok(Outcome::Action(snapped(&order, pictures, &|share| {
+                        watch.tell(Action::SnapProgress { ticket, share })
+                    })))
                 });
             }
+            Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
             Effect::SnapPoints(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {

@@ -1,11 +1,13 @@
-//! What the painted lines say about a proposed camera, and how that enters its confidence.
+//! What the painted lines say about a proposed camera, how that enters its confidence, and the camera pulled onto them.
 
 use super::{Answer, NoProposal, Proposal, read_picture};
-use crate::camera::PtzCamera;
-use crate::document::{DocumentAt, Fields, Frame, FrameStatus};
+use crate::camera::{CameraBase, PtzCamera};
+use crate::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use crate::field::FieldError;
+use crate::geometry::ImageSize;
 use crate::media::{FrameReader, Picture, ReadFrames};
-use crate::paint::{GroundPicture, LineCheck, LineVerdict, check_lines};
+use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, snap};
+use crate::relocalize::Evidence;
 use rayon::prelude::*;
 
 /// References whose paint is looked at.
@@ -26,17 +28,20 @@ pub struct LineEvidence {
     fields: Fields,
     /// Whether the paint bears out references; none where there is none to ask.
     proven: Option<bool>,
+    /// Whether answers that the paint does not contradict are snapped to it.
+    snapping: bool,
 }
 
 impl LineEvidence {
     /// Asks the paint about some references first: where it bears none of them out, the field's lines are not those of the
-    /// pictures, or cannot be seen, and it is not asked further.
+    /// pictures, or cannot be seen, and it is not asked further. With `snapping`, answers that it does not contradict are
+    /// pulled onto it.
     ///
     /// # Errors
     /// A field of the document is not valid.
-    pub fn of(at: DocumentAt<'_>, reader: &mut dyn ReadFrames) -> Result<Self, FieldError> {
+    pub fn of(at: DocumentAt<'_>, reader: &mut dyn ReadFrames, snapping: bool) -> Result<Self, FieldError> {
         let fields = Fields::of(at)?;
-        let mut evidence = Self { fields, proven: None };
+        let mut evidence = Self { fields, proven: None, snapping };
         let solved = |frame: &&Frame| frame.status == FrameStatus::Reference && frame.ptz.is_some();
         let references: Vec<&Frame> = at.document.frames.iter().map(|frame| &**frame).filter(solved).collect();
         for frame in references.iter().step_by(references.len().div_ceil(REFERENCES).max(1)) {
@@ -44,7 +49,8 @@ impl LineEvidence {
             else {
                 continue;
             };
-            let check = evidence.check(at, frame, &camera, &picture);
+            let check =
+                check_lines(&ground(at, frame, &picture), evidence.fields.of_frame(at.document, frame), &camera);
             if can_say(&check) {
                 let supports = check.verdict() == LineVerdict::Supports;
                 evidence.proven = Some(evidence.proven.unwrap_or(false) || supports);
@@ -53,13 +59,9 @@ impl LineEvidence {
         Ok(evidence)
     }
 
-    fn check(&self, at: DocumentAt<'_>, frame: &Frame, camera: &PtzCamera, picture: &Picture) -> LineCheck {
-        let ground = GroundPicture::new(picture, &at.document.masks_of(frame));
-        check_lines(&ground, self.fields.of_frame(at.document, frame), camera)
-    }
-
     /// Asks the paint about the answers: it enters their confidence, and those that fall below `min_confidence` are answers no
-    /// more. Pictures that cannot be read change nothing.
+    /// more. The others are snapped to it where that is wanted and the paint decides. Pictures that cannot be read change
+    /// nothing.
     pub fn judge(
         &self,
         at: DocumentAt<'_>,
@@ -70,36 +72,70 @@ impl LineEvidence {
         if self.proven == Some(false) {
             return;
         }
+        let mut snapped: Vec<Option<Answer>> = vec![None; proposals.len()];
         // Videos are read one frame after the other, images side by side.
-        for proposal in proposals.iter_mut() {
+        for (proposal, snapped) in proposals.iter_mut().zip(&mut snapped) {
             if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_none()) {
-                self.ask(at, reader, proposal);
+                *snapped = self.ask(at, reader, proposal);
             }
         }
-        proposals.par_iter_mut().for_each(|proposal| {
+        proposals.par_iter_mut().zip(&mut snapped).for_each(|(proposal, snapped)| {
             if at.document.frames.by_id(&proposal.frame).is_some_and(|frame| frame.image.is_some()) {
-                self.ask(at, &mut FrameReader::new(), proposal);
+                *snapped = self.ask(at, &mut FrameReader::new(), proposal);
             }
         });
         if self.proven.is_none() && supports_hardly_any(proposals) {
             return;
         }
-        for proposal in proposals {
-            if let Ok(answer) = &mut proposal.outcome
-                && let Some(contradicted) = weigh(answer, min_confidence)
-            {
+        for (proposal, snapped) in proposals.iter_mut().zip(snapped) {
+            let Ok(answer) = &mut proposal.outcome else { continue };
+            if let Some(contradicted) = weigh(answer, min_confidence) {
                 proposal.outcome = Err(contradicted);
+            } else if let Some(mut snapped) = snapped
+                && weigh(&mut snapped, min_confidence).is_none()
+            {
+                *answer = snapped;
             }
         }
     }
 
-    fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) {
-        let Some(frame) = at.document.frames.by_id(&proposal.frame) else { return };
-        let (Ok(answer), Some(base)) = (&mut proposal.outcome, proposal.asked.base) else { return };
-        let Ok(picture) = read_picture(reader, frame, at.folder) else { return };
-        let camera = PtzCamera::new(base, answer.ptz.ptz());
-        answer.line_check = Some(self.check(at, frame, &camera, &picture));
+    /// Has the paint judge an answer; the same answer on the paint, where that is wanted and the paint decides.
+    fn ask(&self, at: DocumentAt<'_>, reader: &mut dyn ReadFrames, proposal: &mut Proposal) -> Option<Answer> {
+        let frame = at.document.frames.by_id(&proposal.frame)?;
+        let (answer, base) = (proposal.outcome.as_mut().ok()?, proposal.asked.base?);
+        let picture = read_picture(reader, frame, at.folder).ok()?;
+        let (ground, field) = (ground(at, frame, &picture), self.fields.of_frame(at.document, frame));
+        let start = answer.ptz.ptz();
+        answer.line_check = Some(check_lines(&ground, field, &PtzCamera::new(base, start)));
+        if !self.snapping {
+            return None;
+        }
+        // Where the paint does not decide, the answer stays as the forest gave it.
+        let snapped = snap(&ground, field, &base, start, &[], &SnapOptions::default()).ok()?;
+        Some(on_paint(answer, &base, &snapped, frame.image_size))
     }
+}
+
+/// An answer pulled onto the paint: which of the matches are right does not change, but the camera is known as the paint has it.
+fn on_paint(answer: &Answer, base: &CameraBase, snapped: &Snapped, image_size: ImageSize) -> Answer {
+    let camera = PtzCamera::new(*base, snapped.ptz);
+    let worst_corner_sigma_px = snapped.uncertainty.worst_corner_sigma_px(&camera, image_size);
+    let evidence =
+        Evidence { labelled_sigma_px: worst_corner_sigma_px / image_size.scale_from_1920(), ..answer.evidence };
+    Answer {
+        ptz: FramePtz::new(snapped.ptz, Some(camera.lens()).filter(|lens| !lens.is_none())),
+        covariance: snapped.uncertainty.ptz_covariance_deg(),
+        rms_px: snapped.rms_px,
+        worst_corner_sigma_px,
+        evidence,
+        line_check: Some(snapped.check),
+        samples: Some(snapped.samples),
+        ..answer.clone()
+    }
+}
+
+fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture {
+    GroundPicture::new(picture, &at.document.masks_of(frame))
 }
 
 /// Whether enough of the lines lies open.
@@ -133,7 +169,7 @@ mod tests {
     use crate::camera::Ptz;
     use crate::document::FramePtz;
     use crate::geometry::Mat3;
-    use crate::relocalize::{Evidence, FromReference};
+    use crate::relocalize::FromReference;
 
     /// An answer from features that are good to this many px.
     fn answer(features_sigma_px: f64, score: f64, open: usize) -> Answer {
@@ -165,6 +201,7 @@ mod tests {
             places: 50,
             evidence,
             line_check,
+            samples: None,
         }
     }
 

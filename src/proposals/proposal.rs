@@ -63,6 +63,8 @@ pub struct Answer {
     pub evidence: Evidence,
     /// What the painted lines say about it, where they were asked.
     pub line_check: Option<LineCheck>,
+    /// Where it was snapped to the painted lines: how many samples of them took part.
+    pub samples: Option<usize>,
 }
 
 /// Why there is no proposal.
@@ -142,6 +144,7 @@ impl Answer {
                 at_most: 1.0,
             },
             line_check: None,
+            samples: None,
         }
     }
 }
@@ -206,6 +209,7 @@ impl Proposal {
                     rms_px: Some(answer.rms_px),
                     worst_corner_sigma_px: Some(answer.worst_corner_sigma_px),
                     confidence: Some(answer.confidence),
+                    samples: answer.samples,
                     line_check: answer.line_check.as_ref().map(PaintEvidence::from),
                     ..solution
                 };

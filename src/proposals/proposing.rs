@@ -44,5 +44,6 @@ fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
         places: pose.places,
         evidence: pose.evidence(image_size),
         line_check: None,
+        samples: None,
     }
 }

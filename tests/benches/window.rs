@@ -114,6 +114,7 @@ impl Window {
                     at_most: 1.0,
                 },
                 line_check: None,
+                samples: None,
             };
             let none = NotFound::FewMatches { matched: 3, needed: 12 };
             let outcome = if chance.is_multiple_of(50) { Err(none.into()) } else { Ok(answer) };

@@ -53,6 +53,7 @@ mod seeded;
 mod session;
 mod shaders;
 mod snapped_points_in_app;
+mod snapped_suggestions;
 mod suggestions_in_app;
 mod synth_command;
 mod synthetic;

@@ -120,6 +120,16 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     assert_eq!(headless.app.why_not(Command::SearchLines), None);
     headless.act(Action::Command(Command::SearchLines));
     assert!(headless.app.why_not(Command::SearchLines).is_some(), "one at a time");
+    // It says so, and can be stopped; then nothing comes of it.
+    let searching = next_step(&headless.app);
+    assert!(searching.text.starts_with("Searching the painted lines of "), "{searching:?}");
+    assert_eq!(searching.offers, [("Stop", Command::StopSearch)]);
+    headless.act(Action::SnapProgress { ticket: headless.app.session.snap_tickets, share: 0.4 });
+    assert!(next_step(&headless.app).text.ends_with(": 40 %…"), "{:?}", next_step(&headless.app));
+    headless.act(Action::Command(Command::StopSearch));
+    assert!(headless.app.session.snapping.is_none() && headless.app.why_not(Command::StopSearch).is_some());
+    headless.act(Action::Command(Command::SearchLines));
+    assert_eq!(next_step(&headless.app).offers, searching.offers, "another search");
     let refused = "No camera found: the picture shows 0 px of painted lines";
     headless.wait_until("the refusal", |app| app.session.notices.iter().any(|notice| notice.text.starts_with(refused)));
     assert_eq!((frame(&headless.app).ptz.as_ref(), frame(&headless.app).status), (None, FrameStatus::New));

@@ -263,6 +263,7 @@ pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: 
                 at_most: 1.0,
             },
             line_check: None,
+            samples: None,
         }),
         None => Err(NotFound::FewMatches { matched: 3, needed: 12 }.into()),
     };

@@ -195,6 +195,7 @@ impl Window {
                 at_most: 1.0,
             },
             line_check: None,
+            samples: None,
         };
         let proposal = Proposal {
             frame: document.frames[frame].id.clone(),

@@ -97,6 +97,9 @@ impl App {
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::Snap => self.why_not_snap(),
             C::SearchLines => self.why_not_search_lines(),
+            C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
+                Some("No lines are being searched.")
+            }
             C::MendNames if self.current.other_names().is_none() => Some("No other names fit these points."),
             _ => None,
         }
@@ -198,6 +201,7 @@ impl App {
             C::SwitchRoot => self.switch_root(),
             C::Snap => self.snap(false),
             C::SearchLines => self.snap(true),
+            C::StopSearch => self.stop_search(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
             C::ZoomIn => self.zoom_by(ZOOM_STEP),
             C::ZoomOut => self.zoom_by(1.0 / ZOOM_STEP),
@@ -213,6 +217,10 @@ impl App {
             }
             C::SnapPoints => {
                 self.settings.snap_points = !self.settings.snap_points;
+                self.effects.push(Effect::SaveSettings);
+            }
+            C::SnapSuggestions => {
+                self.settings.snap_suggestions = !self.settings.snap_suggestions;
                 self.effects.push(Effect::SaveSettings);
             }
             C::CameraPanel => self.toggle_panel(SidePanel::Camera),

@@ -34,6 +34,7 @@ impl App {
     pub(super) fn opened(&mut self, opened: Opened) {
         self.effects.push(Effect::CancelEstimate);
         self.effects.push(Effect::CancelBulk);
+        self.effects.push(Effect::CancelSnap);
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;

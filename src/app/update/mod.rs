@@ -157,6 +157,7 @@ impl App {
             Action::AddMask { of_camera, mask } => self.add_mask(of_camera, mask),
             Action::ScopeMask { list, index, scope } => self.scope_mask(list, index, scope),
             Action::RemoveMask { list, index } => self.remove_mask(list, index),
+            Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
             Action::Snapped { ticket, result } => self.snapped(ticket, result),
             Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
             Action::LinesChecked { ticket, found } => self.lines_checked(ticket, found),

@@ -50,7 +50,7 @@ impl App {
         let Some(frame) = open.document.frames.get(self.session.frame) else { return };
         self.session.snap_tickets += 1;
         let ticket = self.session.snap_tickets;
-        self.session.snapping = Some(Snapping { ticket, frame: frame.clone(), from_nothing });
+        self.session.snapping = Some(Snapping { ticket, frame: frame.clone(), from_nothing, progress: None });
         self.effects.push(Effect::Snap(Box::new(SnapOrder {
             ticket,
             document: (*open.document).clone(),
@@ -59,6 +59,21 @@ impl App {
             field,
             from_nothing,
         })));
+    }
+
+    /// A search says how far it has come.
+    pub(super) fn snap_progress(&mut self, ticket: u64, share: f64) {
+        if let Some(snapping) = self.session.snapping.as_mut().filter(|snapping| snapping.ticket == ticket) {
+            snapping.progress = Some(share);
+        }
+    }
+
+    /// Stops the search of the painted lines; nothing has changed.
+    pub(super) fn stop_search(&mut self) {
+        if self.session.snapping.take_if(|snapping| snapping.from_nothing).is_some() {
+            self.effects.push(Effect::CancelSnap);
+            self.session.notify(Level::Info, "The search was stopped; nothing was changed.");
+        }
     }
 
     /// Takes the report of a snap: one step of undo, or the reason why not.

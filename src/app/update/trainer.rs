@@ -15,7 +15,8 @@ impl App {
         open.read_only.is_some().then_some("The document is read-only.")
     }
 
-    /// Tells the trainer what it does not know yet: the document once a step is done, and the frame that is shown.
+    /// Tells the trainer what it does not know yet: the document once a step is done, the frame that is shown, and whether
+    /// proposals are to be snapped.
     pub(super) fn tell_trainer(&mut self) {
         if self.no_trainer().is_some() {
             return;
@@ -25,6 +26,10 @@ impl App {
         let version = Some(open.document.version());
         if trainer.told_version.is_none() && trainer.paused {
             self.effects.push(Effect::Trainer(TrainerOrder::Pause(true)));
+        }
+        if trainer.told_snapping != self.settings.snap_suggestions {
+            trainer.told_snapping = self.settings.snap_suggestions;
+            self.effects.push(Effect::Trainer(TrainerOrder::Snap(trainer.told_snapping)));
         }
         let shown = open.frame(self.session.frame).map(|frame| &frame.id);
         if trainer.told_frame.as_ref() != shown {

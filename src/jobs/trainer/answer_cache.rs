@@ -13,10 +13,19 @@ pub(super) struct AnswerCache {
     trusted_from: u64,
 }
 
+/// How a frame is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Asking {
+    /// Which forest answers: later ones have greater numbers.
+    pub(super) generation: u64,
+    /// Answers are snapped to the painted lines.
+    pub(super) snapping: bool,
+}
+
 #[derive(Debug)]
 struct Entry {
     asked: Asked,
-    generation: u64,
+    by: Asking,
     answer: CachedAnswer,
     /// The document holds it.
     recorded: bool,
@@ -54,7 +63,7 @@ impl AnswerCache {
             {
                 self.entries.entry(frame.id.clone()).or_insert_with(|| Entry {
                     asked: Asked::of(document, frame),
-                    generation: 0,
+                    by: Asking { generation: 0, snapping: frame.is_snapped_proposal() },
                     answer: CachedAnswer::Camera(confidence),
                     recorded: true,
                 });
@@ -62,30 +71,33 @@ impl AnswerCache {
         }
     }
 
-    /// Whether a forest is to be asked for a frame: not where an earlier one was sure.
-    pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, generation: u64) -> bool {
+    /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same way.
+    pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, asking: Asking) -> bool {
         let Some(frame) = document.frames.get(index) else { return false };
         if !is_open(frame) || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
             return false;
         }
         let Some(entry) = self.entries.get(&frame.id) else { return true };
-        entry.generation < generation
-            && match entry.answer {
-                CachedAnswer::Camera(confidence) => confidence < SURE || entry.generation < self.trusted_from,
-                CachedAnswer::NotFound => true,
-                CachedAnswer::Never => false,
+        let is_older = entry.by.generation < asking.generation;
+        match entry.answer {
+            CachedAnswer::Camera(confidence) => {
+                let is_doubtful = confidence < SURE || entry.by.generation < self.trusted_from;
+                entry.by.snapping != asking.snapping || is_older && is_doubtful
             }
+            CachedAnswer::NotFound => is_older,
+            CachedAnswer::Never => false,
+        }
     }
 
     /// Stores an answer.
-    pub(super) fn enter(&mut self, proposal: &Proposal) {
+    pub(super) fn enter(&mut self, proposal: &Proposal, by: Asking) {
         let answer = match &proposal.outcome {
             Ok(answer) => CachedAnswer::Camera(answer.confidence),
             Err(NoProposal::NotFound(_) | NoProposal::NoReferences { .. }) => CachedAnswer::NotFound,
             Err(_) => CachedAnswer::Never,
         };
         let asked = proposal.asked.clone();
-        let entry = Entry { asked, generation: proposal.generation, answer, recorded: false };
+        let entry = Entry { asked, by, answer, recorded: false };
         self.entries.insert(proposal.frame.clone(), entry);
     }
 
@@ -94,9 +106,9 @@ impl AnswerCache {
         self.trusted_from = generation;
     }
 
-    /// How many answers a forest has given.
-    pub(super) fn given_by(&self, generation: u64) -> usize {
-        self.entries.values().filter(|entry| entry.generation == generation).count()
+    /// How many answers a forest has given in one way.
+    pub(super) fn given_by(&self, by: Asking) -> usize {
+        self.entries.values().filter(|entry| entry.by == by).count()
     }
 
     /// How many open frames have a camera proposed.

@@ -39,12 +39,14 @@ pub(super) trait Backend {
         watch: &Watch<'_>,
     ) -> Result<Option<Learnt>, TrainerError>;
 
-    /// What the forest proposes for some frames; fewer where the watch, which receives the number done, ended it.
+    /// What the forest proposes for some frames, with `snapping` pulled onto the painted lines; fewer where the watch, which
+    /// receives the number done, ended it.
     fn propose(
         &mut self,
         document: &Document,
         frames: &[usize],
         forest: (&ForestModel, u64),
+        snapping: bool,
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
 
@@ -155,12 +157,13 @@ impl Backend for ForestBackend {
         document: &Document,
         frames: &[usize],
         (model, generation): (&ForestModel, u64),
+        snapping: bool,
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         let pictures = FramePictures { document, folder: &self.folder, options: model.features, store: &self.store };
         let at = document.at(&self.folder);
         // A field that is not valid is named where the document is opened.
-        let evidence = LineEvidence::of(at, &mut self.reader).ok();
+        let evidence = LineEvidence::of(at, &mut self.reader, snapping).ok();
         let mut made = Vec::with_capacity(frames.len());
         // A few at a time, so that a pause is a pause.
         for few in frames.chunks(rayon::current_num_threads()) {

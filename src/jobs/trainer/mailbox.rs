@@ -24,6 +24,8 @@ pub(super) struct Orders {
     pub(super) features: bool,
     /// It rests.
     pub(super) paused: bool,
+    /// Proposals are snapped to the painted lines.
+    pub(super) snapping: bool,
     /// Counts all orders.
     pub(super) number: u64,
 }
@@ -40,6 +42,7 @@ impl Orders {
             TrainerOrder::Frame(frame) => self.frame = Some(frame),
             TrainerOrder::Features(wanted) => self.features = wanted,
             TrainerOrder::Pause(paused) => self.paused = paused,
+            TrainerOrder::Snap(snapping) => self.snapping = snapping,
         }
         None
     }

@@ -1,6 +1,6 @@
 //! The trainer with a backend that the test controls: it reports what it begins and continues when the test lets it.
 
-use super::answer_cache::AnswerCache;
+use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
 use super::error::TrainerError;
 use super::kept_forest::KeptForestError;
@@ -107,6 +107,7 @@ impl Backend for StandIn {
         document: &Document,
         frames: &[usize],
         (_, generation): (&ForestModel, u64),
+        _: bool,
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal> {
         match self.begin(Begun::Propose(frames.to_vec())) {
@@ -477,22 +478,57 @@ fn the_forest_of_an_earlier_session_serves_and_a_damaged_one_is_made_again() {
 }
 
 #[test]
+fn whether_proposals_are_snapped_can_be_changed_and_then_all_are_asked_again() {
+    let mut controller = Controller::start(0.99);
+    controller.tell(TrainerOrder::Snap(true));
+    let mut all = document(2, 2);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Stopped);
+    controller.expect(&Begun::Learn(vec![0, 1]), Let::Well);
+    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.until_idle();
+    let mut said = controller.proposals.clone();
+    said[0].outcome.as_mut().unwrap().samples = Some(80);
+    for (index, proposal) in said.iter().enumerate() {
+        proposal.record(&mut all.frames[2 + index]);
+    }
+    controller.document(&all);
+    controller.tell(TrainerOrder::Snap(false));
+    controller.expect(&Begun::Propose(vec![2, 3]), Let::Well);
+    controller.until_idle();
+    controller.nothing_begun();
+
+    // In another session only what is not as it is wanted is asked for.
+    let controller = Controller::start(0.99);
+    controller.tell(TrainerOrder::Snap(true));
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Propose(vec![3]), Let::Well);
+}
+
+/// A forest's answers, not snapped.
+const fn by(generation: u64) -> Asking {
+    Asking { generation, snapping: false }
+}
+
+#[test]
 fn frames_whose_answer_the_document_lost_are_asked_again() {
     let (mut all, forest, mut answer_cache) = (document(1, 3), model(), AnswerCache::default());
     let wanted = |answer_cache: &AnswerCache, document: &Document, generation| -> Vec<usize> {
-        (0..4).filter(|&index| answer_cache.wants(document, index, &forest, generation)).collect()
+        (0..4).filter(|&index| answer_cache.wants(document, index, &forest, by(generation))).collect()
     };
     assert_eq!(wanted(&answer_cache, &all, 1), [1, 2, 3]);
     for index in 1..4 {
         let said = proposal(&all, index, 1, if index == 3 { 0.6 } else { 0.95 });
-        answer_cache.enter(&said);
+        answer_cache.enter(&said, by(1));
         answer_cache.look_at(&all);
         assert_eq!(wanted(&answer_cache, &all, 1).len(), 3 - index, "answered, though not yet in the document");
         said.record(&mut all.frames[index]);
     }
     answer_cache.look_at(&all);
     assert_eq!((wanted(&answer_cache, &all, 1), wanted(&answer_cache, &all, 2)), (vec![], vec![3]));
-    assert_eq!((answer_cache.answered(&all), answer_cache.unanswered(&all), answer_cache.given_by(1)), (3, 0, 3));
+    assert_eq!((answer_cache.answered(&all), answer_cache.unanswered(&all), answer_cache.given_by(by(1))), (3, 0, 3));
 
     let mut undone = all.clone();
     undone.frames[1] = document(1, 3).frames[1].clone();
@@ -501,9 +537,9 @@ fn frames_whose_answer_the_document_lost_are_asked_again() {
     let mut moved = all.clone();
     moved.cameras[0].position_m = Some(Vec3::new(0.0, -60.0, 18.0));
     let mut answer_cache = AnswerCache::default();
-    answer_cache.enter(&proposal(&all, 2, 1, 0.95));
+    answer_cache.enter(&proposal(&all, 2, 1, 0.95), by(1));
     answer_cache.look_at(&moved);
     // With the base everything that was taught is another.
     answer_cache.trust_from(2);
-    assert!(answer_cache.wants(&moved, 2, &forest, 2), "an answer for another base is none");
+    assert!(answer_cache.wants(&moved, 2, &forest, by(2)), "an answer for another base is none");
 }

@@ -1,7 +1,7 @@
 //! What the trainer does next, and doing it.
 
 use super::TrainerOptions;
-use super::answer_cache::AnswerCache;
+use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
@@ -64,7 +64,7 @@ struct Forest {
 struct Queue {
     first: VecDeque<usize>,
     rest: VecDeque<usize>,
-    made_for: Option<(u64, Option<FrameId>, u64)>,
+    made_for: Option<(u64, Option<FrameId>, Asking)>,
 }
 
 /// What is to be done next.
@@ -288,14 +288,16 @@ impl<C: Backend> Work<C> {
 
     fn propose(&mut self, frames: &[usize]) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
-        let done = self.answer_cache.given_by(self.generation);
+        let done = self.answer_cache.given_by(self.asking());
         let of = done + frames.len() + self.queue.first.len() + self.queue.rest.len();
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
         let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
-        let (document, generation) = (&self.document, self.generation);
+        let (document, asked) = (&self.document, self.asking());
+        let Asking { generation, snapping } = asked;
         let backend = &mut self.backend;
-        let proposed =
-            catch_unwind(AssertUnwindSafe(|| backend.propose(document, frames, (&model, generation), &asking)));
+        let proposed = catch_unwind(AssertUnwindSafe(|| {
+            backend.propose(document, frames, (&model, generation), snapping, &asking)
+        }));
         let proposals = proposed.unwrap_or_else(|panic| {
             self.status.trouble = Some(broke_down("proposing", panic.as_ref()));
             let message = super::super::panic_message(panic.as_ref());
@@ -312,7 +314,7 @@ impl<C: Backend> Work<C> {
             self.gathered_since = Instant::now();
         }
         for proposal in &proposals {
-            self.answer_cache.enter(proposal);
+            self.answer_cache.enter(proposal, asked);
         }
         self.gathered.extend(proposals);
         if self.gathered.len() >= GATHER_MOST {
@@ -392,12 +394,12 @@ impl<C: Backend> Work<C> {
     /// The next frames of a part of the queue.
     fn take_from_queue(&mut self, part: fn(&mut Queue) -> &mut VecDeque<usize>) -> Option<Vec<usize>> {
         self.has_to_ask();
-        let model = Arc::clone(&self.forest.as_ref()?.model);
+        let (model, asking) = (Arc::clone(&self.forest.as_ref()?.model), self.asking());
         let mut taken = Vec::new();
         while taken.len() < BATCH
             && let Some(index) = part(&mut self.queue).pop_front()
         {
-            if self.answer_cache.wants(&self.document, index, &model, self.generation) {
+            if self.answer_cache.wants(&self.document, index, &model, asking) {
                 taken.push(index);
             }
         }
@@ -407,13 +409,19 @@ impl<C: Backend> Work<C> {
     /// Brings the queue up to date; whether a frame is to be asked for.
     fn has_to_ask(&mut self) -> bool {
         let Some(forest) = &self.forest else { return false };
-        let made_for = Some((self.orders.edition, self.orders.frame.clone(), self.generation));
+        let asking = self.asking();
+        let made_for = Some((self.orders.edition, self.orders.frame.clone(), asking));
         if self.queue.made_for != made_for {
-            let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, self.generation);
+            let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, asking);
             let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
             self.queue = Queue { first: first.into(), rest: rest.into(), made_for };
         }
         !(self.queue.first.is_empty() && self.queue.rest.is_empty())
+    }
+
+    /// How frames are asked for now.
+    const fn asking(&self) -> Asking {
+        Asking { generation: self.generation, snapping: self.orders.snapping }
     }
 
     /// Where the shown frame stands in the document; the first frame before anything was said of it.

@@ -47,6 +47,7 @@ fn source(app: &App, frame: &Frame) -> String {
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
             "proposed, corrected by a point".to_owned()
         }
+        Some(SolutionSource::Forest) if frame.is_snapped_proposal() => "proposed, snapped to the lines".to_owned(),
         Some(SolutionSource::Forest) => "proposed".to_owned(),
         Some(SolutionSource::Tracking) => "tracked".to_owned(),
         Some(SolutionSource::Markings) => "snapped to the lines".to_owned(),

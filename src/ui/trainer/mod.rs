@@ -198,6 +198,13 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
             panel.actions.push(Action::Command(Command::ReviewPanel));
         }
     });
+    let before = panel.app.settings.snap_suggestions;
+    let mut snapped = before;
+    let tip = panel.app.settings.keys.tooltip(Command::SnapSuggestions);
+    ui.add(Checkbox::new(&mut snapped, "Snap them to the painted lines")).on_hover_text(tip);
+    if snapped != before {
+        panel.actions.push(Action::Command(Command::SnapSuggestions));
+    }
     let advice = &panel.app.review().advice;
     if let Some(text) = where_to_label(advice) {
         ui.add(Label::new(text).wrap());

@@ -106,7 +106,7 @@ impl Match {
         }
         let at = self.document.at(&self.folder);
         let mut reader = FrameReader::new();
-        let evidence = LineEvidence::of(at, &mut reader).unwrap();
+        let evidence = LineEvidence::of(at, &mut reader, false).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
             let going_on = || ControlFlow::Continue(());

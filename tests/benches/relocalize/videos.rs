@@ -59,7 +59,12 @@ fn video(data: &Path, name: &str, clicks: &str, every: usize) {
         ControlFlow::Continue(propose(&document, index, found, (&model, 0), &options))
     });
     let mut proposals = proposals.unwrap();
-    LineEvidence::of(at, &mut reader).unwrap().judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
+    LineEvidence::of(at, &mut reader, false).unwrap().judge(
+        at,
+        &mut reader,
+        &mut proposals,
+        options.pose.min_confidence,
+    );
     let answers: Vec<Option<&Answer>> = proposals.iter().map(|proposal| proposal.outcome.as_ref().ok()).collect();
     row(&document, name, &answers);
     let mut proposed = document.clone();
