@@ -87,6 +87,18 @@ pub(super) fn best_fit(base: &CameraBase, used: &[Observation], context: &SolveC
     Some(choose(fits, context)?.0)
 }
 
+/// The camera that refinement leads to from one start, for clicks that are known to be valid; none where that is no camera that
+/// stands upright.
+pub(super) fn fit_from(
+    base: &CameraBase,
+    start: Ptz,
+    used: &[Observation],
+    context: &SolveContext,
+) -> Option<Candidate> {
+    let refined = refine(base, start, used, context.loss, context.prior.as_ref());
+    Some(fit(base, refined.ptz, refined.cost, used, context)?.candidate)
+}
+
 /// What must hold before anything is computed.
 fn validate(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<(), SolveError> {
     if !base.is_finite() {

@@ -2,7 +2,7 @@
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
-use crate::solve::frame::best_fit;
+use crate::solve::frame::{best_fit, fit_from};
 use crate::solve::{
     Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation, ObservedShape, PtzStep, Rename,
     SolveContext,
@@ -66,14 +66,20 @@ impl Search<'_> {
         Some(Judged { ptz: best.ptz, rms_px: best.rms_px, chi_squared: best.chi_squared, surprise, hypothesis })
     }
 
-    /// The mirrored sides, other names for the clicks that most others contradict, and swaps among the oddest of them.
-    pub fn sides_and_odd_ones(&self) -> Vec<Hypothesis> {
-        let Some(majority) = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 }) else {
-            return self.sides().collect();
-        };
+    /// Other names for the clicks that most others contradict, and swaps among the oddest of them; with them the camera of most
+    /// clicks.
+    pub fn odd_ones(&self) -> Option<(PtzCamera, Vec<Hypothesis>)> {
+        let majority = self.camera_of(self.clicks, Loss::Cauchy { c: 2.0 })?;
         let sigmas = |click: &Observation| click.distance_px(&majority).map_or(f64::INFINITY, |px| px / click.sigma_px);
         let off: Vec<f64> = self.clicks.iter().map(sigmas).collect();
-        self.sides().chain(self.by_majority(&majority, &off)).chain(self.swaps_of_the_oddest(&off)).collect()
+        let found = self.by_majority(&majority, &off).into_iter().chain(self.swaps_of_the_oddest(&off)).collect();
+        Some((majority, found))
+    }
+
+    /// χ² of a hypothesis in the camera that refinement leads to from a known one: a fraction of the time that looking from
+    /// everywhere takes.
+    pub fn chi_squared_near(&self, known: &PtzCamera, hypothesis: &Hypothesis) -> Option<f64> {
+        Some(fit_from(self.base, known.ptz(), &hypothesis.clicks, &self.context)?.chi_squared)
     }
 
     /// The mirrored sides, every swap, and every single click of another landmark or line.
@@ -81,7 +87,8 @@ impl Search<'_> {
         self.sides().chain(self.swaps()).chain(self.left_out_one_by_one()).collect()
     }
 
-    fn sides(&self) -> impl Iterator<Item = Hypothesis> {
+    /// All names of the mirrored field, for each of its symmetries.
+    pub fn sides(&self) -> impl Iterator<Item = Hypothesis> {
         Symmetry::ALL.into_iter().filter_map(|side| self.mirrored(side))
     }
 

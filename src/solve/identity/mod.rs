@@ -10,7 +10,7 @@ mod hypotheses;
 use super::{Evidence, FrameSolution, IdentityFinding, Loss, Observation, SolveContext};
 use crate::camera::CameraBase;
 use crate::field::FieldModel;
-use hypotheses::{Judged, Search};
+use hypotheses::{Hypothesis, Judged, Search};
 
 /// Renaming must lower χ² by this much, and to this share.
 const MIN_GAIN: f64 = 25.0;
@@ -71,12 +71,24 @@ pub fn check_identity(
             && (renamed < MAX_SHARE * as_named && renamed_misfit < MAX_RENAMED_MISFIT
                 || renamed < CLEAR_SHARE * as_named && renamed_misfit < MAX_CLEAR_MISFIT)
     };
-    let best = |hypotheses: Vec<hypotheses::Hypothesis>| {
+    let best = |hypotheses: Vec<Hypothesis>| {
         let judged = hypotheses.into_iter().filter_map(|hypothesis| search.judged(hypothesis)).filter(convinces);
         judged.min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
     };
+    let by_majority = || {
+        if clicks.len() < MAJORITY_CLICKS {
+            return None;
+        }
+        let Some((majority, odd_ones)) = search.odd_ones() else { return best(search.sides().collect()) };
+        let fits = |hypothesis: &Hypothesis| {
+            let chi_squared = search.chi_squared_near(&majority, hypothesis);
+            chi_squared.is_some_and(|chi_squared| (chi_squared / expected).sqrt() < MAX_RENAMED_MISFIT)
+        };
+        // A few other names with which all clicks fit the camera of most of them: a mirrored side is not asked then.
+        let (fitting, others): (Vec<_>, Vec<_>) = odd_ones.into_iter().partition(fits);
+        best(fitting).or_else(|| best(search.sides().chain(others).collect()))
+    };
     // What takes longer is tried only where nothing simpler explains the clicks.
-    let by_majority = || if clicks.len() >= MAJORITY_CLICKS { best(search.sides_and_odd_ones()) } else { None };
     let one_by_one = || if clicks.len() <= FEW_CLICKS { best(search.single_mistakes()) } else { None };
     let found = by_majority().or_else(one_by_one).or_else(|| best(search.group_mistakes()))?;
     let evidence = if contradicted { Evidence::Clicks } else { Evidence::MotionPrior };
