@@ -23,6 +23,18 @@ pub struct Disagreement {
     pub neighbours_px: f64,
 }
 
+/// Two cameras that differ by less are the very same one, px at 1920 px width.
+const STILL_PX: f64 = 0.1;
+
+impl Disagreement {
+    /// Whether the camera stands exactly still from the frame before to the one after. An operator's never does for long: where the
+    /// picture moves, the answers come from something that is fixed on the screen.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.apart_px.max(self.neighbours_px) < STILL_PX
+    }
+}
+
 /// For every frame how it lies to its neighbours in time; none without a camera of its own or without two such neighbours in its
 /// shot.
 #[must_use]
@@ -55,6 +67,11 @@ impl Disagreements {
     #[must_use]
     pub fn of_frame(&self, index: usize) -> Option<Disagreement> {
         self.found.get(index).copied().flatten()
+    }
+
+    /// The solved frames of each shot, in order.
+    pub(super) fn shots(&self) -> impl Iterator<Item = &BTreeSet<usize>> {
+        self.shots.values()
     }
 
     /// Grows whenever a frame may lie otherwise than before.

@@ -18,6 +18,7 @@ mod refit;
 mod size_fit;
 mod solve_all;
 mod solve_frames;
+mod still_runs;
 mod unclicked;
 mod which_camera;
 
@@ -31,7 +32,7 @@ pub use bulk::{
 };
 pub(crate) use calibration::solved_neighbours;
 pub use calibration::{CalibrationError, calibrate, observations};
-pub use check::{Fault, Problem, check_cameras, check_pictures, check_values};
+pub use check::{Fault, Problem, check_cameras, check_pictures, check_still_runs, check_values};
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use follow_base::moved_frames;
 pub use frame_lookup::FrameLookup;
@@ -45,6 +46,7 @@ pub use paint::{
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};
 pub(crate) use solve_frames::{is_by_clicks, record_outcome};
+use still_runs::still_runs;
 pub use unclicked::{
     Abstention, DecidingLandmark, Doubt, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError,
     UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_without_clicks, record_found,

@@ -6,6 +6,7 @@
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
 //! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
 //! | [`standing_graphics`] | the same by edges, for what has few features: watermarks, black boxes |
+//! | [`has_moved`] | whether the camera moved between two pictures |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
 //! | [`extract_binary`] | ORB and AKAZE with all their bits, to compare with |
@@ -42,4 +43,4 @@ pub use extract::extract;
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
-pub use standing_edges::{ReducedPicture, standing_graphics};
+pub use standing_edges::{ReducedPicture, has_moved, standing_graphics};

@@ -3,6 +3,7 @@
 
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::Picture;
+use std::borrow::Borrow;
 use std::collections::BTreeMap;
 
 /// Pictures are reduced to about this width, px.
@@ -35,6 +36,13 @@ const THIN: usize = 3;
 
 /// If more of the picture's edges stand than this share, the camera hardly moved.
 const STILL: f32 = 0.3;
+
+/// Of the edges of two pictures less than this share stands once a camera has moved by a few px: by chance a third, from frame to
+/// frame of a slow pan four fifths.
+const MOVED: f32 = 0.5;
+
+/// Fewer edges than this share of the reduced picture's pixels tell nothing: a fade, a white-out.
+const FEWEST: f32 = 0.01;
 
 /// The brightness of a picture, reduced in size.
 #[derive(Clone, Debug, PartialEq)]
@@ -93,7 +101,20 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<(PixelBox, usize)> 
         let to_y = (step * (bottom + 1.0 + MARGIN)).min(f64::from(first.size.height));
         (PixelBox { x, y, width: to_x - x, height: to_y - y }, group.edges)
     };
-    joined(&standing_edges(pictures)).into_iter().map(boxed).collect()
+    let Standing { edges, all } = standing_edges(pictures);
+    if edges.len() as f32 > STILL * all {
+        return Vec::new();
+    }
+    joined(&edges).into_iter().map(boxed).collect()
+}
+
+/// Whether the camera moved between two pictures, whatever else did: less than half of the edges stand where they stood. None for
+/// pictures of two sizes, or without edges.
+#[must_use]
+pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
+    let Standing { edges, all } = standing_edges(&[one, other]);
+    let tells = one.size == other.size && all > FEWEST * one.grey.len() as f32;
+    tells.then_some((edges.len() as f32) < MOVED * all)
 }
 
 /// Standing edges that lie together.
@@ -103,13 +124,25 @@ struct Group {
     edges: usize,
 }
 
-/// The pixels of a reduced picture at which an edge stands in most of the pictures; none where the camera hardly moved.
-fn standing_edges(pictures: &[ReducedPicture]) -> Vec<(usize, usize)> {
-    let Some(&ReducedPicture { width, height, .. }) = pictures.first() else { return Vec::new() };
-    let needed = (SHARE * pictures.len() as f32).ceil() as usize;
+/// The edges of some pictures.
+struct Standing {
+    /// The pixels of a reduced picture at which an edge stands in most of them.
+    edges: Vec<(usize, usize)>,
+    /// How many edges one of them has on average, standing or not.
+    all: f32,
+}
+
+/// The edges of pictures of one size.
+fn standing_edges<P: Borrow<ReducedPicture>>(pictures: &[P]) -> Standing {
+    let pictures: Vec<&ReducedPicture> = pictures.iter().map(Borrow::borrow).collect();
     let (mut standing, mut edges) = (Vec::new(), 0.0);
+    let (width, height) = match *pictures {
+        [first, ..] if pictures.iter().all(|picture| picture.size == first.size) => (first.width, first.height),
+        _ => (0, 0),
+    };
+    let needed = (SHARE * pictures.len() as f32).ceil() as usize;
     for row in 1..height.saturating_sub(1) {
-        for column in 1..width - 1 {
+        for column in 1..width.saturating_sub(1) {
             let slopes = || pictures.iter().map(|picture| picture.slope(column, row));
             let (x, y) = slopes().fold((0.0, 0.0), |sum, slope| (sum.0 + slope.0, sum.1 + slope.1));
             let norm = x.hypot(y).max(f32::MIN_POSITIVE);
@@ -126,7 +159,7 @@ fn standing_edges(pictures: &[ReducedPicture]) -> Vec<(usize, usize)> {
             }
         }
     }
-    if standing.len() as f32 > STILL * edges { Vec::new() } else { standing }
+    Standing { edges: standing, all: edges }
 }
 
 /// Groups of standing edges, the topmost first.
@@ -209,5 +242,15 @@ mod tests {
         assert_eq!(standing_graphics(&pictures(&[7; 6], true)), []);
         assert_eq!(standing_graphics(&pictures(&SHIFTS[..3], true)), [], "too few pictures");
         assert_eq!(standing_graphics(&[]), []);
+    }
+
+    #[test]
+    fn a_picture_has_moved_under_its_graphics_and_a_still_one_has_not() {
+        let shown = picture(0, true);
+        assert_eq!(has_moved(&shown, &picture(30, true)), Some(true));
+        assert_eq!(has_moved(&shown, &picture(0, false)), Some(false), "only the graphics went");
+        let black = ReducedPicture { grey: vec![0.0; shown.grey.len()], ..shown.clone() };
+        assert_eq!(has_moved(&black, &black), None);
+        assert_eq!(has_moved(&shown, &ReducedPicture { size: ImageSize::new(10, 10), ..shown.clone() }), None);
     }
 }

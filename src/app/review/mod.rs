@@ -44,6 +44,12 @@ impl ReviewRow {
         self.disagreement.as_ref().is_some_and(disagrees)
     }
 
+    /// Whether its camera is exactly that of the frames before and after: only a picture that stands still bears that out.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.disagreement.as_ref().is_some_and(Disagreement::is_still)
+    }
+
     /// How far it is from its neighbours' way, px.
     #[must_use]
     pub fn apart_px(&self) -> Option<f64> {

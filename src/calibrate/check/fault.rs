@@ -259,6 +259,16 @@ pub enum Fault {
         /// When that frame is shown, s.
         actual: Option<f64>,
     },
+    /// The same camera in frames between which the picture moves.
+    #[error(
+        "from here to {last} ({frames} frames) the camera is exactly still while the picture moves; look at these frames"
+    )]
+    StillCamera {
+        /// The last of the frames.
+        last: String,
+        /// How many there are.
+        frames: usize,
+    },
     /// The video has fewer frames.
     #[error("the video has {frames} frames, numbered from 0; there is no frame {index}")]
     NoSuchVideoFrame {
@@ -307,6 +317,7 @@ impl Fault {
             Self::PictureSize { .. } => "picture_size",
             Self::PictureChanged { .. } => "picture_changed",
             Self::VideoTime { .. } => "video_time",
+            Self::StillCamera { .. } => "still_camera",
             Self::NoSuchVideoFrame { .. } => "no_such_video_frame",
         }
     }

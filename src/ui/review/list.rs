@@ -137,7 +137,10 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         None => "not known".to_owned(),
     };
     let paint = panel.app.paint_says(row.frame).filter(|_| !row.gone);
-    let neighbours = row.apart_px().filter(|_| !row.gone).map(|px| format!("{px:.0} px from neighbours"));
+    let beside = |px| {
+        if row.is_still() { "camera exactly still".to_owned() } else { format!("{px:.0} px from neighbours") }
+    };
+    let neighbours = row.apart_px().filter(|_| !row.gone).map(beside);
     response.widget_info(|| {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
         let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
@@ -177,13 +180,14 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         confidence_bar(painter, bar, row.confidence);
     }
     if let Some(text) = &neighbours {
-        let colour = if row.disagrees() { theme::CAUTION } else { theme::WEAK };
+        let colour = if row.disagrees() || row.is_still() { theme::CAUTION } else { theme::WEAK };
         text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text.clone(), colour);
     }
     let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
     let is = if row.gone { "" } else { "confidence " };
     let paint = paint.map(|says| format!(", {}", says.describe())).unwrap_or_default();
-    let tip = format!("{}: {is}{confidence}{neighbours}{paint}. Click to look at it.", frame.name());
+    let still = if row.is_still() && !row.gone { " Check that the picture stands still as well." } else { "" };
+    let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{still} Click to look at it.", frame.name());
     if response.on_hover_text(tip).clicked() {
         panel.actions.push(Action::GoTo(row.frame));
     }
