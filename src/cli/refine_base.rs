@@ -158,6 +158,9 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         ));
     }
     messages.note(&format!("{name}: {}: {}", found.model, found.reason));
+    if let Some(frame) = &found.one_more_frame {
+        messages.note(&format!("{name}: {frame}"));
+    }
     let before = found.previous_median_px.map_or_else(String::new, |before| format!(", {before:.2} px before"));
     messages.note(&format!(
         "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",

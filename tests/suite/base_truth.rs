@@ -12,8 +12,8 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::solve::Observation;
 use touchline::solve::base::{
-    BaseError, BaseOptions, BaseProgress, CameraClicks, CrownModel, FrameClicks, LensModel, estimate_base,
-    estimate_base_watched,
+    BaseError, BaseOptions, BaseProgress, BesideFrames, CameraClicks, CrownModel, FrameClicks, LensModel,
+    estimate_base, estimate_base_watched,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -241,6 +241,23 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     let same = vec![many[3].clone(); 5];
     let told = estimate(&same).one_view().unwrap();
     assert!(told.starts_with("all 5 frames look the same way (pan within 0.0°)"), "{told}");
+}
+
+#[test]
+fn few_frames_on_one_side_ask_for_one_on_the_other() {
+    let mut rng = seeded::rng("few_frames_on_one_side_ask_for_one_on_the_other");
+    let field = field(0.0);
+    // From left to right.
+    let (many, _) = frames(true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
+    let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
+    let estimate =
+        |frames: &[FrameClicks]| estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options).unwrap();
+    for (few, side) in [(&many[4..7], BesideFrames::Left), (&many[1..4], BesideFrames::Right)] {
+        let advised = estimate(few).one_more_frame.unwrap();
+        assert_eq!(advised.side, side, "{advised}");
+        assert!(advised.then_m <= 0.8 * advised.now_m && advised.then_m > 0.0, "{advised}");
+    }
+    assert_eq!(estimate(&many).one_more_frame, None, "eight frames are enough");
 }
 
 #[test]

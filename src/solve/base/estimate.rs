@@ -2,12 +2,13 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
-use super::model_choice::{CrossValidation, FOLDS, choose};
+use super::model_choice::{CrossValidation, FOLDS, MIN_FRAMES, choose};
+use super::one_more::one_more_frame;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
     AdjustOptions, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks, LensModel,
-    MirroredFrame, ModelReason, ModelScore, WatchBase,
+    MirroredFrame, ModelReason, ModelScore, OneMoreFrame, WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -97,6 +98,8 @@ pub struct BaseEstimate {
     pub p90_px: f64,
     /// The same median under the base that was given, if one was.
     pub previous_median_px: Option<f64>,
+    /// The frame that would make it clearly better known, where frames are few.
+    pub one_more_frame: Option<OneMoreFrame>,
     /// Clicks that disagree, those of mirrored frames left out.
     pub disputed: Vec<DisputedClick>,
     /// Frames that are named from the wrong side.
@@ -185,6 +188,13 @@ pub fn estimate_base_watched(
     let noise_scale = adjusted.noise_scale.sqrt();
     let mut disputed = disputed_clicks(&base, &crowned, &frames, &ptz, noise_scale);
     disputed.retain(|click| mirrored.iter().all(|frame| frame.frame != click.frame));
+    let one_more_frame = (solved_frames < MIN_FRAMES)
+        .then(|| {
+            let known_m = base.sigma.position_m.norm();
+            let adjusting = (&model, &options.adjust);
+            one_more_frame(clicks, &base, &adjusted.ptz, adjusting, known_m)
+        })
+        .flatten();
     let frame_fits = frames.iter().zip(&ptz).map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?)).collect();
     Ok(BaseEstimate {
         base,
@@ -197,6 +207,7 @@ pub fn estimate_base_watched(
         median_px,
         p90_px: errors.get(errors.len() * 9 / 10).copied().unwrap_or(median_px),
         previous_median_px: previous_fit.map(|fit| fit.1),
+        one_more_frame,
         disputed,
         mirrored,
     })

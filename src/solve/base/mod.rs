@@ -13,6 +13,7 @@ mod estimate;
 mod field_fit;
 mod model;
 mod model_choice;
+mod one_more;
 mod parameters;
 mod progress;
 mod scatter;
@@ -26,6 +27,7 @@ pub use estimate::{BaseEstimate, BaseOptions, FrameFit, estimate_base, estimate_
 pub use field_fit::{FittedSize, SizeParam, SizeStart, fit_field_size};
 pub use model::{BaseModel, CrownModel, LensModel};
 pub use model_choice::{ModelReason, ModelScore};
+pub use one_more::{BesideFrames, OneMoreFrame};
 pub use progress::{BaseProgress, WatchBase};
 pub use start::{BaseStart, start_base};
 

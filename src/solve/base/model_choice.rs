@@ -34,11 +34,18 @@ const CLIP_PX: f64 = 12.0;
 /// A richer model must be better by this share.
 const WORTHWHILE: f64 = 0.005;
 
-/// With few frames a simpler model must be better by this share.
-const CLEARLY_BETTER: f64 = 0.05;
+/// With few frames another model must be better than that of the usual camera by this share. Held-out clicks of so few frames
+/// tell less than is known beforehand: smaller differences are noise.
+const CLEARLY_BETTER: f64 = 0.25;
+
+/// With one or two frames, whose clicks hardly tell the position from the lens, a simpler model is the safer one from this share on.
+const BETTER_IN_TWO_FRAMES: f64 = 0.05;
+
+/// With fewer frames clicks hardly tell the position from the lens.
+const TELL_LENS_FRAMES: usize = 3;
 
 /// With fewer frames clicks are held out instead of frames.
-const MIN_FRAMES: usize = 6;
+pub(super) const MIN_FRAMES: usize = 6;
 
 /// Why a model was chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -202,8 +209,9 @@ fn jackknife(folds: &[Fold]) -> Vec3 {
 /// Groups into which frames or clicks are dealt.
 pub(super) const FOLDS: usize = 5;
 
-/// The best model, and why. With many frames richer ones (later in the list) only where they are worth it; with few frames their
-/// priors know more than the clicks, so simpler ones only where they are clearly better.
+/// The best model, and why. With many frames richer ones (later in the list) only where they are worth it. With few frames the
+/// richest one that never folds: its priors are what is known of such cameras, and adjusting under them weighs that against the
+/// clicks better than a choice among models would; another one only where it is clearly better.
 pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(BaseModel, ModelReason)> {
     if let [only] = scores {
         return Some((only.model, ModelReason::Prescribed));
@@ -212,10 +220,16 @@ pub(super) fn choose(scores: &[ModelScore], solved_frames: usize) -> Option<(Bas
     if frames >= MIN_FRAMES {
         return Some((better_by(WORTHWHILE, *scores.first()?, scores.iter()), ModelReason::HeldOut));
     }
-    let usual = scores.last()?;
-    // Few frames do not tell the two lenses that change with the zoom apart; the later one of the list errs less with them.
-    let apart = |score: &&ModelScore| score.model.lens != LensModel::K1FocalK2 || score.model.lens == usual.model.lens;
-    let chosen = better_by(CLEARLY_BETTER, *usual, scores.iter().rev().filter(apart));
+    let richest = scores.last()?;
+    let (usual, chosen) = if frames >= TELL_LENS_FRAMES {
+        let usual = scores.iter().rfind(|score| score.model.lens.never_folds()).unwrap_or(richest);
+        (usual, better_by(CLEARLY_BETTER, *usual, scores.iter().rev()))
+    } else {
+        // So few frames do not tell the two lenses that change with the zoom apart; the later one of the list errs less with them.
+        let apart =
+            |score: &&ModelScore| score.model.lens != LensModel::K1FocalK2 || score.model.lens == richest.model.lens;
+        (richest, better_by(BETTER_IN_TWO_FRAMES, *richest, scores.iter().rev().filter(apart)))
+    };
     let as_usual = chosen == usual.model;
     let reason = if as_usual { ModelReason::UsualCamera { frames } } else { ModelReason::UnlikeUsual { frames } };
     Some((chosen, reason))

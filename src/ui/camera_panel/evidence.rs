@@ -45,7 +45,9 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         }
     });
-    let reason = format!("Chosen: {}.", found.estimate.reason);
+    let advice =
+        found.estimate.one_more_frame.map_or_else(String::new, |frame| format!(" To know it better: {frame}."));
+    let reason = format!("Chosen: {}.{advice}", found.estimate.reason);
     ui.add(Label::new(RichText::new(reason).small().color(theme::WEAK)).wrap());
 }
 
