@@ -16,6 +16,10 @@ const REFERENCES: usize = 5;
 /// However sure the features are, the paint decides: of the logarithm of their odds at most this counts.
 const FEATURES_AT_MOST: f64 = 1.0;
 
+/// What a median distance of paint across the lines says of the overlay's 1-σ: half of a normal distribution lies within .674 σ of
+/// one component, and the length has two of them.
+const SIGMAS_PER_MEDIAN: f64 = 2.1;
+
 /// Without references, the paint is ignored if it supports fewer than this share of the answers,
 const LEAST_SUPPORTED: f64 = 0.1;
 
@@ -88,11 +92,13 @@ impl LineEvidence {
             return;
         }
         for (proposal, snapped) in proposals.iter_mut().zip(snapped) {
+            let scale =
+                at.document.frames.by_id(&proposal.frame).map_or(1.0, |frame| frame.image_size.scale_from_1920());
             let Ok(answer) = &mut proposal.outcome else { continue };
-            if let Some(contradicted) = weigh(answer, min_confidence) {
+            if let Some(contradicted) = weigh(answer, scale, min_confidence) {
                 proposal.outcome = Err(contradicted);
             } else if let Some(mut snapped) = snapped
-                && weigh(&mut snapped, min_confidence).is_none()
+                && weigh(&mut snapped, scale, min_confidence).is_none()
             {
                 *answer = snapped;
             }
@@ -153,12 +159,15 @@ fn supports_hardly_any(proposals: &[Proposal]) -> bool {
     asked >= ENOUGH_ANSWERS && (supported as f64) < LEAST_SUPPORTED * asked as f64
 }
 
-/// Lets what the paint says into the confidence of an answer; why it is an answer no more, if it is none.
-fn weigh(answer: &mut Answer, min_confidence: f64) -> Option<NoProposal> {
+/// Lets what the paint says into the confidence of an answer: whether it bears the answer out, and how far off it lies. Why it is an
+/// answer no more, if it is none. `scale` is the picture's width in units of 1920 px.
+fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoProposal> {
     let check = answer.line_check.filter(can_say)?;
     let log_odds = |probability: f64| (probability / (1.0 - probability)).ln();
     let both = log_odds(check.score) + log_odds(answer.evidence.agreement()).min(FEATURES_AT_MOST);
-    answer.confidence = answer.evidence.confidence_if(1.0 / (1.0 + (-both).exp()));
+    let seen_sigma_px = SIGMAS_PER_MEDIAN * check.offset_px / scale;
+    let seen_sigma_px = if seen_sigma_px.is_finite() { seen_sigma_px } else { 0.0 };
+    answer.confidence = answer.evidence.confidence_if(1.0 / (1.0 + (-both).exp()), seen_sigma_px);
     let contradicted = NoProposal::Contradicted { found: check.found, open: check.found + check.bare };
     (!(answer.confidence >= min_confidence)).then_some(contradicted)
 }
@@ -209,7 +218,7 @@ mod tests {
     fn however_certain_the_features_are_paint_that_is_elsewhere_ends_the_answer() {
         let mut certain = answer(0.2, 0.02, 200);
         assert!(certain.confidence > 0.998);
-        assert_eq!(weigh(&mut certain, 0.5), Some(NoProposal::Contradicted { found: 100, open: 200 }));
+        assert_eq!(weigh(&mut certain, 1.0, 0.5), Some(NoProposal::Contradicted { found: 100, open: 200 }));
         assert!(certain.confidence < 0.1, "{}", certain.confidence);
     }
 
@@ -217,16 +226,29 @@ mod tests {
     fn paint_that_supports_raises_a_doubtful_answer_and_keeps_a_certain_one() {
         for (features_sigma_px, least) in [(11.0, 0.97), (0.2, 0.98)] {
             let mut answer = answer(features_sigma_px, 0.97, 200);
-            assert_eq!(weigh(&mut answer, 0.5), None);
+            assert_eq!(weigh(&mut answer, 1.0, 0.5), None);
             assert!(answer.confidence > least && answer.confidence < 1.0, "{}", answer.confidence);
         }
+    }
+
+    #[test]
+    fn paint_beside_the_lines_makes_an_answer_as_uncertain_as_it_is_off() {
+        let confidence = |offset_px| {
+            let mut answer = answer(0.2, 0.97, 200);
+            answer.line_check = answer.line_check.map(|check| LineCheck { offset_px, ..check });
+            weigh(&mut answer, 1.0, 0.0);
+            answer.confidence
+        };
+        let [on, beside, off] = [1.0, 2.5, 4.0].map(confidence);
+        assert!(on > 0.98 && beside > 0.95 && off < 0.8, "{on} {beside} {off}");
+        assert!(confidence(f64::NAN) >= on, "none was found");
     }
 
     #[test]
     fn where_too_little_is_open_the_features_decide() {
         let mut hidden = answer(4.0, 0.3, 8);
         let before = hidden.confidence;
-        assert_eq!(weigh(&mut hidden, 0.5), None);
+        assert_eq!(weigh(&mut hidden, 1.0, 0.5), None);
         assert!(hidden.confidence == before && before > 0.5);
     }
 }
