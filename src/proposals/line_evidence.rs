@@ -7,7 +7,7 @@ use crate::field::FieldError;
 use crate::geometry::ImageSize;
 use crate::media::{FrameReader, Picture, ReadFrames};
 use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, snap};
-use crate::relocalize::Evidence;
+use crate::relocalize::{Evidence, FromReference};
 use rayon::prelude::*;
 
 /// References whose paint is looked at.
@@ -126,8 +126,9 @@ impl LineEvidence {
 fn on_paint(answer: &Answer, base: &CameraBase, snapped: &Snapped, image_size: ImageSize) -> Answer {
     let camera = PtzCamera::new(*base, snapped.ptz);
     let worst_corner_sigma_px = snapped.uncertainty.worst_corner_sigma_px(&camera, image_size);
-    let evidence =
-        Evidence { labelled_sigma_px: worst_corner_sigma_px / image_size.scale_from_1920(), ..answer.evidence };
+    let labelled_sigma_px = worst_corner_sigma_px / image_size.scale_from_1920();
+    // The paint says where the camera is, however far the references are.
+    let evidence = Evidence { labelled_sigma_px, from_reference: FromReference::default(), ..answer.evidence };
     Answer {
         ptz: FramePtz::new(snapped.ptz, Some(camera.lens()).filter(|lens| !lens.is_none())),
         covariance: snapped.uncertainty.ptz_covariance_deg(),
@@ -178,7 +179,6 @@ mod tests {
     use crate::camera::Ptz;
     use crate::document::FramePtz;
     use crate::geometry::Mat3;
-    use crate::relocalize::FromReference;
 
     /// An answer from features that are good to this many px.
     fn answer(features_sigma_px: f64, score: f64, open: usize) -> Answer {
