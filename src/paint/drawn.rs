@@ -16,7 +16,7 @@ pub fn truth() -> PtzCamera {
 }
 
 /// The soccer field as [`truth`] sees it, drawn once for all tests.
-pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth()));
+pub static PICTURE: LazyLock<Picture> = LazyLock::new(|| drawn(&soccer(), &truth(), SIZE));
 
 /// Pixels farther than this from all paint show none, m.
 const NO_PAINT_M: f64 = 1.0;
@@ -39,10 +39,10 @@ pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
 }
 
 /// Turf with the field's paint on it, sky where no ground is seen.
-fn drawn(field: &FieldModel, camera: &PtzCamera) -> Picture {
-    let mut rgba = Vec::with_capacity(4 * (SIZE.width * SIZE.height) as usize);
-    for row in 0..SIZE.height {
-        for column in 0..SIZE.width {
+pub fn drawn(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
+    let mut rgba = Vec::with_capacity(4 * (size.width * size.height) as usize);
+    for row in 0..size.height {
+        for column in 0..size.width {
             let middle = ImagePoint::new(f64::from(column) + 0.5, f64::from(row) + 0.5);
             let far = ground(field, camera, middle).is_none_or(|at| from_paint_m(field, at) > NO_PAINT_M);
             let each = if far { 1 } else { SUBPIXELS };
@@ -59,7 +59,7 @@ fn drawn(field: &FieldModel, camera: &PtzCamera) -> Picture {
             rgba.push(255);
         }
     }
-    Picture::new(SIZE, rgba).unwrap()
+    Picture::new(size, rgba).unwrap()
 }
 
 fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<Vec3> {

@@ -302,7 +302,9 @@ fn residual_px(place: &Place, line: usize, state: &SVector<f64, PARAMETERS>) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paint::drawn::{PICTURE, camera, soccer, truth};
+    use crate::camera::{CameraBase, FocalCurve, Ptz};
+    use crate::geometry::ImageSize;
+    use crate::paint::drawn::{PICTURE, camera, drawn, soccer, truth};
 
     fn snapped(camera: &PtzCamera, landmark: &str, off_px: Vec2) -> Option<(SnappedPoint, f64)> {
         let field = soccer();
@@ -324,6 +326,28 @@ mod tests {
                 assert!((0.05..1.0).contains(&found.sigma_px), "{found:?}");
             }
         }
+    }
+
+    #[test]
+    fn corners_in_a_small_picture_are_where_the_lines_meet_and_on_average_right_there() {
+        let (field, size) = (soccer(), ImageSize::new(640, 360));
+        let base = CameraBase { principal_point: size.centre(), distortion: FocalCurve::NONE, ..*truth().base() };
+        let camera = PtzCamera::new(base, Ptz::from_degrees(38.0, -14.0, 900.0));
+        let picture = drawn(&field, &camera, size);
+        let ground = GroundPicture::new(&picture, &[]);
+        let mut off_px = Vec::new();
+        for landmark in field.landmarks.iter().filter(|landmark| landmark.id.as_str().contains("_area_")) {
+            let exact = camera.image_from_world(field.landmark_in_world(landmark)).unwrap();
+            for placed in [Vec2::zeros(), Vec2::new(1.5, -1.0), Vec2::new(-1.0, 1.5)].map(|by| exact.moved(by)) {
+                let found = snap_point(&ground, &field, &camera, landmark, placed, &PointSnapOptions::default());
+                off_px.extend(found.map(|found| found.image.offset_from(exact)));
+            }
+        }
+        assert!(off_px.len() >= 20, "{off_px:?}");
+        assert!(off_px.iter().all(|off| off.norm() < 0.4), "{off_px:?}");
+        // A pixel's middle taken for its corner would show here.
+        let mean = off_px.iter().sum::<Vec2>() / off_px.len() as f64;
+        assert!(mean.norm() < 0.1, "{mean:?}");
     }
 
     #[test]
