@@ -26,6 +26,13 @@ pub struct FoundMask {
 }
 
 impl FoundMask {
+    /// Makes it one of its camera's masks.
+    pub(crate) fn mask_in(&self, document: &mut Document) {
+        if let Some(camera) = document.camera_mut(&self.camera) {
+            camera.ranged_masks.push(self.mask.clone());
+        }
+    }
+
     /// What was found, in one line.
     #[must_use]
     pub fn describe(&self, document: &Document) -> String {
@@ -98,10 +105,6 @@ pub(super) fn moved_by_labels(one: &PtzCamera, other: &PtzCamera, point: ImagePo
 
 /// A document whose cameras have the masks that were found.
 pub(super) fn with_found_masks(mut document: Document, found: &[FoundMask]) -> Document {
-    for mask in found {
-        if let Some(camera) = document.camera_mut(&mask.camera) {
-            camera.ranged_masks.push(mask.mask.clone());
-        }
-    }
+    found.iter().for_each(|found| found.mask_in(&mut document));
     document
 }

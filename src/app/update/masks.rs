@@ -130,11 +130,7 @@ impl App {
         let found = std::mem::take(&mut self.session.burnt_in);
         self.session.retract(Command::KeepBurntIn);
         self.change_masks(Step::on_document("Mask what looks burned in"), |document, _| {
-            for found in found {
-                if let Some(camera) = document.camera_mut(&found.camera) {
-                    camera.ranged_masks.push(found.mask);
-                }
-            }
+            found.iter().for_each(|found| found.mask_in(document));
         });
     }
 
