@@ -7,8 +7,9 @@ use super::paint_orders::{CheckedLines, LineCheckOrder, PointSnapOrder, SnapFail
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
+use super::unclicked::{UnclickedFailure, UnclickedOrder};
 use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
-use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase};
+use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
@@ -238,6 +239,20 @@ pub enum Action {
     BaseProgress(BaseProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
+    /// How far the search for a camera without a click has come.
+    FindCameraProgress {
+        /// Which search.
+        ticket: u64,
+        /// What it is at.
+        progress: UnclickedProgress,
+    },
+    /// A camera was looked for without a click, or why that was not possible.
+    CameraSearched {
+        /// Which search.
+        ticket: u64,
+        /// Its answer.
+        answer: Result<Box<UnclickedAnswer>, UnclickedFailure>,
+    },
     /// How many frames a change in the background has solved again.
     BulkProgress {
         /// Which change.
@@ -460,6 +475,8 @@ impl Action {
             | Self::Features(_)
             | Self::BaseProgress(_)
             | Self::BaseEstimated(_)
+            | Self::FindCameraProgress { .. }
+            | Self::CameraSearched { .. }
             | Self::BulkProgress { .. }
             | Self::BulkSolved { .. }
             | Self::CameraWatched { .. }
@@ -631,6 +648,10 @@ pub enum Effect {
     },
     /// Give up what is being estimated.
     CancelEstimate,
+    /// Find a camera without a click, report [`Action::FindCameraProgress`] on the way and [`Action::CameraSearched`] in the end.
+    FindCamera(Box<UnclickedOrder>),
+    /// Nobody waits any more for a camera without a click.
+    CancelFindCamera,
     /// Work a change out, report [`Action::BulkProgress`] on the way and [`Action::BulkSolved`] in the end.
     SolveBulk(Box<BulkOrder>),
     /// Give up the change that is being worked out.

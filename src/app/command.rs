@@ -78,6 +78,14 @@ pub enum Command {
     ShowFeatures,
     ReviewPanel,
     QualityPage,
+    /// The camera is looked for without a click.
+    FindCamera,
+    /// The search for the camera ends, or what it left to decide goes.
+    StopFindCamera,
+    /// The first of two cameras that were found is tried.
+    TryFirstCamera,
+    /// The other one.
+    TryOtherCamera,
     EstimateBase,
     UseEstimatedBase,
     DropEstimatedBase,
@@ -227,6 +235,10 @@ rows! {
     ReviewPanel, "review_panel", View, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
     QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
     CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
+    FindCamera, "find_camera", Camera, "Find the camera by itself", "Find where the camera stands, and the cameras of its frames, by the pictures alone: without a click. It is given only where it is certain, as suggestions, and is one step of undo.", [];
+    StopFindCamera, "stop_find_camera", Camera, "Stop finding the camera", "Stop the search for the camera, or let go of the answers that it left to decide; nothing is changed.", [];
+    TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Take the first of two cameras that explain the paint alike. One step of undo.", [];
+    TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Take the other of two cameras that explain the paint alike. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
     ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame of this camera whose points would tell most about its base: it looks where no frame with four landmarks does.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
@@ -342,6 +354,10 @@ impl Command {
             | Self::Compare
             | Self::Uncertainty
             | Self::ShowFeatures
+            | Self::FindCamera
+            | Self::StopFindCamera
+            | Self::TryFirstCamera
+            | Self::TryOtherCamera
             | Self::EstimateBase
             | Self::ShowForBase
             | Self::UseEstimatedBase

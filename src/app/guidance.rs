@@ -43,6 +43,11 @@ pub fn next_step(app: &App) -> Guidance {
     if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
     }
+    if let Some(searching) = app.session.unclicked.searching()
+        && app.session.mode == Mode::Idle
+    {
+        return Guidance::say(searching.describe()).offer("Stop", Command::StopFindCamera);
+    }
     if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
         && app.session.mode == Mode::Idle
     {
@@ -169,7 +174,11 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
         0 => format!("This frame has enough points. Now one that looks elsewhere. {}", ready.describe()),
         _ => format!("Two clicks need a known camera. {}", ready.describe()),
     };
-    let mut guidance = Guidance::say(text).offer("Load a camera", Command::LoadCamera);
+    let mut guidance = Guidance::say(text);
+    if ready.frames == 0 && app.why_not(Command::FindCamera).is_none() {
+        guidance = guidance.offer("Find the camera by itself", Command::FindCamera);
+    }
+    guidance = guidance.offer("Load a camera", Command::LoadCamera);
     guidance = if ready.wide == 0 {
         guidance.offer("Enter it", Command::CameraPanel)
     } else {
@@ -319,7 +328,9 @@ mod tests {
         let mut app = opened(false, 4);
         let step = next_step(&app);
         assert!(step.text.ends_with("Done: 0 of 3."), "{}", step.text);
-        assert_eq!(step.offers[0], ("Load a camera", Command::LoadCamera));
+        assert!(step.offers.contains(&("Load a camera", Command::LoadCamera)), "{step:?}");
+        let by_itself = ("Find the camera by itself", Command::FindCamera);
+        assert_eq!(step.offers[0] == by_itself, cfg!(feature = "opencv"), "{step:?}");
         for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
             click(&mut app, landmark, &pointed);
         }

@@ -33,6 +33,7 @@ mod sentence;
 pub mod session;
 mod settings;
 mod trainer;
+pub mod unclicked;
 mod update;
 mod versioned;
 pub mod where_to_label;

@@ -8,6 +8,7 @@ use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
+use super::unclicked::UnclickedWork;
 use super::{Command, Comparison, TrainerState};
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
@@ -88,6 +89,8 @@ pub struct Session {
     pub fit_scale: f64,
     /// The frame whose camera is being pulled onto the painted lines.
     pub snapping: Option<Snapping>,
+    /// What is being done about a camera without a click.
+    pub unclicked: UnclickedWork,
     /// How many snaps have been asked for.
     pub snap_tickets: u64,
     /// The cameras of frames before they were snapped.

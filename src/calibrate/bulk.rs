@@ -6,7 +6,7 @@
 
 use super::follow_base::moved_frames;
 use super::solve_frames::{WatchFrames, is_by_clicks, solve_by_clicks};
-use super::{AssignError, EstimatedBase};
+use super::{AssignError, EstimatedBase, FoundCamera};
 use crate::camera::CameraBase;
 use crate::document::{CameraId, Document, Fields, Frame, FrameId};
 use crate::field::FieldError;
@@ -23,6 +23,8 @@ pub enum BulkChange {
     Numbers(Box<Document>),
     /// A camera gets the base that was estimated.
     Base(Arc<EstimatedBase>),
+    /// A camera gets the base that was found without a click, and its frames what was found with it.
+    Unclicked(Arc<FoundCamera>),
     /// Frames are assigned to a camera.
     Assign(Box<AssignedFrames>),
 }
@@ -175,6 +177,8 @@ impl BulkChange {
                 document.click_noise.clone_from(&numbers.click_noise);
             }
             Self::Base(found) => found.write_camera(document),
+            // Its frames are those that nobody has clicked in: no edit of them is lost.
+            Self::Unclicked(found) => found.write(document),
             Self::Assign(given) => {
                 let Some(new) = &given.new else { return Ok(()) };
                 document.add_camera_like(&given.camera, &new.like)?;
@@ -189,7 +193,7 @@ impl BulkChange {
     /// The places of the frames that it may change, ascending.
     fn places(&self, document: &Document) -> Vec<usize> {
         match self {
-            Self::Numbers(_) | Self::Base(_) => (0..document.frames.len()).collect(),
+            Self::Numbers(_) | Self::Base(_) | Self::Unclicked(_) => (0..document.frames.len()).collect(),
             Self::Assign(given) => {
                 let mut places: Vec<usize> =
                     given.frames.iter().filter_map(|id| document.frames.position_of(id)).collect();
@@ -214,7 +218,7 @@ impl BulkChange {
             return Ok(0);
         }
         match self {
-            Self::Numbers(_) => solve_by_clicks(document, folder, places, watch)?,
+            Self::Numbers(_) | Self::Unclicked(_) => solve_by_clicks(document, folder, places, watch)?,
             Self::Base(found) => found.write_frames(document, before, folder, places, watch)?,
             Self::Assign(given) => {
                 let fields = Fields::of(document.at(folder))?;

@@ -2,7 +2,9 @@
 
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
+use crate::app::unclicked::UnclickedOrder;
 use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, SnapOrder};
+use crate::calibrate::WatchUnclicked;
 use crate::media::FrameReader;
 use crate::paint::WatchFind;
 use crate::proposals::{FeatureStore, WorkFolder};
@@ -25,6 +27,12 @@ pub(super) fn burnt_in(
 pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchFind<'_>) -> Action {
     let result = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::Snapped { ticket: order.ticket, result }
+}
+
+/// Finds a camera by the pictures of its frames alone; `watch` is told how far the search has come.
+pub(super) fn camera_searched(order: &UnclickedOrder, pictures: SharedPictures, watch: WatchUnclicked<'_>) -> Action {
+    let answer = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
+    Action::CameraSearched { ticket: order.ticket, answer: answer.map(Box::new) }
 }
 
 /// Looks where the landmarks of clicks are painted.

@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::{burnt_in, lines_checked, points_snapped, snapped};
+use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, snapped};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -9,6 +9,7 @@ use super::{
 };
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
+use crate::app::unclicked::UnclickedFailure;
 use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, SnapFailure, WatchPanicked};
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
@@ -46,6 +47,8 @@ enum Kind {
     BurntIn,
     /// It snaps a frame; the order's ticket.
     Snap(u64),
+    /// It looks for a camera without a click; the order's ticket.
+    Unclicked(u64),
     /// It looks where clicks are painted; the order's ticket.
     SnapPoints(u64),
     /// It judges cameras by the painted lines; the order's ticket.
@@ -150,6 +153,16 @@ impl Runner {
                     })))
                 });
             }
+            Effect::FindCamera(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("find the camera", Kind::Unclicked(order.ticket), move |watch| {
+                    let ticket = order.ticket;
+                    Ok(Outcome::Action(camera_searched(&order, pictures, &|progress| {
+                        watch.tell(Action::FindCameraProgress { ticket, progress })
+                    })))
+                });
+            }
+            Effect::CancelFindCamera => self.give_up(|kind| matches!(kind, Kind::Unclicked(_))),
             Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
             Effect::SnapPoints(order) => {
                 let pictures = self.pictures.clone();
@@ -235,6 +248,9 @@ impl Runner {
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
+                        }
+                        Kind::Unclicked(ticket) => {
+                            Action::CameraSearched { ticket, answer: Err(UnclickedFailure::Panicked { message }) }
                         }
                         Kind::SnapPoints(ticket) => {
                             Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }

@@ -29,6 +29,7 @@ mod features;
 mod fields;
 mod fields_command;
 mod files;
+mod find_camera_in_app;
 mod forest;
 mod given_data;
 mod gold_in_app;

@@ -1,6 +1,7 @@
 //! Suggestions in the application: looked through in an order, accepted one by one and together, corrected, rejected.
 
 use crate::bench::{Bench, SIZE, base, landmark_in};
+use std::sync::Arc;
 use touchline::app::guidance::next_step;
 use touchline::app::review::ReviewOrder;
 use touchline::app::session::{Dialog, Filter, Mode, SidePanel, needs_me};
@@ -11,7 +12,6 @@ use touchline::document::{
     SolutionSource, SolutionWarning, Target,
 };
 use touchline::geometry::{ImagePoint, Mat3, Vec3};
-
 use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
 
@@ -132,11 +132,18 @@ fn several_are_accepted_in_one_step_after_a_preview() {
     bench.act(Action::SetReviewThreshold(0.75));
     let taken = |bench: &Bench| bench.app.bulk_accept().taken().map(|row| row.frame).collect::<Vec<_>>();
     assert_eq!(taken(&bench), [4, 3, 1], "the least certain first");
+    // What follows from it is worked out once for each change.
+    let sheet = |bench: &Bench| bench.app.accept_sheet().map(Arc::clone);
+    let before = sheet(&bench).unwrap();
+    assert!((before.expected_wrong.mean - 0.25).abs() < 1e-9, "{:?}", before.expected_wrong);
+    bench.act(Action::Hover(None));
+    assert!(Arc::ptr_eq(&before, &sheet(&bench).unwrap()));
     bench.act(Action::TickSuggestion { frame: 3, ticked: false });
     assert_eq!(taken(&bench), [4, 1]);
+    assert!((sheet(&bench).unwrap().expected_wrong.mean - 0.21).abs() < 1e-9);
     bench.act(Action::TickSuggestion { frame: 3, ticked: true });
     bench.act(Action::AcceptAll);
-    assert_eq!(bench.statuses(), "SRNRR");
+    assert_eq!((bench.statuses().as_str(), sheet(&bench)), ("SRNRR", None));
     assert_eq!(bench.effects.iter().filter(|effect| matches!(effect, Effect::Journal { .. })).count(), 1);
     assert!(bench.last_notice().starts_with("3 suggestions accepted."), "{}", bench.last_notice());
     bench.command(Command::Undo);

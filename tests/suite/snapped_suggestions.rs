@@ -11,8 +11,9 @@ use touchline::proposals::{LineEvidence, NoProposal, Proposal};
 /// How far the proposed cameras are turned away from the true ones, px.
 const OFF_PX: [f64; 3] = [6.0, 260.0, 6.0];
 
-/// Three drawn frames, the last one's picture lost, what the forest says of them, and what the paint then says.
-fn judged(snapping: bool) -> (Document, Vec<Proposal>) {
+/// Three drawn frames, the last one's picture lost, what the forest says of them, and what the paint makes of that, not snapping and
+/// snapping.
+fn judged() -> (Document, [Vec<Proposal>; 2]) {
     let place = tempfile::tempdir().unwrap();
     let drawn = touchline(place.path(), "synth -o match --frames 3 --seed 11 --size 960x540 --preset easy");
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
@@ -32,8 +33,12 @@ fn judged(snapping: bool) -> (Document, Vec<Proposal>) {
     }
     let mut reader = FrameReader::new();
     let at = asked.at(&folder);
-    LineEvidence::of(at, &mut reader, snapping).unwrap().judge(at, &mut reader, &mut proposals, 0.5);
-    (truth, proposals)
+    let judged = [false, true].map(|snapping| {
+        let mut proposals = proposals.clone();
+        LineEvidence::of(at, &mut reader, snapping).unwrap().judge(at, &mut reader, &mut proposals, 0.5);
+        proposals
+    });
+    (truth, judged)
 }
 
 /// How far the overlay is off at the farther of two places, px.
@@ -49,8 +54,7 @@ fn off_px(truth: &Document, proposal: &Proposal) -> f64 {
 
 #[test]
 fn a_suggestion_goes_to_the_paint_that_decides_and_one_that_the_paint_contradicts_is_none() {
-    let (truth, plain) = judged(false);
-    let (_, snapped) = judged(true);
+    let (truth, [plain, snapped]) = judged();
     let [before, after] = [&plain[0], &snapped[0]].map(|proposal| proposal.outcome.as_ref().unwrap());
     assert_eq!(before.samples, None);
     assert!((5.5..7.0).contains(&off_px(&truth, &plain[0])), "{}", off_px(&truth, &plain[0]));

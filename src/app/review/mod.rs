@@ -95,6 +95,22 @@ impl BulkAccept {
     }
 }
 
+/// What is accepted together while the sheet that asks for it is open, and what follows from it: derived once for each change.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AcceptSheet {
+    /// What is accepted.
+    pub bulk: BulkAccept,
+    /// How many of it are wrong.
+    pub expected_wrong: ExpectedWrong,
+}
+
+impl From<BulkAccept> for AcceptSheet {
+    fn from(bulk: BulkAccept) -> Self {
+        let expected_wrong = bulk.expected_wrong();
+        Self { bulk, expected_wrong }
+    }
+}
+
 /// What waits to be looked at: derived, never stored.
 #[derive(Clone, Debug, Default)]
 pub struct Review {

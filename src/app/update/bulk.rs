@@ -122,6 +122,7 @@ impl App {
                 self.session.base = BaseWork::Applied(Arc::clone(found));
                 self.tell_assumed_size();
             }
+            BulkChange::Unclicked(found) => self.camera_found(found),
             BulkChange::Assign(given) => self.frames_assigned(given),
         }
     }

@@ -4,6 +4,7 @@ use super::App;
 use super::gold::IN_ROUND;
 use crate::app::action::Effect;
 use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
+use crate::app::unclicked::UnclickedWork;
 use crate::app::{Chord, Command, CommandKind, Comparison};
 use crate::document::{EditKind, Frame, FrameStatus};
 
@@ -96,6 +97,13 @@ impl App {
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::Snap => self.why_not_snap(),
+            C::FindCamera => self.why_not_find_camera(),
+            C::StopFindCamera if matches!(self.session.unclicked, UnclickedWork::Idle) => {
+                Some("No camera is being looked for.")
+            }
+            C::TryFirstCamera | C::TryOtherCamera if !matches!(self.session.unclicked, UnclickedWork::Two(_)) => {
+                Some("No two cameras wait for a decision.")
+            }
             C::SearchLines => self.why_not_search_lines(),
             C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
                 Some("No lines are being searched.")
@@ -235,6 +243,10 @@ impl App {
             C::NewCameraFromChange => self.new_camera_from_change(),
             C::KeepBurntIn => self.keep_burnt_in(),
             C::ChangeBurntIn => self.change_burnt_in(),
+            C::FindCamera => self.find_camera(),
+            C::StopFindCamera => self.stop_find_camera(),
+            C::TryFirstCamera => self.try_camera(0),
+            C::TryOtherCamera => self.try_camera(1),
             C::EstimateBase => self.estimate_base(false),
             C::ShowForBase => self.show_for_base(),
             C::FitFieldSize => self.estimate_base(true),

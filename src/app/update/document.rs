@@ -35,6 +35,7 @@ impl App {
         self.effects.push(Effect::CancelEstimate);
         self.effects.push(Effect::CancelBulk);
         self.effects.push(Effect::CancelSnap);
+        self.effects.push(Effect::CancelFindCamera);
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;

@@ -21,6 +21,7 @@ mod proposals;
 mod quality;
 mod review;
 mod trainer;
+mod unclicked;
 
 pub use commands::MAX_SCALE;
 
@@ -30,12 +31,13 @@ use super::current::{Current, FreshSolve};
 use super::line_checks::LineChecks;
 use super::point_snaps::PointSnaps;
 use super::quality::Quality;
-use super::review::Review;
+use super::review::{AcceptSheet, Review};
 use super::session::{Dialog, Level, Mode, Saving, Session};
 use super::{Comparison, OpenProject, Settings};
 use crate::calibrate::{CalibrationError, record_outcome};
 use crate::document::{EditKind, Frame, FrameStatus, Step};
 use crate::solve::FrameSolution;
+use std::sync::Arc;
 
 /// The whole application without a window.
 #[derive(Debug, Default)]
@@ -48,6 +50,8 @@ pub struct App {
     current: Current,
     fresh: Option<FreshSolve>,
     review: Review,
+    /// While suggestions are about to be accepted together.
+    accept_sheet: Option<Arc<AcceptSheet>>,
     quality: Quality,
     watched: Watched,
     line_checks: LineChecks,
@@ -56,6 +60,8 @@ pub struct App {
     point_snaps: PointSnaps,
     /// How many changes have been worked out in the background.
     bulk_tickets: u64,
+    /// How often a camera was looked for without a click.
+    unclicked_tickets: u64,
     effects: Vec<Effect>,
 }
 
@@ -107,9 +113,11 @@ impl App {
         let before = self.current.readiness;
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
+        self.finish_find_camera();
         self.finish_bulk();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
+        self.refresh_accept_sheet();
         self.quality.refresh(self.open.as_mut(), &self.session);
         self.refresh_gold();
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
@@ -186,6 +194,8 @@ impl App {
             Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
+            Action::FindCameraProgress { ticket, progress } => self.find_camera_progress(ticket, progress),
+            Action::CameraSearched { ticket, answer } => self.camera_searched(ticket, answer),
             Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
             Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
             Action::CameraWatched { ticket, change } => self.camera_watched(ticket, change),

@@ -2,9 +2,10 @@
 
 use super::App;
 use crate::app::progress::nothing_needs_you;
-use crate::app::review::BulkAccept;
+use crate::app::review::{AcceptSheet, BulkAccept};
 use crate::app::session::{Dialog, Level, SidePanel, needs_me};
 use crate::document::{Frame, FrameStatus, Step};
+use std::sync::Arc;
 
 impl App {
     /// Opens a panel on the right-hand side, or goes back to the frame.
@@ -53,6 +54,20 @@ impl App {
         let places = self.session.unticked.iter();
         let unticked = places.filter_map(|id| self.open.as_ref()?.document.frames.position_of(id)).collect();
         BulkAccept { unticked, ..bulk }
+    }
+
+    /// What the sheet shows that asks for it; none while it is closed.
+    #[must_use]
+    pub const fn accept_sheet(&self) -> Option<&Arc<AcceptSheet>> {
+        self.accept_sheet.as_ref()
+    }
+
+    /// Brings the sheet up to date: how many are wrong is worked out only where something changed.
+    pub(super) fn refresh_accept_sheet(&mut self) {
+        let bulk = (self.session.dialog == Some(Dialog::AcceptAll)).then(|| self.bulk_accept());
+        if self.accept_sheet.as_ref().map(|sheet| &sheet.bulk) != bulk.as_ref() {
+            self.accept_sheet = bulk.map(|bulk| Arc::new(bulk.into()));
+        }
     }
 
     /// Accepts every suggestion that the preview shows: one step of undo.

@@ -8,6 +8,7 @@ mod masks;
 mod numbers;
 mod over_time;
 mod position_view;
+mod unclicked;
 
 use super::{Panel, theme};
 use crate::app::{Action, Command};
@@ -39,6 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             if !settled {
                 field::show(panel, ui);
             }
+            unclicked::show(panel, ui, &camera);
             estimate::show(panel, ui, &camera);
             over_time::show(panel, ui, &camera);
             if camera.base().is_some() {

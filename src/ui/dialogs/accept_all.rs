@@ -1,7 +1,7 @@
 //! Accepting suggestions together: how many, how many of them are wrong, and a look at the doubtful ones and at samples.
 
 use super::{has_just_opened, sheet};
-use crate::app::review::{BulkAccept, DISAGREES_PX, percent};
+use crate::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::proposals::ExpectedWrong;
 use crate::ui::{Panel, miniature, review, theme};
@@ -9,6 +9,7 @@ use egui::{
     Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense,
     Stroke, Ui, UiBuilder, WidgetInfo, vec2,
 };
+use std::sync::Arc;
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(760.0, 560.0);
@@ -22,24 +23,25 @@ const GAP: f32 = 8.0;
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "accept all");
-    let bulk = panel.app.bulk_accept();
+    let Some(shown) = panel.app.accept_sheet().map(Arc::clone) else { return };
+    let bulk = &shown.bulk;
     sheet(panel, ctx, "Accept all above", SIZE, |panel, ui| {
         ui.horizontal(|ui| {
             ui.label("Confidence at least");
             review::threshold(panel, ui);
         });
-        ui.add(Label::new(RichText::new(describe(panel, &bulk)).color(theme::STRONG)).wrap());
-        disagreeing(panel, ui, &bulk);
+        ui.add(Label::new(RichText::new(describe(panel, &shown)).color(theme::STRONG)).wrap());
+        disagreeing(panel, ui, bulk);
         ui.add_space(theme::SPACE);
         let room = ui.available_height().min(SIZE.y - 170.0);
-        ui.allocate_ui(vec2(ui.available_width(), room), |ui| grid(panel, ui, &bulk));
+        ui.allocate_ui(vec2(ui.available_width(), room), |ui| grid(panel, ui, bulk));
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
-        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| buttons(panel, ui, &bulk, opened));
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| buttons(panel, ui, bulk, opened));
     });
 }
 
-fn describe(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
+fn describe(panel: &Panel<'_>, AcceptSheet { bulk, expected_wrong }: &AcceptSheet) -> String {
     let Some(lowest) = bulk.rows.first().and_then(|row| row.confidence) else {
         let best = panel.app.review().rows.iter().filter_map(|row| row.confidence).max_by(f64::total_cmp);
         let best = best.map_or_else(String::new, |best| format!(" The highest is {}.", percent(best)));
@@ -52,7 +54,7 @@ fn describe(panel: &Panel<'_>, bulk: &BulkAccept) -> String {
     } else {
         "The most doubtful come first"
     };
-    let expected = describe_wrong(&bulk.expected_wrong());
+    let expected = describe_wrong(expected_wrong);
     format!("{count} suggestion{plural}, {expected}. {shown}, from {} on.", percent(lowest))
 }
 

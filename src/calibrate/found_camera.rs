@@ -1,0 +1,40 @@
+//! A camera that was found without a click, on its way into a document that has been edited meanwhile.
+
+use super::{UnclickedCamera, UnclickedFrame, record_found};
+use crate::document::{CameraId, Document, Frame, FrameId, FrameStatus};
+
+/// A camera that was found without a click, and which camera of a document it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundCamera {
+    /// Which camera.
+    pub camera: CameraId,
+    /// What was found.
+    pub found: UnclickedCamera,
+    /// The frames that it was found from, in the order of `found.frames`: their places may change.
+    frames: Vec<FrameId>,
+}
+
+impl FoundCamera {
+    /// What was found in a document as it is now.
+    #[must_use]
+    pub fn of(document: &Document, camera: &CameraId, found: UnclickedCamera) -> Self {
+        let frames = found.frames.iter().map(|frame| document.frames[frame.index].id.clone()).collect();
+        Self { camera: camera.clone(), found, frames }
+    }
+
+    /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or decided stay as they are.
+    pub(super) fn write(&self, document: &mut Document) {
+        let here = |(id, of_found): (&FrameId, &UnclickedFrame)| {
+            let index = document.frames.position_of(id)?;
+            let is_open = is_open(&document.frames[index]) && document.frames[index].camera == self.camera;
+            is_open.then(|| UnclickedFrame { index, ..of_found.clone() })
+        };
+        let frames = self.frames.iter().zip(&self.found.frames).filter_map(here).collect();
+        let found = UnclickedCamera { frames, ..self.found.clone() };
+        record_found(document, &self.camera, &found);
+    }
+}
+
+fn is_open(frame: &Frame) -> bool {
+    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
+}

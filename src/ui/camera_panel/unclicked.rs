@@ -1,0 +1,74 @@
+//! Finding the camera without a click: the button, the progress, what is left to decide.
+
+use super::section;
+use crate::app::unclicked::{Searching, TwoCameras, UnclickedWork};
+use crate::app::{Action, Command};
+use crate::document::Camera;
+use crate::ui::{Panel, theme};
+use egui::{Button, Label, ProgressBar, RichText, Ui};
+
+/// Shows what can be done about a camera without a click; nothing where it has a base.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    match &panel.app.session.unclicked {
+        UnclickedWork::Searching(searching) => {
+            section(ui, "FINDING THE CAMERA");
+            searched(panel, ui, searching);
+        }
+        UnclickedWork::Two(two) => {
+            section(ui, "TWO ANSWERS");
+            decided(panel, ui, two);
+        }
+        UnclickedWork::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
+            section(ui, "WITHOUT A CLICK");
+            ui.add(Label::new(RichText::new(why.as_str()).color(theme::CAUTION)).wrap());
+            start(panel, ui, "Look again");
+        }
+        _ if camera.base().is_none() => {
+            section(ui, "WITHOUT A CLICK");
+            let text = "Turned views of one camera, tied together, show where it stands. It takes about a minute.";
+            ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+            start(panel, ui, "Find the camera by itself");
+        }
+        _ => {}
+    }
+}
+
+fn searched(panel: &mut Panel<'_>, ui: &mut Ui, searching: &Searching) {
+    ui.add(Label::new(searching.describe()).wrap());
+    let share = searching.progress.map_or(0.0, |progress| progress.share_of_step() as f32);
+    ui.add(ProgressBar::new(share).desired_height(6.0).corner_radius(2));
+    ui.add_space(theme::SPACE);
+    command(panel, ui, "Stop", Command::StopFindCamera);
+}
+
+fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
+    ui.add(Label::new(two.describe()).wrap());
+    ui.add_space(theme::SPACE);
+    ui.horizontal_wrapped(|ui| {
+        command(panel, ui, "Try the first", Command::TryFirstCamera);
+        command(panel, ui, "Try the other", Command::TryOtherCamera);
+        let shown = two.deciding.as_ref().and_then(|(frame, _)| panel.app.open()?.document.frames.position_of(frame));
+        if let Some(shown) = shown
+            && ui.button("Go there").on_hover_text("Go to the frame that tells them apart.").clicked()
+        {
+            panel.actions.push(Action::GoTo(shown));
+        }
+        command(panel, ui, "Done", Command::StopFindCamera);
+    });
+}
+
+fn start(panel: &mut Panel<'_>, ui: &mut Ui, says: &str) {
+    ui.add_space(theme::SPACE);
+    let why_not = panel.app.why_not(Command::FindCamera);
+    let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(says).strong()));
+    let tip = panel.app.settings.keys.tooltip(Command::FindCamera);
+    if button.on_hover_text(tip).on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+        panel.actions.push(Action::Command(Command::FindCamera));
+    }
+}
+
+fn command(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
+    if ui.button(says).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+        panel.actions.push(Action::Command(command));
+    }
+}
