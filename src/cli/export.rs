@@ -3,35 +3,140 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
+use super::output::{print, refuse_existing};
+use crate::document::FrameStatus;
+use crate::exchange::{ExportOptions, Format, KeypointNames, PointSource, Rate, export as export_document};
+use crate::geometry::ImageSize;
+use anyhow::{Context as _, bail};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 
 /// Writes a document in another format.
+///
+/// The result is read again before it is written: a landmark that comes back elsewhere is an error. What the format cannot hold is
+/// said on standard error, in px.
 #[derive(clap::Args, Debug)]
 pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
     /// The format.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = format_parser(Format::exports))]
     format: Format,
     #[command(flatten)]
     output: DocumentOutput,
+    /// Only frames of these statuses; without it all that are not rejected.
+    #[arg(long, value_delimiter = ',', value_parser = parse_status)]
+    status: Vec<FrameStatus>,
+    /// Only frames of these cameras.
+    #[arg(long, value_delimiter = ',')]
+    camera: Vec<String>,
+    /// Only frames with at least this confidence, or with none stated.
+    #[arg(long)]
+    min_confidence: Option<f64>,
+    /// Cameras rescaled to pictures of this size, such as 960x540.
+    #[arg(long, value_parser = parse_size)]
+    size: Option<ImageSize>,
+    /// Another dialect of the format: gamestate (soccernet-lines).
+    #[arg(long, value_parser = ["gamestate"])]
+    variant: Option<String>,
+    /// Homographies of pictures whose distortion has been taken out.
+    #[arg(long)]
+    undistorted: bool,
+    /// The names of keypoints.
+    #[arg(long, default_value = "touchline", value_parser = ["touchline", "roboflow-32"])]
+    names: String,
+    /// Keypoints where the camera shows the landmarks, not where people clicked.
+    #[arg(long)]
+    projected: bool,
+    /// What happens to keypoints outside of the picture.
+    #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
+    outside: String,
+    /// Frames a second, such as 25, 29.97 or 30000/1001; without it from the frames' times.
+    #[arg(long, value_parser = parse_rate)]
+    fps: Option<Rate>,
+    /// The width of the camera's sensor, mm, where the document does not know it.
+    #[arg(long)]
+    sensor_mm: Option<f64>,
 }
 
-/// The formats that a document can be written in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
-    /// A dataset: one file of the document's own schema, without unnamed clicks.
-    Json,
+/// Takes the name of a format that can go this way.
+pub(super) fn format_parser(goes: fn(Format) -> bool) -> impl clap::builder::TypedValueParser<Value = Format> {
+    let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
+    let values: Vec<PossibleValue> =
+        formats.map(|format| PossibleValue::new(format.name()).help(format.title())).collect();
+    PossibleValuesParser::new(values)
+        .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
+}
+
+/// A status as documents write it.
+fn parse_status(text: &str) -> Result<FrameStatus, String> {
+    let all =
+        [FrameStatus::New, FrameStatus::Draft, FrameStatus::Suggested, FrameStatus::Reference, FrameStatus::Rejected];
+    let found = all.into_iter().find(|status| status.as_str() == text);
+    found.ok_or_else(|| format!("{text} is none of new, draft, suggested, reference, rejected"))
+}
+
+/// `1920x1080`.
+pub(super) fn parse_size(text: &str) -> Result<ImageSize, String> {
+    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=65_535).contains(side));
+    let sides = text.split_once('x').and_then(|(width, height)| Some(ImageSize::new(side(width)?, side(height)?)));
+    sides.ok_or_else(|| format!("{text} is no size such as 1920x1080"))
+}
+
+fn parse_rate(text: &str) -> Result<Rate, String> {
+    Rate::parse(text).ok_or_else(|| format!("{text} is no frame rate such as 25, 29.97 or 30000/1001"))
 }
 
 /// Carries out the command.
 ///
 /// # Errors
-/// The document cannot be read, or the result cannot be written.
+/// The document cannot be read, the format cannot hold it, or the result cannot be written.
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, document } = args.document.load(messages)?;
-    match args.format {
-        Format::Json => args.output.write(&document.to_dataset(), location.folder())?,
+    if args.format == Format::Json && args.status.is_empty() && args.camera.is_empty() && args.min_confidence.is_none()
+    {
+        args.output.write(&document.to_dataset(), location.folder())?;
+        return Ok(Outcome::Done);
     }
-    Ok(Outcome::Done)
+    let known = |name: &&String| document.cameras.iter().any(|camera| camera.id.as_str() == name.as_str());
+    if let Some(unknown) = args.camera.iter().find(|name| !known(name)) {
+        bail!("there is no camera {unknown:?} in the document");
+    }
+    let options = ExportOptions {
+        statuses: args.status.clone(),
+        cameras: args.camera.iter().map(|name| name.as_str().into()).collect(),
+        min_confidence: args.min_confidence,
+        size: args.size,
+        game_state: args.variant.as_deref() == Some("gamestate"),
+        undistorted: args.undistorted,
+        names: if args.names == "roboflow-32" { KeypointNames::Roboflow32 } else { KeypointNames::Touchline },
+        keep_outside: args.outside == "keep",
+        points: if args.projected { PointSource::Projected } else { PointSource::Clicked },
+        rate: args.fps,
+        sensor_width_mm: args.sensor_mm,
+        ..ExportOptions::default()
+    };
+    let exported = export_document(document.at(location.folder()), args.format, &options)?;
+    for note in exported.loss.iter().map(ToString::to_string).chain(exported.notes.iter().cloned()) {
+        messages.note(&note);
+    }
+    for (frame, why) in &exported.left_out {
+        messages.frame_failed(frame, why);
+    }
+    match &args.output.output {
+        Some(path) => {
+            refuse_existing(path, args.output.force)?;
+            exported.write(path, args.output.force)?;
+        }
+        None if args.format.is_folder() => bail!("{} makes a folder; name it with -o", args.format),
+        None => {
+            let bytes = exported.files.sorted().first().map_or(&[][..], |(_, bytes)| bytes);
+            print(std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?)?;
+        }
+    }
+    messages.note(&format!(
+        "{} frames written as {}; read again, landmarks are within {:.1e} px",
+        exported.frames, exported.format, exported.worst_px
+    ));
+    Ok(if exported.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

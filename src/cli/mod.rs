@@ -11,6 +11,7 @@ mod experiment;
 mod export;
 mod features;
 mod fields;
+mod import;
 mod messages;
 mod new;
 mod output;
@@ -48,6 +49,7 @@ enum Command {
     Experiment(experiment::ExperimentArgs),
     Export(export::ExportArgs),
     Fields(fields::FieldsArgs),
+    Import(import::ImportArgs),
     New(new::NewArgs),
     RefineBase(refine_base::RefineBaseArgs),
     Relocalize(relocalize::RelocalizeArgs),
@@ -97,6 +99,7 @@ pub fn run() -> Next {
         Command::Experiment(args) => experiment::experiment(&args, messages),
         Command::Export(args) => export::export(&args, messages),
         Command::Fields(args) => fields::fields(&args, messages),
+        Command::Import(args) => import::import(&args, messages),
         Command::New(args) => new::new(&args, messages),
         Command::RefineBase(args) => refine_base::refine_base(&args, messages),
         Command::Relocalize(args) => relocalize::relocalize(&args, messages),

@@ -1,9 +1,60 @@
-//! Foreign formats, one a file or folder.
+//! Foreign formats, one a file, import and export side by side.
 //!
-//! The annotations that the method's authors published are read as a document: [`read_authors_folder`].
+//! [`export()`] writes a [`Format`] in memory and reads it again before anything reaches the disk: a landmark that moves by more
+//! than the format's own resolution is an error. What a format cannot hold comes with the result, in px ([`Loss`]).
+//! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
 
 pub(crate) mod authors_mat;
+mod broadtrack;
+mod camera_format;
+mod chan;
+mod choose;
+mod clicked_frame;
+mod coco;
+mod colmap;
+mod csv_table;
+mod error;
+mod export;
+mod export_cameras;
+mod export_clicks;
+mod exported;
+mod files;
+mod format;
+mod frame_camera;
+mod held;
+mod homography_files;
+mod import;
+mod import_cameras;
+mod import_clicks;
+mod imported;
+mod into_document;
+mod label_studio;
+mod labelme;
+mod labels;
+mod loss;
+mod node;
+mod npy;
+mod opencv_yaml;
+mod options;
+mod pictures;
+mod registry;
+mod soccernet;
+mod soccernet_lines;
+mod table;
+#[cfg(test)]
+mod tests;
+mod timecode;
+mod yolo_pose;
 
 pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder, read_authors_sequence,
 };
+pub use error::{ExchangeError, Problem};
+pub use export::export;
+pub use exported::Exported;
+pub use files::Files;
+pub use format::Format;
+pub use import::import;
+pub use imported::Imported;
+pub use loss::Loss;
+pub use options::{ExportOptions, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Rate, Zoom};

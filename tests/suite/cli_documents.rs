@@ -6,6 +6,7 @@ use std::path::Path;
 use tempfile::TempDir;
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, Edit, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string};
+use touchline::exchange::Format;
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec3};
 use touchline::store::{Access, DocumentStore as _, Location, open, read, write_document};
@@ -218,6 +219,11 @@ fn check_says_everything_and_exits_with_one() {
 #[test]
 fn wrong_usage_is_one_line_and_exit_two() {
     let folder = pictures();
+    let exports = Format::ALL.into_iter().filter(|format| format.exports()).map(Format::name);
+    let unknown_format = format!(
+        "invalid value 'gif' for '--format <FORMAT>' [possible values: {}]; see touchline --help",
+        exports.collect::<Vec<_>>().join(", ")
+    );
     let table = [
         ("a.json solve b.json", "a.json comes before the command; put it after the command"),
         ("solve", "the following required arguments were not provided: <DOC>; see touchline --help"),
@@ -226,10 +232,7 @@ fn wrong_usage_is_one_line_and_exit_two() {
             "nothing.json does not exist; give a project folder, its project.json or a dataset file",
         ),
         ("solve frames", "the folder frames holds no project.json; `touchline new` makes a project"),
-        (
-            "export frames --format gif",
-            "invalid value 'gif' for '--format <FORMAT>' [possible values: json]; see touchline --help",
-        ),
+        ("export frames --format gif", &unknown_format),
         (
             "new m --frames frames",
             "the following required arguments were not provided: --field <TEMPLATE>; see touchline --help",

@@ -24,6 +24,7 @@ mod cli_documents;
 mod contradictions;
 mod document;
 mod evaluate_command;
+mod exchange_commands;
 mod experiment_command;
 mod features;
 mod fields;

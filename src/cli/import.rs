@@ -1,0 +1,95 @@
+//! `touchline import`: a document of foreign files.
+
+use super::Outcome;
+use super::document::DocumentOutput;
+use super::export::{format_parser, parse_size};
+use super::messages::Messages;
+use super::new::parameter;
+use crate::document::FieldSpec;
+use crate::exchange::{Format, ImportOptions, LabelMap, Pixels, import as import_document};
+use crate::geometry::ImageSize;
+use anyhow::Context as _;
+use std::path::PathBuf;
+
+/// Makes a document of the files of another program.
+#[derive(clap::Args, Debug)]
+pub struct ImportArgs {
+    /// The file or folder.
+    path: PathBuf,
+    /// Its format.
+    #[arg(long, value_parser = format_parser(Format::imports))]
+    format: Format,
+    #[command(flatten)]
+    output: DocumentOutput,
+    /// The field's template.
+    #[arg(long, default_value = "soccer")]
+    field: String,
+    /// A parameter of the field, such as `length_m=105`; may be given several times.
+    #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
+    set: Vec<(String, f64)>,
+    /// The folder of the images; without it the files' own.
+    #[arg(long)]
+    images: Option<PathBuf>,
+    /// The size of the pictures, where neither file nor image says it.
+    #[arg(long, value_parser = parse_size)]
+    size: Option<ImageSize>,
+    /// Where pixels are counted from, where the format leaves it open.
+    #[arg(long, value_parser = ["corner", "centre"])]
+    pixels: Option<String>,
+    /// What labels mean: touchline, roboflow-32, roboflow-32-captions, soccernet, or a JSON file {"label": "landmark or line"}.
+    #[arg(long, default_value = "touchline")]
+    map: String,
+    /// Labels without meaning are left out.
+    #[arg(long)]
+    skip_unmapped: bool,
+    /// Whose annotations are read, where a file has several.
+    #[arg(long)]
+    annotator: Option<String>,
+    /// The width of the camera's sensor, mm.
+    #[arg(long)]
+    sensor_mm: Option<f64>,
+}
+
+/// What labels mean, by the name of a map that comes with the program or from a file.
+fn label_map(name: &str) -> anyhow::Result<LabelMap> {
+    Ok(match name {
+        "touchline" => LabelMap::Touchline,
+        "roboflow-32" => LabelMap::Roboflow32,
+        "roboflow-32-captions" => LabelMap::Roboflow32Captions,
+        "soccernet" => LabelMap::SoccerNet,
+        file => {
+            let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the map {file}"))?;
+            LabelMap::Own(serde_json::from_str(&text).with_context(|| format!("{file} is no map of labels"))?)
+        }
+    })
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The files cannot be read or are damaged, or the document cannot be written.
+pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    args.output.refuse_existing()?;
+    let mut field = FieldSpec::new(&args.field);
+    field.params.extend(args.set.iter().cloned());
+    field.model(&std::env::current_dir()?)?;
+    let options = ImportOptions {
+        field,
+        images: args.images.clone(),
+        size: args.size,
+        pixels: args.pixels.as_deref().map(|pixels| if pixels == "centre" { Pixels::Centre } else { Pixels::Corner }),
+        map: label_map(&args.map)?,
+        skip_unmapped: args.skip_unmapped,
+        annotator: args.annotator.clone(),
+        sensor_width_mm: args.sensor_mm,
+        ..ImportOptions::default()
+    };
+    let imported = import_document(&args.path, args.format, &options)?;
+    for note in &imported.notes {
+        messages.note(note);
+    }
+    args.output.write(&imported.document, &imported.folder)?;
+    let (frames, cameras) = (imported.document.frames.len(), imported.document.cameras.len());
+    messages.note(&format!("{frames} frames of {cameras} cameras"));
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,26 @@
+//! Which frames an export is asked for.
+
+use super::error::ExchangeError;
+use super::format::Format;
+use super::options::ExportOptions;
+use crate::document::{Frame, FrameStatus};
+
+/// Whether a frame is asked for.
+pub fn is_chosen(frame: &Frame, options: &ExportOptions) -> bool {
+    let by_status = match options.statuses.as_slice() {
+        [] => frame.status != FrameStatus::Rejected,
+        statuses => statuses.contains(&frame.status),
+    };
+    let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+    let by_confidence = options.min_confidence.is_none_or(|least| confidence.is_none_or(|of| of >= least));
+    by_status && by_confidence && (options.cameras.is_empty() || options.cameras.contains(&frame.camera))
+}
+
+/// Why nothing is left to export.
+pub fn nothing(format: Format, left_out: &[(String, String)]) -> ExchangeError {
+    let why = match left_out {
+        [] => "no frame has the status, camera and confidence that were asked for".to_owned(),
+        [(frame, why), ..] => format!("{frame}: {why} ({} frames in all)", left_out.len()),
+    };
+    ExchangeError::NothingToExport { format, why }
+}

@@ -1,0 +1,296 @@
+//! What can go wrong between documents and foreign files.
+
+use super::format::Format;
+use crate::field::FieldError;
+use std::io;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// Why an import or export did not happen. Nothing was written then.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExchangeError {
+    /// A file or folder cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// Which.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The result cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// Where.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Something is there already.
+    #[error("{} already exists; give --force to replace it, or another -o", path.display())]
+    Exists {
+        /// Where.
+        path: PathBuf,
+    },
+    /// A file is damaged, or of another format.
+    #[error("{file}: {problem}")]
+    File {
+        /// Its name, from the folder that was named.
+        file: String,
+        /// What is wrong with it.
+        problem: Problem,
+    },
+    /// A folder holds no file of the format.
+    #[error("{} holds no {wanted}", path.display())]
+    NoFiles {
+        /// The folder.
+        path: PathBuf,
+        /// What was looked for.
+        wanted: &'static str,
+    },
+    /// There are too many files, or they are too large together.
+    #[error("{} holds more than {limit}; import a part of it", path.display())]
+    TooMuch {
+        /// The folder.
+        path: PathBuf,
+        /// What is exceeded.
+        limit: &'static str,
+    },
+    /// The document's field is not valid.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// The authors' annotations cannot be read.
+    #[error(transparent)]
+    Authors(#[from] super::authors_mat::AuthorsError),
+    /// The document cannot be written.
+    #[error(transparent)]
+    Document(#[from] crate::document::WriteError),
+    /// A file is no document.
+    #[error("{file}: {source}")]
+    NoDocument {
+        /// Its name.
+        file: String,
+        /// What is wrong with it.
+        source: crate::document::ReadError,
+    },
+    /// No frame is left to be written.
+    #[error("no frame to export as {format}: {why}")]
+    NothingToExport {
+        /// The format.
+        format: Format,
+        /// Why each was left out.
+        why: String,
+    },
+    /// Two frames would be written to one place.
+    #[error("{first} and {second} would both be written as {name}; export them one camera or folder at a time")]
+    SameName {
+        /// The place.
+        name: String,
+        /// One frame.
+        first: String,
+        /// The other.
+        second: String,
+    },
+    /// A frame cannot be expressed in the format.
+    #[error("{frame} cannot be written as {format}: {why}")]
+    CannotHold {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+        /// What stands against it.
+        why: String,
+    },
+    /// What was to be written reads back as something else.
+    #[error(
+        "internal error (please report it): {frame} as {format} reads back with {what} {off_px:.3e} px away, allowed is \
+         {allowed_px:.1e} px; nothing was written"
+    )]
+    ReadsBackElsewhere {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+        /// The landmark or click that moved most.
+        what: String,
+        /// How far, px.
+        off_px: f64,
+        /// How far the format allows, px.
+        allowed_px: f64,
+    },
+    /// What was to be written reads back as other frames or clicks.
+    #[error("internal error (please report it): {frame} as {format} does not read back as it was; nothing was written")]
+    ReadsBackOtherwise {
+        /// The frame.
+        frame: String,
+        /// The format.
+        format: Format,
+    },
+    /// The format is written only, or read only.
+    #[error("{format} cannot be {what}; it can only be {instead}")]
+    OneWay {
+        /// The format.
+        format: Format,
+        /// What was asked: "imported".
+        what: &'static str,
+        /// What it can be: "exported".
+        instead: &'static str,
+    },
+    /// An option is needed that was not given.
+    #[error("{format} does not say {what}; give {option}")]
+    OptionNeeded {
+        /// The format.
+        format: Format,
+        /// What is not known.
+        what: &'static str,
+        /// What to give.
+        option: &'static str,
+    },
+    /// Labels that nothing of the field is known for.
+    #[error("no meaning is known for {labels}; give a --map file with them, or --skip-unmapped")]
+    Unmapped {
+        /// The labels with how often each occurs.
+        labels: String,
+    },
+}
+
+/// What is wrong with a file.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// It is empty.
+    #[error("the file is empty")]
+    Empty,
+    /// It is larger than anything of the format.
+    #[error("{bytes} bytes are more than the {limit} that are read")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// It is no text.
+    #[error("not UTF-8 text (byte {offset})")]
+    NotUtf8 {
+        /// The first byte that is none.
+        offset: usize,
+    },
+    /// It is no JSON.
+    #[error("not valid JSON: {0}")]
+    NotJson(String),
+    /// It is no XML, or holds a document type or entities.
+    #[error("not valid XML: {0}")]
+    NotXml(String),
+    /// It begins or is built otherwise than the format.
+    #[error("not {wanted}: {found}")]
+    NotFormat {
+        /// What was expected.
+        wanted: &'static str,
+        /// What is there.
+        found: String,
+    },
+    /// A value is missing.
+    #[error("{0} is missing")]
+    Missing(String),
+    /// A value is of another kind.
+    #[error("{what}: {wanted} is wanted, found {found}")]
+    Kind {
+        /// Which.
+        what: String,
+        /// What it should be.
+        wanted: &'static str,
+        /// What it is.
+        found: String,
+    },
+    /// There are too few or too many values.
+    #[error("{what}: {wanted} are wanted, found {found}")]
+    Count {
+        /// Of what.
+        what: String,
+        /// How many there should be.
+        wanted: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A number is NaN or infinite.
+    #[error("{0} is not a finite number")]
+    NotFinite(String),
+    /// A number is outside of what makes sense.
+    #[error("{what} is {value}, which must be {wanted}")]
+    OutOfRange {
+        /// Which.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// What it must be.
+        wanted: &'static str,
+    },
+    /// A matrix is no rotation.
+    #[error("{what} is no rotation: its rows are off by {distance:.1e}")]
+    NotRotation {
+        /// Which.
+        what: String,
+        /// How far it is from one.
+        distance: f64,
+    },
+    /// A matrix has no inverse.
+    #[error("{0} is singular")]
+    Singular(String),
+    /// No camera shows the ground as a homography does.
+    #[error("{what} is no picture that a camera takes: {why}")]
+    NoCamera {
+        /// Which.
+        what: String,
+        /// Why.
+        why: String,
+    },
+    /// A name occurs twice.
+    #[error("{what} {name:?} occurs twice")]
+    Twice {
+        /// Of what.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// Something refers to what is not there.
+    #[error("{what} {name:?} is not in the file")]
+    Unknown {
+        /// Of what.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A path leads out of the folder.
+    #[error("the path {0:?} leads out of the folder")]
+    LeavesFolder(String),
+    /// Something that this program does not hold.
+    #[error("{what} is not supported: {why}")]
+    Unsupported {
+        /// What.
+        what: String,
+        /// Why, or what to do instead.
+        why: &'static str,
+    },
+    /// The same at a line of a text.
+    #[error("line {line}: {problem}")]
+    Line {
+        /// The line, from 1.
+        line: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
+    },
+}
+
+impl Problem {
+    /// The problem in a file.
+    #[must_use]
+    pub(crate) fn within(self, file: &str) -> ExchangeError {
+        ExchangeError::File { file: file.to_owned(), problem: self }
+    }
+
+    /// The problem at a line, counted from 1.
+    #[must_use]
+    pub(crate) fn at_line(self, line: usize) -> Self {
+        Self::Line { line, problem: Box::new(self) }
+    }
+}

@@ -1,0 +1,48 @@
+//! A document in a foreign format. Everything is made in memory and read again before anything is written.
+
+use super::choose::is_chosen;
+use super::error::ExchangeError;
+use super::export_cameras::export_cameras;
+use super::export_clicks::export_clicks;
+use super::exported::Exported;
+use super::files::Files;
+use super::format::Format;
+use super::options::ExportOptions;
+use super::registry::{camera_format, click_format};
+use crate::document::{DocumentAt, document_to_string};
+
+/// The document in a foreign format, read again and compared. Nothing is written to the disk.
+///
+/// # Errors
+/// There is nothing to export, two frames would have one name, an option is needed, or the files do not read back as they
+/// were meant.
+pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Result<Exported, ExchangeError> {
+    if !format.exports() {
+        return Err(ExchangeError::OneWay { format, what: "exported", instead: "imported" });
+    }
+    if let Some(camera_format) = camera_format(format) {
+        return export_cameras(at, format, camera_format, options);
+    }
+    match click_format(format) {
+        Some(click_format) => export_clicks(at, format, click_format, options),
+        None => dataset(at, options),
+    }
+}
+
+/// The chosen frames as a dataset.
+fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, ExchangeError> {
+    let mut dataset = at.document.to_dataset();
+    let is_left = |frame: &crate::document::Frame| is_chosen(frame, options);
+    let frames: Vec<_> = dataset.frames.iter().filter(|frame| is_left(frame)).cloned().collect();
+    let count = frames.len();
+    dataset.frames = frames.into_iter().collect();
+    Ok(Exported {
+        format: Format::Json,
+        files: Files::one("dataset.json", document_to_string(&dataset)?.into_bytes()),
+        frames: count,
+        left_out: Vec::new(),
+        loss: None,
+        notes: Vec::new(),
+        worst_px: 0.0,
+    })
+}

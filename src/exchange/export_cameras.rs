@@ -1,0 +1,173 @@
+//! Cameras in a foreign format: frames chosen, losses measured, files made in memory and read again.
+
+use super::camera_format::{CameraFormat, WriteContext};
+use super::choose::{is_chosen, nothing};
+use super::error::ExchangeError;
+use super::exported::Exported;
+use super::files::Files;
+use super::format::Format;
+use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
+use super::into_document::document_of;
+use super::loss::{farthest_landmark, loss_between};
+use super::options::{ExportOptions, Rate};
+use crate::document::{Document, DocumentAt, Fields, Frame};
+use crate::field::FieldModel;
+use crate::geometry::ImageSize;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A solved frame as formats exchange it; none where it is not solved.
+fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> Option<FrameCamera> {
+    let camera = document.pointed(frame)?;
+    let mut pinhole = Pinhole::of(&camera);
+    if let Some(size) = size {
+        pinhole = pinhole.scaled(f64::from(size.width) / f64::from(frame.image_size.width));
+    }
+    let solution = frame.solution.as_ref();
+    let variances = solution.and_then(|solution| solution.covariance).map(|covariance| covariance.diagonal());
+    Some(FrameCamera {
+        name: frame.name(),
+        image: frame.image.clone(),
+        camera: Some(frame.camera.as_str().to_owned()),
+        size: Some(size.unwrap_or(frame.image_size)),
+        shown: Shown::Camera(pinhole),
+        frame_index: frame.video.as_ref().map(|video| video.frame_index),
+        pts_s: frame.video.as_ref().and_then(|video| video.pts_s),
+        record: Record {
+            status: frame.status,
+            source: solution.and_then(|solution| solution.source),
+            ptz: Some(camera.ptz()),
+            sigma: variances.map(|v| [v.x.max(0.0).sqrt(), v.y.max(0.0).sqrt(), v.z.max(0.0).sqrt()]),
+            worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
+            rms_px: solution.and_then(|solution| solution.rms_px),
+            confidence: solution.and_then(|solution| solution.confidence),
+        },
+    })
+}
+
+/// The rate of frames with numbers and times, where it is a usual one.
+fn rate_of(frames: &[FrameCamera]) -> Option<Rate> {
+    let timed = || frames.iter().filter_map(|frame| Some((frame.frame_index?, frame.pts_s?)));
+    let seconds_at = |(index, pts_s): (u64, f64)| (index as f64, pts_s);
+    let first = seconds_at(timed().min_by_key(|at| at.0)?);
+    let last = seconds_at(timed().max_by_key(|at| at.0)?);
+    // One frame says how fast a video is that begins at zero.
+    let first = if first.0 == last.0 { (0.0, 0.0) } else { first };
+    Rate::nearest((last.0 - first.0) / (last.1 - first.1))
+}
+
+/// The cameras of a document in a format, proved.
+///
+/// # Errors
+/// There is nothing to export, two frames would have one name, or the files do not read back as they were meant.
+pub fn export_cameras(
+    at: DocumentAt<'_>,
+    format: Format,
+    camera_format: &dyn CameraFormat,
+    options: &ExportOptions,
+) -> Result<Exported, ExchangeError> {
+    let document = at.document;
+    let fields = Fields::of(at)?;
+    let mut left_out = Vec::new();
+    let mut chosen: Vec<FrameCamera> = Vec::new();
+    let mut of_field: Option<Arc<FieldModel>> = None;
+    for frame in document.frames.iter().filter(|frame| is_chosen(frame, options)) {
+        let Some(camera) = frame_camera(document, frame, options.size) else {
+            left_out.push((frame.name(), "it is not solved".to_owned()));
+            continue;
+        };
+        if let Some(size) = options.size
+            && u64::from(size.width) * u64::from(frame.image_size.height)
+                != u64::from(size.height) * u64::from(frame.image_size.width)
+        {
+            let of = frame.image_size;
+            left_out
+                .push((frame.name(), format!("its picture of {} × {} px has other proportions", of.width, of.height)));
+            continue;
+        }
+        let field = fields.of_frame(document, frame);
+        if of_field.as_ref().is_some_and(|known| **known != **field) {
+            left_out
+                .push((frame.name(), "it shows another field than the frames before it; choose a camera".to_owned()));
+            continue;
+        }
+        of_field.get_or_insert_with(|| Arc::clone(field));
+        chosen.push(camera);
+    }
+    let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
+    let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| rate_of(&chosen)) };
+    let mut held = Vec::with_capacity(chosen.len());
+    for (index, frame) in chosen.iter().enumerate() {
+        let kept = camera_format.hold(frame, index, &context);
+        held.push(kept.map_err(|why| ExchangeError::CannotHold { frame: frame.name.clone(), format, why })?);
+    }
+    refuse_same_names(&chosen, &held)?;
+    let files = camera_format.write(&held, &context)?;
+    let worst_px = if format.imports() { prove(format, camera_format, &files, &held, &context)? } else { 0.0 };
+    let mut notes = camera_format.notes(&held, &context);
+    if let Some(size) = document.field.assumed_size() {
+        notes.push(format!("the field's size of {size} is assumed, not confirmed"));
+    }
+    Ok(Exported {
+        format,
+        frames: held.len(),
+        left_out,
+        loss: loss_between(&chosen, &held, &field),
+        notes,
+        worst_px,
+        files,
+    })
+}
+
+fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(), ExchangeError> {
+    let mut seen: BTreeMap<&str, &str> = BTreeMap::new();
+    for (frame, kept) in frames.iter().zip(held) {
+        if let Some(first) = seen.insert(&kept.name, &frame.name) {
+            let (first, second) = (first.to_owned(), frame.name.clone());
+            return Err(ExchangeError::SameName { name: kept.name.clone(), first, second });
+        }
+    }
+    Ok(())
+}
+
+/// Reads the files again, as frames and as a document, and compares every landmark; the farthest, px.
+fn prove(
+    format: Format,
+    of: &dyn CameraFormat,
+    files: &Files,
+    held: &[FrameCamera],
+    context: &WriteContext<'_>,
+) -> Result<f64, ExchangeError> {
+    let reading = of.reading(held, context.options);
+    let read = of.read(files, &reading)?;
+    let by_name: BTreeMap<&str, &FrameCamera> = read.iter().map(|frame| (frame.name.as_str(), frame)).collect();
+    let mut views = Vec::with_capacity(held.len());
+    let mut pairs: Vec<(&FrameCamera, FrameCamera)> = Vec::with_capacity(2 * held.len());
+    for kept in held {
+        let Some(again) = by_name.get(kept.name.as_str()).filter(|_| read.len() == held.len()) else {
+            return Err(ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format });
+        };
+        if let (Some(size), Shown::Camera(view)) = (kept.size, &again.shown) {
+            views.push(((*again).clone(), size, *view));
+        }
+        pairs.push((kept, (*again).clone()));
+    }
+    // As a document: frames share bases there, and pan, tilt and focal length are what is left.
+    let document = document_of(reading.field, &views, of.exactness());
+    for (kept, frame) in held.iter().zip(&document.frames) {
+        let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
+        let otherwise = || ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
+        pairs.push((kept, FrameCamera { shown: camera.ok_or_else(otherwise)?, ..kept.clone() }));
+    }
+    let mut worst_px = 0.0_f64;
+    for (kept, again) in pairs {
+        let (what, off_px) = farthest_landmark(kept, &again, context.field);
+        let allowed_px = of.resolution_px(kept);
+        if !(off_px <= allowed_px) {
+            let frame = kept.name.clone();
+            return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
+        }
+        worst_px = worst_px.max(off_px);
+    }
+    Ok(worst_px)
+}

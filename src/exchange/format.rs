@@ -1,0 +1,159 @@
+//! The foreign formats by name.
+
+use std::fmt;
+
+/// A format of an import or export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// This program's own: one JSON file.
+    Json,
+    /// Camera files of the SoccerNet challenges.
+    SoccerNet,
+    /// Line annotations of the SoccerNet challenges.
+    SoccerNetLines,
+    /// A table with a row a frame.
+    Csv,
+    /// Keypoints for Ultralytics' pose models.
+    YoloPose,
+    /// COCO keypoints.
+    Coco,
+    /// Label Studio's JSON.
+    LabelStudio,
+    /// labelme's JSON, a file an image.
+    Labelme,
+    /// Homographies of the World Cup 2014 set.
+    Wc14,
+    /// Homographies of the TS-WorldCup set.
+    TsWorldCup,
+    /// Homographies as JSON lines that state their direction and units.
+    Homography,
+    /// `BroadTrack`'s JSON.
+    BroadTrack,
+    /// COLMAP's text files.
+    Colmap,
+    /// OpenCV's YAML, a file a frame.
+    OpenCv,
+    /// Nuke's camera track.
+    Chan,
+    /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.
+    PnlCalib,
+    /// The MATLAB files of the two-point method's authors.
+    AuthorsMat,
+}
+
+/// What is known of a format as such.
+struct Facts {
+    name: &'static str,
+    title: &'static str,
+    is_folder: bool,
+    imports: bool,
+    exports: bool,
+}
+
+/// A row of the table of formats.
+const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports: bool, exports: bool) -> Facts {
+    Facts { name, title, is_folder, imports, exports }
+}
+
+impl Format {
+    /// Every format, in the order of the help.
+    pub const ALL: [Self; 17] = [
+        Self::Json,
+        Self::SoccerNet,
+        Self::SoccerNetLines,
+        Self::Csv,
+        Self::YoloPose,
+        Self::Coco,
+        Self::LabelStudio,
+        Self::Labelme,
+        Self::Wc14,
+        Self::TsWorldCup,
+        Self::Homography,
+        Self::BroadTrack,
+        Self::Colmap,
+        Self::OpenCv,
+        Self::Chan,
+        Self::PnlCalib,
+        Self::AuthorsMat,
+    ];
+
+    const fn facts(self) -> Facts {
+        match self {
+            Self::Json => facts("json", "a dataset: one file of the document's own schema", false, true, true),
+            Self::SoccerNet => facts("soccernet", "SoccerNet camera files, one a frame", true, true, true),
+            Self::SoccerNetLines => {
+                facts("soccernet-lines", "SoccerNet line annotations, one file a frame", true, true, true)
+            }
+            Self::Csv => facts("csv", "a table, one row a frame, with R, t and H", false, true, true),
+            Self::YoloPose => facts("yolo-pose", "keypoints for Ultralytics' pose models", true, true, true),
+            Self::Coco => facts("coco", "COCO keypoints", false, true, true),
+            Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
+            Self::Labelme => facts("labelme", "labelme, one file an image", true, true, true),
+            Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file a frame", true, true, true),
+            Self::TsWorldCup => facts("tsworldcup", "TS-WorldCup homographies, one .npy a frame", true, true, true),
+            Self::Homography => facts("homography", "homographies that state their direction", false, true, true),
+            Self::BroadTrack => facts("broadtrack", "BroadTrack cameras, one JSON file", false, true, true),
+            Self::Colmap => facts("colmap", "COLMAP text: cameras, images, points3D", true, true, true),
+            Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file a frame", true, true, true),
+            Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
+            Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
+            Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),
+        }
+    }
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.facts().name
+    }
+
+    /// What it is, in a line.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        self.facts().title
+    }
+
+    /// The format of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|format| format.name() == name)
+    }
+
+    /// Whether an export makes a folder, not a file.
+    #[must_use]
+    pub const fn is_folder(self) -> bool {
+        self.facts().is_folder
+    }
+
+    /// Whether it can be imported.
+    #[must_use]
+    pub const fn imports(self) -> bool {
+        self.facts().imports
+    }
+
+    /// Whether it can be exported.
+    #[must_use]
+    pub const fn exports(self) -> bool {
+        self.facts().exports
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Format;
+
+    #[test]
+    fn every_format_has_a_name_of_its_own_and_goes_one_way_at_least() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_name(format.name()), Some(format));
+            assert!(format.imports() || format.exports(), "{format}");
+        }
+    }
+}

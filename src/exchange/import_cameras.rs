@@ -1,0 +1,103 @@
+//! A document of foreign cameras.
+
+use super::camera_format::CameraFormat;
+use super::error::{ExchangeError, Problem};
+use super::files::Files;
+use super::format::Format;
+use super::imported::Imported;
+use super::into_document::{camera_of, document_of};
+use super::options::ImportOptions;
+use super::pictures::image_of;
+use crate::document::{path_between, resolved};
+use crate::geometry::ImageSize;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Reads a file or folder of cameras as a document of solved frames.
+///
+/// # Errors
+/// It cannot be read, is damaged, or the size of a picture is not known.
+pub fn import_cameras(
+    path: &Path,
+    folder: &Path,
+    format: Format,
+    camera_format: &dyn CameraFormat,
+    options: &ImportOptions,
+) -> Result<Imported, ExchangeError> {
+    let files = Files::read(path, &|name| camera_format.is_wanted(name))?;
+    if files.is_empty() {
+        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: camera_format.wanted() });
+    }
+    let mut frames = camera_format.read(&files, options)?;
+    if frames.is_empty() {
+        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "frame" });
+    }
+    let images = options.images.as_ref().map_or_else(|| folder.to_path_buf(), |images| resolved(images));
+    let mut names = BTreeSet::new();
+    let mut sizes_by = SizesBy::default();
+    let mut views = Vec::with_capacity(frames.len());
+    let mut fitted = 0_usize;
+    for frame in &mut frames {
+        let first = files.sorted().first().map_or("", |(name, _)| name).to_owned();
+        if !names.insert(frame.name.clone()) {
+            return Err(Problem::Twice { what: "the frame", name: frame.name.clone() }.within(&first));
+        }
+        let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
+        let size = sizes_by.choose(known, options.size, frame.size);
+        let size = size.ok_or(ExchangeError::OptionNeeded {
+            format,
+            what: "how large its pictures are",
+            option: "--size WIDTHxHEIGHT or --images FOLDER",
+        })?;
+        if frame.image.is_some() || frame.frame_index.is_none() {
+            frame.image = Some(path_between(folder, &images.join(file)));
+        }
+        fitted += usize::from(frame.pinhole().is_none());
+        let view = camera_of(frame, size).map_err(|error| {
+            Problem::NoCamera { what: format!("the homography of {}", frame.name), why: error.to_string() }
+                .within(&first)
+        })?;
+        views.push((frame.clone(), size, view));
+    }
+    let mut notes = sizes_by.notes();
+    if fitted > 0 {
+        notes.push(format!(
+            "{fitted} cameras were fitted to homographies, with the principal point in the middle and no distortion"
+        ));
+    }
+    let document = document_of(options.field.clone(), &views, camera_format.exactness());
+    Ok(Imported { document, folder: folder.to_path_buf(), notes })
+}
+
+/// Counts where the sizes of the pictures come from.
+#[derive(Default)]
+struct SizesBy {
+    option: usize,
+    format: usize,
+}
+
+impl SizesBy {
+    /// The image's own size, else the one that was given, else the one that the format says.
+    fn choose(
+        &mut self,
+        image: Option<ImageSize>,
+        given: Option<ImageSize>,
+        format: Option<ImageSize>,
+    ) -> Option<ImageSize> {
+        if image.is_some() {
+            return image;
+        }
+        if given.is_some() {
+            self.option += 1;
+            return given;
+        }
+        self.format += usize::from(format.is_some());
+        format
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let said = [(self.option, "given by --size"), (self.format, "what the files say (their images are not there)")];
+        let said = said.into_iter().filter(|(count, _)| *count > 0);
+        said.map(|(count, by)| format!("the picture size of {count} frames is {by}")).collect()
+    }
+}

@@ -1,0 +1,170 @@
+//! JSON values with their place in the file, so that what is wrong can be named.
+
+use super::error::Problem;
+use super::files::text;
+use serde_json::Value;
+use std::fmt;
+
+/// A value and the way to it.
+#[derive(Clone, Debug)]
+pub(super) struct Node<'a> {
+    value: &'a Value,
+    path: String,
+}
+
+/// The JSON value of a file.
+pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
+    serde_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(error.to_string()))
+}
+
+impl<'a> Node<'a> {
+    /// The whole of a file.
+    pub fn root(value: &'a Value) -> Self {
+        Self { value, path: String::new() }
+    }
+
+    /// The value itself.
+    pub const fn value(&self) -> &'a Value {
+        self.value
+    }
+
+    /// The way to it.
+    pub fn path(&self) -> &str {
+        if self.path.is_empty() { "the file" } else { &self.path }
+    }
+
+    fn at(&self, value: &'a Value, step: impl fmt::Display, dot: bool) -> Self {
+        let dot = if dot && !self.path.is_empty() { "." } else { "" };
+        Self { value, path: format!("{}{dot}{step}", self.path) }
+    }
+
+    fn kind(&self, wanted: &'static str) -> Problem {
+        let found = match self.value {
+            Value::Null => "null".to_owned(),
+            Value::Bool(value) => value.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::String(text) => format!("the text {:?}", text.chars().take(40).collect::<String>()),
+            Value::Array(items) => format!("a list of {}", items.len()),
+            Value::Object(_) => "an object".to_owned(),
+        };
+        Problem::Kind { what: self.path().to_owned(), wanted, found }
+    }
+
+    /// A key that may be absent or null.
+    pub fn find(&self, key: &str) -> Option<Self> {
+        let value = self.value.get(key).filter(|value| !value.is_null())?;
+        Some(self.at(value, key, true))
+    }
+
+    /// A key that must be there.
+    pub fn key(&self, key: &str) -> Result<Self, Problem> {
+        if !self.value.is_object() {
+            return Err(self.kind("an object"));
+        }
+        let value = self.value.get(key);
+        value.map(|value| self.at(value, key, true)).ok_or_else(|| {
+            let dot = if self.path.is_empty() { "" } else { "." };
+            Problem::Missing(format!("{}{dot}{key}", self.path))
+        })
+    }
+
+    /// The entries of a list.
+    pub fn items(&self) -> Result<Vec<Self>, Problem> {
+        let items = self.value.as_array().ok_or_else(|| self.kind("a list"))?;
+        Ok(items.iter().enumerate().map(|(index, item)| self.at(item, format!("[{index}]"), false)).collect())
+    }
+
+    /// The entries of an object, in the file's order.
+    pub fn entries(&self) -> Result<Vec<(&'a str, Self)>, Problem> {
+        let map = self.value.as_object().ok_or_else(|| self.kind("an object"))?;
+        Ok(map.iter().map(|(key, value)| (key.as_str(), self.at(value, format!("[{key:?}]"), false))).collect())
+    }
+
+    /// A finite number.
+    pub fn number(&self) -> Result<f64, Problem> {
+        let number = self.value.as_f64().ok_or_else(|| self.kind("a number"))?;
+        if number.is_finite() { Ok(number) } else { Err(Problem::NotFinite(self.path().to_owned())) }
+    }
+
+    /// A number above zero.
+    pub fn positive(&self) -> Result<f64, Problem> {
+        let value = self.number()?;
+        if value > 0.0 {
+            return Ok(value);
+        }
+        Err(Problem::OutOfRange { what: self.path().to_owned(), value, wanted: "above 0" })
+    }
+
+    /// A whole number of pixels, 1 to 65 535.
+    pub fn side_px(&self) -> Result<u32, Problem> {
+        let value = self.number()?;
+        if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
+            return Ok(value as u32);
+        }
+        Err(Problem::OutOfRange { what: self.path().to_owned(), value, wanted: "a whole number from 1 to 65535" })
+    }
+
+    /// So many numbers.
+    pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
+        let all = self.all_numbers()?;
+        let found = all.len();
+        all.try_into().map_err(|_| Problem::Count { what: format!("{} (numbers)", self.path()), wanted: N, found })
+    }
+
+    /// All numbers of a list.
+    pub fn all_numbers(&self) -> Result<Vec<f64>, Problem> {
+        self.items()?.iter().map(Self::number).collect()
+    }
+
+    /// A text.
+    pub fn text(&self) -> Result<&'a str, Problem> {
+        self.value.as_str().ok_or_else(|| self.kind("a text"))
+    }
+
+    /// A name of an image within the folder: it must not lead out of it.
+    pub fn image_name(&self) -> Result<String, Problem> {
+        let name = self.text()?;
+        safe_path(name)
+    }
+}
+
+/// A path with `/` between its parts that stays within the folder it starts from.
+pub(super) fn safe_path(name: &str) -> Result<String, Problem> {
+    let name = name.replace('\\', "/");
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    let leaves = name.split('/').any(|part| part == "..") || name.starts_with('/') || drive;
+    if leaves || name.is_empty() || name.contains('\0') {
+        return Err(Problem::LeavesFolder(name));
+    }
+    Ok(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn what_is_wrong_is_named_with_its_place() {
+        let value = json!({ "cp": { "at": [1.0, null], "name": 7, "size": 0 } });
+        let node = Node::root(&value);
+        let cp = node.key("cp").unwrap();
+        let said = |result: Result<(), Problem>| result.unwrap_err().to_string();
+        assert_eq!(said(cp.key("at").unwrap().numbers::<2>().map(drop)), "cp.at[1]: a number is wanted, found null");
+        assert_eq!(said(cp.key("name").unwrap().text().map(drop)), "cp.name: a text is wanted, found 7");
+        assert_eq!(said(cp.key("pan").map(drop)), "cp.pan is missing");
+        assert_eq!(
+            said(cp.key("size").unwrap().side_px().map(drop)),
+            "cp.size is 0, which must be a whole number from 1 to 65535"
+        );
+        assert_eq!(said(node.key("cp").unwrap().items().map(drop)), "cp: a list is wanted, found an object");
+    }
+
+    #[test]
+    fn paths_stay_in_their_folder() {
+        assert_eq!(safe_path("a\\b.jpg").unwrap(), "a/b.jpg");
+        for bad in ["../a.jpg", "a/../../b.jpg", "/etc/passwd", "C:\\a.jpg", ""] {
+            assert!(safe_path(bad).is_err(), "{bad}");
+        }
+    }
+}

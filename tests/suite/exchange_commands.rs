@@ -1,0 +1,125 @@
+//! `touchline export` and `touchline import`: there and back through the program, as a script would.
+
+use crate::program::touchline;
+use std::fs;
+use std::path::Path;
+use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
+use touchline::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, document_to_string};
+use touchline::field::builtin;
+use touchline::geometry::{ImageSize, Vec3};
+use touchline::store::read;
+
+const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+/// Three solved frames and one that is not, as `doc.json`.
+fn document(folder: &Path) -> Document {
+    let base = CameraBase {
+        distortion: FocalCurve::constant(-0.08),
+        ..CameraBase::new(Vec3::new(1.0, -58.0, 16.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    };
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&base);
+    document.cameras.push(camera.into());
+    for index in 0..4 {
+        let mut frame = Frame::from_image(&format!("images/{index}.jpg"), "main".into(), SIZE);
+        frame.status = FrameStatus::Reference;
+        let ptz = Ptz::from_degrees(f64::from(index) * 9.0 - 14.0, -11.0, 1500.0 + 100.0 * f64::from(index));
+        frame.ptz = (index < 3).then(|| FramePtz::new(ptz, None));
+        document.frames.push(frame.into());
+    }
+    fs::write(folder.join("doc.json"), document_to_string(&document).unwrap()).unwrap();
+    document
+}
+
+/// How far apart two documents show the landmarks of their solved frames at most, px.
+fn apart_px(a: &Document, b: &Document) -> f64 {
+    let field = builtin("soccer").unwrap().default_model().unwrap();
+    let mut worst = 0.0_f64;
+    let solved = |document: &Document| -> Vec<_> {
+        document.frames.iter().filter_map(|frame| document.pointed(frame)).collect()
+    };
+    let (a, b) = (solved(a), solved(b));
+    assert_eq!(a.len(), b.len());
+    for (a, b) in a.iter().zip(&b) {
+        for landmark in &field.landmarks {
+            let point = field.landmark_in_world(landmark);
+            if let Ok(image) = a.image_from_world(point)
+                && SIZE.contains(image)
+            {
+                worst = worst.max(b.image_from_world(point).unwrap().distance_px(image));
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn cameras_go_out_and_come_back_through_every_format_that_holds_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let document = document(folder.path());
+    for (format, output, size) in [
+        ("soccernet", "sn", ""),
+        ("csv", "cameras.csv", ""),
+        ("broadtrack", "bt.json", ""),
+        ("colmap", "colmap", ""),
+        ("opencv", "opencv", ""),
+    ] {
+        let ran = touchline(folder.path(), &format!("export doc.json --format {format} -o {output}"));
+        assert_eq!(ran.code, 1, "one frame is not solved: {}", ran.stderr);
+        assert!(ran.stderr.contains("touchline: images/3.jpg: it is not solved"), "{}", ran.stderr);
+        assert!(ran.stderr.contains(&format!("3 frames written as {format}; read again")), "{}", ran.stderr);
+        let ran = touchline(folder.path(), &format!("import {output} --format {format} {size} -o back-{format}.json"));
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let (_, back, _) = read(&folder.path().join(format!("back-{format}.json"))).unwrap();
+        let worst = apart_px(&document, &back);
+        assert!(worst < 1e-6, "{format}: {worst}");
+        assert_eq!(back.cameras.len(), 1, "{format}: the frames share a base");
+    }
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_said_and_nothing_is_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    let ran = touchline(folder.path(), "export doc.json --format wc14 -o h");
+    assert!(ran.stderr.contains("not held: lens distortion, points off the ground (3 frames)"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("px rms, at most "), "{}", ran.stderr);
+    let text = fs::read_to_string(folder.path().join("h/0.homographyMatrix")).unwrap();
+    assert_eq!(text.split_whitespace().count(), 9);
+    let again = touchline(folder.path(), "export doc.json --format wc14 -o h");
+    assert_eq!(again.code, 2);
+    assert!(again.stderr.contains("h already exists; give --force to replace it"), "{}", again.stderr);
+    let same = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    let first = same("h/1.homographyMatrix");
+    let ran = touchline(folder.path(), "export doc.json --format wc14 -o h --force");
+    assert_eq!((ran.code, same("h/1.homographyMatrix")), (1, first), "the same bytes for the same input");
+}
+
+#[test]
+fn frames_are_chosen_by_status_and_camera() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    let ran = touchline(folder.path(), "export doc.json --format csv --status suggested");
+    assert_eq!(ran.code, 2);
+    assert_eq!(
+        ran.stderr,
+        "touchline: no frame to export as csv: no frame has the status, camera and confidence that were asked for\n"
+    );
+    let ran = touchline(folder.path(), "export doc.json --format csv --camera other");
+    assert_eq!(ran.stderr, "touchline: there is no camera \"other\" in the document\n");
+    let ran = touchline(folder.path(), "export doc.json --format csv --status reference");
+    assert_eq!(ran.stdout.lines().count(), 4, "a header and three frames");
+}
+
+#[test]
+fn damaged_input_is_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("camera_1.json"), "{\"pan_degrees\": ").unwrap();
+    let ran = touchline(folder.path(), "import camera_1.json --format soccernet -o out.json");
+    assert_eq!((ran.code, ran.stderr.lines().count()), (2, 1), "{}", ran.stderr);
+    assert!(ran.stderr.starts_with("touchline: camera_1.json: not valid JSON: EOF"), "{}", ran.stderr);
+    assert!(!folder.path().join("out.json").exists());
+    let ran = touchline(folder.path(), "import nothing --format soccernet -o out.json");
+    assert!(ran.stderr.starts_with("touchline: cannot read nothing: "), "{}", ran.stderr);
+}
