@@ -8,7 +8,10 @@ use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::unclicked::{UnclickedFailure, UnclickedOrder};
-use super::{BurntInSearch, CameraWatch, Chord, Command, Compared, TrainerOrder, TrainerStatus, WatchPanicked};
+use super::{
+    BurntInSearch, CameraWatch, Chord, Command, Compared, ShotSearch, TrainerOrder, TrainerStatus, VideoAction,
+    WatchPanicked,
+};
 use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
@@ -174,6 +177,9 @@ pub enum Action {
 
     /// A number begins to change; the name is the undo step's.
     BeginEdit(&'static str),
+    /// Something about a video: its shots, playing it.
+    Video(VideoAction),
+
     /// Pan, tilt and focal length by hand.
     EditPtz(Ptz),
     /// The frame's camera by hand.
@@ -413,6 +419,14 @@ impl Action {
     pub const fn kind(&self) -> ActionKind {
         match self {
             Self::Command(_) => ActionKind::Command,
+            Self::Video(action) => match action {
+                VideoAction::MoveCut { .. } => ActionKind::Edit,
+                VideoAction::GoToPlace(_) => ActionKind::Navigation,
+                VideoAction::SetSpeed(_) | VideoAction::Pause => ActionKind::View,
+                VideoAction::ShotProgress { .. } | VideoAction::ShotsFound { .. } | VideoAction::PictureAwaited(_) => {
+                    ActionKind::Report
+                }
+            },
             Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release | Self::ReleaseExactly => {
                 ActionKind::Pointer
             }
@@ -667,6 +681,10 @@ pub enum Effect {
     SnapPoints(Box<PointSnapOrder>),
     /// Judge cameras by the painted lines and report [`Action::LinesChecked`].
     CheckLines(Box<LineCheckOrder>),
+    /// Look for the cuts of a video and report [`VideoAction::ShotsFound`].
+    FindShots(Box<ShotSearch>),
+    /// Give up that search.
+    CancelShots,
     /// Look for burned-in graphics and report [`Action::BurntIn`].
     FindBurntIn(Box<BurntInSearch>),
     /// Tell the background trainer something.

@@ -33,6 +33,17 @@ pub enum Command {
     NextNeedsMe,
     PreviousNeedsMe,
     NextUnanswered,
+    FirstFrame,
+    LastFrame,
+    GoToPlace,
+    PlayPause,
+    NextShot,
+    PreviousShot,
+    FindShots,
+    StopShotSearch,
+    AddCut,
+    MoveCutHere,
+    RemoveCut,
     NextReference,
     PreviousReference,
     Accept,
@@ -201,6 +212,17 @@ rows! {
     NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that has to be looked at; in the order of the list while the review panel is open.", ["N"];
     PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that has to be looked at.", ["Shift+N"];
     NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label would help most frames without a confident proposal.", [];
+    FirstFrame, "first_frame", Frame, "First frame", "Go to the first frame, number 0.", ["Home"];
+    LastFrame, "last_frame", Frame, "Last frame", "Go to the last frame.", ["End"];
+    GoToPlace, "go_to_place", Frame, "Go to frame or time…", "Type a frame's number or a time: 500 or 1:23.4.", ["Ctrl+G"];
+    PlayPause, "play_pause", Frame, "Play or pause", "Play the video at its own rate, or at the speed beside the timeline.", ["P"];
+    NextShot, "next_shot", Frame, "Next shot", "Go to the first frame of the next shot of this video.", ["PageDown"];
+    PreviousShot, "previous_shot", Frame, "Previous shot", "Go to the first frame of this shot, or of the one before.", ["PageUp"];
+    FindShots, "find_shots", Frame, "Find the cuts", "Look at every frame of this video for cuts between shots, in the background; shots marked before are replaced. One step of undo.", [];
+    StopShotSearch, "stop_shot_search", Frame, "Stop looking for cuts", "Stop the search for cuts; nothing is changed.", [];
+    AddCut, "add_cut", Frame, "Cut before this frame", "A shot begins at this frame; the one it was in ends before it. One step of undo.", [];
+    MoveCutHere, "move_cut_here", Frame, "Move the cut here", "The nearest cut goes before this frame: the shot that begins there begins with it. One step of undo.", [];
+    RemoveCut, "remove_cut", Frame, "Join with the shot before", "This shot becomes part of the one before it: no cut is between them. One step of undo.", [];
     NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
     Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
@@ -367,6 +389,9 @@ impl Command {
             | Self::UseForBase
             | Self::AssignToCamera
             | Self::SelectShot
+            | Self::AddCut
+            | Self::MoveCutHere
+            | Self::RemoveCut
             | Self::NewCameraFromChange
             | Self::KeepBurntIn
             | Self::ChangeBurntIn
@@ -387,6 +412,14 @@ impl Command {
             | Self::NextNeedsMe
             | Self::PreviousNeedsMe
             | Self::NextUnanswered
+            | Self::FirstFrame
+            | Self::LastFrame
+            | Self::GoToPlace
+            | Self::PlayPause
+            | Self::NextShot
+            | Self::PreviousShot
+            | Self::FindShots
+            | Self::StopShotSearch
             | Self::NextReference
             | Self::PreviousReference
             | Self::ChooseGold

@@ -9,6 +9,7 @@ use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::unclicked::UnclickedWork;
+use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
@@ -99,6 +100,8 @@ pub struct Session {
     pub burnt_in: Vec<FoundMask>,
     /// The frame, as it was, of which it was asked whether it is to be accepted although its verdict is wrong.
     pub doubted: Option<Doubted>,
+    /// What is done with the video of the shown frame.
+    pub video: VideoState,
     next_notice: u64,
 }
 
@@ -243,6 +246,8 @@ pub enum Dialog {
     OverlayStyle,
     /// Suggestions to be accepted together.
     AcceptAll,
+    /// A frame or a time to go to.
+    GoToPlace,
     /// A comment on the frame.
     Comment(String),
     /// Which camera took these frames.

@@ -115,6 +115,7 @@ mod step_edit;
 mod suggestion;
 mod unanswered;
 mod uses;
+mod video_shots;
 mod write;
 
 pub use at::DocumentAt;
@@ -151,6 +152,7 @@ pub use solution::{
 pub(crate) use split_document::SplitDocument;
 pub use step_edit::{StepEdit, StepMisfit};
 pub(crate) use suggestion::Suggestion;
+pub use video_shots::{ShotsError, VideoShots};
 pub use write::{WriteError, document_to_string};
 
 /// Keys that this program does not know, kept in their order and written back.

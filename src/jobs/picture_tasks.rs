@@ -3,12 +3,15 @@
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
 use crate::app::unclicked::UnclickedOrder;
-use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, SnapOrder};
+use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
 use crate::calibrate::WatchUnclicked;
 use crate::media::FrameReader;
 use crate::paint::WatchFind;
 use crate::proposals::{FeatureStore, WorkFolder};
 use std::ops::ControlFlow;
+
+/// Progress is told each time this many frames have been looked at.
+const PROGRESS_EVERY: usize = 25;
 
 /// Looks for graphics that are burned into the pictures; nothing is found where `watch`, asked after each, ends it.
 pub(super) fn burnt_in(
@@ -21,6 +24,23 @@ pub(super) fn burnt_in(
     let store = FeatureStore::on_disk(&WorkFolder::beside(&search.file));
     let found = search.look(&mut reader, &store, watch).unwrap_or_default();
     Action::BurntIn { file: search.file.clone(), found }
+}
+
+/// Looks for the cuts of a video. The window goes first: while the picture that it shows is being decoded this waits.
+pub(super) fn shots_found(
+    search: &ShotSearch,
+    pictures: &SharedPictures,
+    tell: &dyn Fn(Action) -> ControlFlow<()>,
+) -> Action {
+    let ticket = search.ticket;
+    let found = search.look(&mut FrameReader::new(), &|progress| {
+        pictures.wait_for_window();
+        if progress.done.is_multiple_of(PROGRESS_EVERY) {
+            return tell(Action::Video(VideoAction::ShotProgress { ticket, progress }));
+        }
+        ControlFlow::Continue(())
+    });
+    Action::Video(VideoAction::ShotsFound { ticket, found })
 }
 
 /// Pulls a frame's camera onto the painted lines, or finds it by them; `watch` is told how far a search has come.

@@ -2,7 +2,7 @@
 
 use super::{Decoder, DecoderOptions, DecoderReport, FrameState, SharedPictures, ThumbnailReport, Thumbnails, Wake};
 use crate::app::session::Level;
-use crate::app::{Action, App, OpenProject};
+use crate::app::{Action, App, OpenProject, VideoAction};
 use crate::media::{FrameRef, Picture, PrefetchOptions, StepDirection, prefetch_plan};
 use std::collections::BTreeMap;
 use std::io;
@@ -41,6 +41,8 @@ pub struct Pictures {
     direction: StepDirection,
     state: PictureState,
     keys: BTreeMap<FrameRef, u64>,
+    /// Where the frames that were asked for stand in the document, as long as they are kept.
+    places: BTreeMap<FrameRef, usize>,
     next_key: u64,
 }
 
@@ -59,6 +61,7 @@ impl Pictures {
             direction: StepDirection::Unknown,
             state: PictureState::None,
             keys: BTreeMap::new(),
+            places: BTreeMap::new(),
             next_key: 0,
         })
     }
@@ -73,6 +76,22 @@ impl Pictures {
     #[must_use]
     pub fn current(&self) -> PictureState {
         self.state.clone()
+    }
+
+    /// The places of the frames that are decoded, in no order.
+    #[must_use]
+    pub fn decoded(&self) -> Vec<usize> {
+        let kept = self.decoder.pictures();
+        self.places.iter().filter(|(frame, _)| kept.contains(frame)).map(|(_, place)| *place).collect()
+    }
+
+    /// The decoded picture of the frame that stands nearest to a place, to be shown until the frame's own is there, and the
+    /// number that tells pictures apart.
+    pub fn nearest(&mut self, place: usize) -> Option<(u64, Picture)> {
+        let kept = self.decoder.pictures();
+        let decoded = self.places.iter().filter(|(frame, _)| kept.contains(frame));
+        let frame = decoded.min_by_key(|(_, other)| other.abs_diff(place)).map(|(frame, _)| frame.clone())?;
+        Some((self.key(&frame), kept.get(&frame)?))
     }
 
     /// Whether a frame's thumbnail cannot be had.
@@ -113,6 +132,10 @@ impl Pictures {
             news.thumbnails.clear();
         }
         self.ask(app.open(), app.session.frame);
+        let awaited = matches!(self.state, PictureState::Loading);
+        if awaited != app.session.video.picture_awaited {
+            news.actions.push(Action::Video(VideoAction::PictureAwaited(awaited)));
+        }
         news
     }
 
@@ -124,6 +147,7 @@ impl Pictures {
             self.document = document.cloned();
             self.decoder.clear();
             self.keys.clear();
+            self.places.clear();
             self.shown = None;
         }
         other
@@ -147,13 +171,21 @@ impl Pictures {
         let options = PrefetchOptions { in_blocks, ..PrefetchOptions::default() }
             .within(self.decoder.cache_bytes(), picture_bytes);
         let plan = prefetch_plan(index, open.document.frames.len(), self.direction, options);
-        let neighbours: Vec<_> = plan.into_iter().filter_map(|index| picture_source(open, index)).collect();
+        let kept = self.decoder.pictures();
+        self.places.retain(|frame, _| kept.contains(frame));
+        self.places.insert(frame.clone(), index);
+        let mut neighbours = Vec::with_capacity(plan.len());
+        for (place, neighbour) in plan.into_iter().filter_map(|place| Some((place, picture_source(open, place)?))) {
+            self.places.insert(neighbour.clone(), place);
+            neighbours.push(neighbour);
+        }
         self.decoder.request(&frame, &neighbours);
         self.state = match self.decoder.state(&frame) {
             FrameState::Ready(picture) => PictureState::Ready(self.key(&frame), picture),
             FrameState::Failed(error) => PictureState::Failed(error.to_string()),
             FrameState::Pending | FrameState::Absent => PictureState::Loading,
         };
+        self.decoder.pictures().set_awaited(matches!(self.state, PictureState::Loading));
     }
 
     fn key(&mut self, frame: &FrameRef) -> u64 {

@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, snapped};
+use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -10,7 +10,9 @@ use super::{
 use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
 use crate::app::unclicked::UnclickedFailure;
-use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, SnapFailure, WatchPanicked};
+use crate::app::{
+    Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction, WatchPanicked,
+};
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -45,6 +47,8 @@ enum Kind {
     Watch(u64),
     /// It looks for burned-in graphics.
     BurntIn,
+    /// It looks for cuts; the search's ticket.
+    Shots(u64),
     /// It snaps a frame; the order's ticket.
     Snap(u64),
     /// It looks for a camera without a click; the order's ticket.
@@ -144,6 +148,14 @@ impl Runner {
                     Ok(Outcome::Action(burnt_in(&search, pictures, &|| watch.goes_on())))
                 });
             }
+            Effect::FindShots(search) => {
+                self.give_up(|kind| matches!(kind, Kind::Shots(_)));
+                let pictures = self.pictures.clone();
+                self.begin("shots", Kind::Shots(search.ticket), move |watch| {
+                    Ok(Outcome::Action(shots_found(&search, &pictures, &|action| watch.tell(action))))
+                });
+            }
+            Effect::CancelShots => self.give_up(|kind| matches!(kind, Kind::Shots(_))),
             Effect::Snap(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("snap", Kind::Snap(order.ticket), move |watch| {
@@ -246,6 +258,10 @@ impl Runner {
                             Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
                         }
                         Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
+                        Kind::Shots(ticket) => Action::Video(VideoAction::ShotsFound {
+                            ticket,
+                            found: Err(ShotFailure::Panicked { message }),
+                        }),
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
                         }

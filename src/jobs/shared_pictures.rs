@@ -1,18 +1,35 @@
 //! The decoded frames that the window, the filmstrip and the trainer share, so that none of them decodes what another has.
 
 use crate::media::{FrameCache, FrameRef, MediaError, Notice, Picture, ReadFrames};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 /// Decoded frames within a budget, for everybody who asks. The window's frames go first: what others decode is kept only
 /// where there is room, and forgotten first.
 #[derive(Clone, Debug)]
-pub struct SharedPictures(Arc<Mutex<FrameCache>>);
+pub struct SharedPictures(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    frames: Mutex<FrameCache>,
+    /// The window waits for the picture that it shows.
+    awaited: Mutex<bool>,
+    /// It no longer does.
+    served: Condvar,
+}
+
+/// How long work in the background waits for the window at most, before each of its frames.
+const MOST_WAITED: Duration = Duration::from_millis(500);
 
 impl SharedPictures {
     /// Keeps up to `budget_bytes` of pixels.
     #[must_use]
     pub fn new(budget_bytes: usize) -> Self {
-        Self(Arc::new(Mutex::new(FrameCache::new(budget_bytes))))
+        Self(Arc::new(Shared {
+            frames: Mutex::new(FrameCache::new(budget_bytes)),
+            awaited: Mutex::new(false),
+            served: Condvar::new(),
+        }))
     }
 
     /// Keeps nothing: for work without a window.
@@ -55,9 +72,24 @@ impl SharedPictures {
         *frames = FrameCache::new(frames.budget_bytes());
     }
 
+    /// Whether the window waits for the picture that it shows.
+    pub(super) fn set_awaited(&self, awaited: bool) {
+        *self.0.awaited.lock().unwrap_or_else(PoisonError::into_inner) = awaited;
+        if !awaited {
+            self.0.served.notify_all();
+        }
+    }
+
+    /// Pauses work that nobody waits for while the window waits for its picture: both would take the same processor.
+    pub(super) fn wait_for_window(&self) {
+        let awaited = self.0.awaited.lock().unwrap_or_else(PoisonError::into_inner);
+        // Whether it was in vain or not: this goes on.
+        let _ = self.0.served.wait_timeout_while(awaited, MOST_WAITED, |awaited| *awaited);
+    }
+
     /// Nobody can panic with the lock held.
     fn lock(&self) -> MutexGuard<'_, FrameCache> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.frames.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

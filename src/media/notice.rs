@@ -23,6 +23,11 @@ pub enum Notice {
         /// The rate that the container states, frames a second.
         fps: f64,
     },
+    /// The frames are made of two fields, taken one after the other.
+    Interlaced {
+        /// The video.
+        path: PathBuf,
+    },
     /// Jumping within the video gave other pictures than playing it, so that it is played from its start instead.
     NoJumping {
         /// The video.
@@ -58,6 +63,9 @@ impl fmt::Display for Notice {
                 "{}: the frames are not {fps:.3} a second throughout. Numbering follows decoded frames.",
                 name(path)
             ),
+            Self::Interlaced { path } => {
+                write!(f, "{} is interlaced: of each picture only the first field is used, half its lines.", name(path))
+            }
             Self::NoJumping { path } => write!(
                 f,
                 "{}: it cannot be jumped in exactly, so steps back are slow. Convert it to MP4 for quick steps.",

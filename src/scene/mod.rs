@@ -7,6 +7,7 @@ pub mod field_map;
 pub mod next_click;
 pub mod overlay;
 mod style;
+pub mod timeline;
 pub mod uncertainty;
 
 pub use style::OverlayStyle;

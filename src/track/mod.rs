@@ -3,6 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | [`tie_frames`], [`Tie`] | matches of two frames that one rotation and one zoom explain |
+//! | [`CutFinder`] | where one shot of a video ends and the next begins |
 //! | [`groups`] | the frames that hang together |
 //! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a group, from the ties alone |
 //!
@@ -12,6 +13,7 @@
 //! Frames, signs and units: [`crate::conventions`].
 
 mod axis;
+mod cuts;
 mod cycles;
 mod error;
 mod group;
@@ -24,6 +26,7 @@ mod tie_problem;
 mod tie_residual;
 mod turns;
 
+pub use cuts::{CutFinder, FoundCut, Miniature};
 pub use error::TrackError;
 pub use group::groups;
 pub use pairs::tie_frames;

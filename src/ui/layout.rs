@@ -2,7 +2,7 @@
 
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
-    rejecting, review, status, theme, trainer, viewport,
+    rejecting, review, status, theme, timeline, trainer, viewport,
 };
 use crate::app::session::SidePanel;
 use egui::{Frame, Margin, Ui};
@@ -52,6 +52,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .resizable(false)
             .frame(side)
             .show(ui, |ui| filmstrip::show(panel, ui));
+        if timeline::is_wanted(panel.app) {
+            egui::Panel::bottom("timeline")
+                .exact_size(timeline::HEIGHT)
+                .resizable(false)
+                .frame(row)
+                .show(ui, |ui| timeline::show(panel, ui));
+        }
     }
     let canvas = egui::CentralPanel::no_frame().show(ui, |ui| {
         let rect = ui.max_rect();

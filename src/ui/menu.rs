@@ -205,10 +205,22 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     }
     trainer(panel, ui);
+    shot_search(panel, ui);
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
         ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text("Thumbnails of the frames in view.");
+    }
+}
+
+/// How far the search for cuts has come; a click stops it.
+fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(search) = &panel.app.session.video.search else { return };
+    let share = 100 * search.progress.done / search.progress.of.max(1);
+    let says = ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(theme::WEAK)).frame(false));
+    let tip = format!("Looking for the cuts of {}. A click stops that.", file_name(&search.video));
+    if says.on_hover_text(tip).clicked() {
+        panel.actions.push(Action::Command(Command::StopShotSearch));
     }
 }
 

@@ -36,6 +36,7 @@ mod shell;
 mod status;
 mod symbol;
 mod theme;
+mod timeline;
 mod trainer;
 mod viewport;
 

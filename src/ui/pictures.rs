@@ -2,7 +2,7 @@
 
 use crate::app::{Action, App, OpenProject};
 use crate::jobs::{self, PictureState, SharedPictures, Wake, picture_source};
-use crate::media::FrameRef;
+use crate::media::{FrameRef, Picture};
 use lru::LruCache;
 use std::io;
 use std::num::NonZeroUsize;
@@ -51,6 +51,17 @@ impl Pictures {
     #[must_use]
     pub fn current(&self) -> PictureState {
         self.decoded.current()
+    }
+
+    /// The places of the frames that are decoded, in no order.
+    #[must_use]
+    pub fn decoded(&self) -> Vec<usize> {
+        self.decoded.decoded()
+    }
+
+    /// The decoded picture nearest to a place: see [`jobs::Pictures::nearest`].
+    pub fn nearest(&mut self, place: usize) -> Option<(u64, Picture)> {
+        self.decoded.nearest(place)
     }
 
     /// A frame's thumbnail; if it is not there yet it is made in the background.

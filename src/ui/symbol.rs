@@ -26,6 +26,10 @@ pub enum Symbol {
     Folded,
     /// To fold.
     Unfolded,
+    /// To play.
+    Play,
+    /// To pause.
+    Pause,
 }
 
 /// Draws a symbol into the middle of a box.
@@ -69,6 +73,12 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
             painter.circle_filled(at(0.0, -3.0), 1.0, colour);
         }
         Symbol::Folded => triangle(painter, [at(-2.5, -4.5), at(3.5, 0.0), at(-2.5, 4.5)], colour),
+        Symbol::Play => triangle(painter, [at(-3.5, -5.5), at(5.5, 0.0), at(-3.5, 5.5)], colour),
+        Symbol::Pause => {
+            for x in [-3.0, 3.0] {
+                painter.rect_filled(Rect::from_center_size(at(x, 0.0), vec2(3.0, 11.0)), 0.0, colour);
+            }
+        }
         Symbol::Unfolded => triangle(painter, [at(-4.5, -2.5), at(4.5, -2.5), at(0.0, 3.5)], colour),
     }
 }

@@ -8,17 +8,24 @@ use opencv::videoio::{self, VideoCapture, VideoWriter};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use sha2::{Digest, Sha256};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use touchline::app::{FoundShots, ShotSearch};
+use touchline::document::ShotKind;
 use touchline::geometry::ImageSize;
-use touchline::media::{FrameClock, FrameRef, FrameSource, MediaError, Notice, Video};
+use touchline::media::{FrameClock, FrameReader, FrameRef, FrameSource, MediaError, Notice, Video};
 
 pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_in_every_container;
+    [Ffmpeg] a_number_means_one_picture_however_the_file_was_made;
     [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
     [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
     [Ffmpeg] a_video_on_its_side_is_turned_upright;
     [Ffmpeg] pixels_that_are_not_square_are_said;
+    [Ffmpeg] the_cuts_of_a_video_are_found;
+    [Ffmpeg] interlaced_frames_are_shown_without_a_comb;
+    [Frames] a_match_without_a_cut_has_one_shot;
     [] a_video_is_a_source_of_numbered_frames;
     [Frames] a_match_states_825_frames_and_has_817;
 ];
@@ -104,6 +111,40 @@ fn a_number_means_one_picture_in_every_container() {
     }
 }
 
+/// Files as encoders, cutters and recorders leave them: no index, late starts, edit lists, reordered frames, odd rates.
+fn a_number_means_one_picture_however_the_file_was_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = "-c:v libx264 -g 50 -bf 3 -x264-params b-pyramid=normal";
+    ffmpeg(folder.path(), &format!("{CARD} {whole} whole.mp4"));
+    // The name, how it is made, and how many frames it has.
+    let table = [
+        ("hierarchical-b.mp4", format!("{CARD} {whole}"), 150),
+        ("one-key-frame.mp4", format!("{CARD} -c:v libx264 -g 1000 -bf 2"), 150),
+        ("every-frame-a-key.mp4", format!("{CARD} -c:v libx264 -g 1"), 150),
+        ("hevc.mp4", format!("{CARD} -c:v libx265 -x265-params log-level=error -g 50"), 150),
+        ("mpeg4.avi", format!("{CARD} -c:v mpeg4 -g 50 -bf 2"), 150),
+        ("fragmented.mp4", "-i whole.mp4 -c copy -movflags frag_keyframe+empty_moov".to_owned(), 150),
+        ("late.mp4", "-i whole.mp4 -c copy -output_ts_offset 3.2".to_owned(), 150),
+        ("late.mkv", "-i whole.mp4 -c copy -output_ts_offset 3.2".to_owned(), 150),
+        ("late.ts", "-i whole.mp4 -c copy -output_ts_offset 3.2".to_owned(), 150),
+        ("no-index.mkv", "-i whole.mp4 -c copy -f matroska -live 1".to_owned(), 150),
+        ("elementary.h264", "-i whole.mp4 -c copy -bsf:v h264_mp4toannexb".to_owned(), 150),
+        ("ntsc.mp4", format!("{} {whole}", CARD.replace("rate=25", "rate=30000/1001")), 180),
+        ("ntsc.mkv", format!("{} {whole}", CARD.replace("rate=25", "rate=30000/1001")), 180),
+        ("slow.mp4", format!("{} {whole}", CARD.replace("rate=25", "rate=8")), 48),
+    ];
+    for (name, how, count) in table {
+        ffmpeg(folder.path(), &format!("{how} {name}"));
+        let video = assert_numbers_hold(&folder.path().join(name), 30);
+        assert_eq!(video.info().decoded_frames, count, "{name}");
+        let spacing = video.info().pts_s(11).unwrap() - video.info().pts_s(10).unwrap();
+        assert!((spacing - 1.0 / video.info().fps).abs() < 1.1e-3, "{name}: {spacing} s at {}", video.info().fps);
+    }
+    // Cut out of the middle without encoding again: an edit list hides what lies before the cut.
+    ffmpeg(folder.path(), "-ss 1.3 -i whole.mp4 -t 3 -c copy cut-out.mp4");
+    assert_numbers_hold(&folder.path().join("cut-out.mp4"), 30);
+}
+
 fn uneven_frames_are_numbered_as_they_decode() {
     let folder = tempfile::tempdir().unwrap();
     let gap = "-vf select='not(between(n,90,94))' -vsync vfr -c:v libx264 -g 50";
@@ -155,6 +196,53 @@ fn pixels_that_are_not_square_are_said() {
         video.info().notices[0].to_string(),
         "wide.mp4: its pixels are not square (1.333 : 1). Convert it to square pixels before calibrating."
     );
+}
+
+/// The cuts of a video, as the window looks for them.
+fn cuts(path: &Path) -> FoundShots {
+    let search = ShotSearch { ticket: 1, video: "match.mp4".to_owned(), path: path.to_path_buf() };
+    search.look(&mut FrameReader::new(), &|_| ControlFlow::Continue(())).unwrap()
+}
+
+fn the_cuts_of_a_video_are_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = "-f lavfi -i testsrc2=size=160x90:rate=25:duration=2 -f lavfi -i mandelbrot=size=160x90:rate=25 \
+                  -f lavfi -i smptehdbars=size=160x90:rate=25:duration=2";
+    let joined = "[1:v]trim=duration=2,setpts=PTS-STARTPTS[b];[0:v][b]concat,settb=1/25[c];[c][2:v]xfade=duration=0.6:offset=3.4";
+    ffmpeg(folder.path(), &format!("{scenes} -filter_complex {joined} -c:v libx264 -g 50 -pix_fmt yuv420p cuts.mp4"));
+    let found = cuts(&folder.path().join("cuts.mp4"));
+    let [(50, ShotKind::Cut), (fade, ShotKind::Fade)] = found.cuts[..] else { panic!("{found:?}") };
+    // It begins with frame 85 and lasts 15.
+    assert!((85..=100).contains(&fade), "{fade}");
+    assert_eq!(found.last, 134);
+}
+
+fn a_match_without_a_cut_has_one_shot() {
+    // The second one has two flashes of photographers and a fast zoom.
+    for (video, last) in [("video-soccer/match.mp4", 816), ("video-basketball/clip.mp4", 308)] {
+        assert_eq!(cuts(&frames_folder().join(video)), FoundShots { last, cuts: Vec::new() }, "{video}");
+    }
+}
+
+fn interlaced_frames_are_shown_without_a_comb() {
+    let folder = tempfile::tempdir().unwrap();
+    let card = "-f lavfi -i testsrc2=size=320x576:rate=50:duration=4 -vf scroll=horizontal=0.01";
+    ffmpeg(folder.path(), &format!("{card},interlace=lowpass=0 -c:v libx264 -flags +ildct+ilme interlaced.mp4"));
+    ffmpeg(folder.path(), &format!("{card} -c:v libx264 progressive.mp4"));
+    let mut progressive = Video::open(&folder.path().join("progressive.mp4")).unwrap();
+    assert!(!progressive.info().interlaced && progressive.info().notices.is_empty());
+    let mut video = Video::open(&folder.path().join("interlaced.mp4")).unwrap();
+    assert!(video.info().interlaced);
+    assert_eq!(
+        video.info().notices[0].to_string(),
+        "interlaced.mp4 is interlaced: of each picture only the first field is used, half its lines."
+    );
+    // The first field is that of every other frame, before it was interlaced.
+    let (shown, truth) = (video.frame(40).unwrap(), progressive.frame(80).unwrap());
+    let rows = (0..576).step_by(2).flat_map(|y| (0..320).map(move |x| (x, y)));
+    let off = rows.map(|(x, y)| u64::from(shown.pixel(x, y).unwrap()[1].abs_diff(truth.pixel(x, y).unwrap()[1])));
+    let mean_off = off.sum::<u64>() as f64 / (320.0 * 288.0);
+    assert!(mean_off < 3.0, "{mean_off}");
 }
 
 /// A video that needs nothing but OpenCV to be made: each frame of one grey.

@@ -54,6 +54,7 @@ mod review_in_app;
 mod seeded;
 mod session;
 mod shaders;
+mod shots_in_app;
 mod snapped_points_in_app;
 mod snapped_suggestions;
 mod suggestions_in_app;

@@ -84,11 +84,24 @@ impl App {
                 Some("Nothing that looks burned in waits.")
             }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
-            C::AssignToCamera | C::NewCameraFromChange | C::ConfirmFieldSize | C::FitFieldSize
+            C::AssignToCamera
+            | C::NewCameraFromChange
+            | C::ConfirmFieldSize
+            | C::FitFieldSize
+            | C::FindShots
+            | C::AddCut
+            | C::MoveCutHere
+            | C::RemoveCut
                 if self.is_read_only() =>
             {
                 Some("The document is read-only.")
             }
+            C::NextShot | C::PreviousShot | C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut
+                if self.frame().is_some_and(|frame| frame.video.is_none()) =>
+            {
+                Some("This frame is not of a video.")
+            }
+            C::StopShotSearch if self.session.video.search.is_none() => Some("No cuts are being looked for."),
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
@@ -177,6 +190,17 @@ impl App {
             C::NextNeedsMe => self.go_to_next_that_needs_me(true),
             C::PreviousNeedsMe => self.go_to_next_that_needs_me(false),
             C::NextUnanswered => self.go_to_label_next(),
+            C::FirstFrame => self.go_to(0),
+            C::LastFrame => self.go_to(usize::MAX),
+            C::GoToPlace => self.session.dialog = Some(Dialog::GoToPlace),
+            C::PlayPause => self.toggle_playing(),
+            C::NextShot => self.go_to_shot(true),
+            C::PreviousShot => self.go_to_shot(false),
+            C::FindShots => self.find_shots(),
+            C::StopShotSearch => self.stop_shot_search(),
+            C::AddCut => self.add_cut(),
+            C::MoveCutHere => self.move_cut_here(),
+            C::RemoveCut => self.remove_cut(),
             C::NextReference => self.go_to_next(
                 true,
                 |frame| frame.status == FrameStatus::Reference,

@@ -36,6 +36,7 @@ impl App {
         self.effects.push(Effect::CancelBulk);
         self.effects.push(Effect::CancelSnap);
         self.effects.push(Effect::CancelFindCamera);
+        self.stop_shot_search();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;
@@ -70,6 +71,7 @@ impl App {
         self.point_snaps = self.point_snaps.for_another();
         self.session.unticked.clear();
         self.find_burnt_in();
+        self.find_shots_of_new();
     }
 
     pub(super) fn save(&mut self) {

@@ -48,6 +48,9 @@ impl App {
     #[must_use]
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
+        if self.session.video.picture_awaited {
+            return Some("The picture of this frame is not there yet. Accept it once you have seen it.".to_owned());
+        }
         if let Some(unnamed) = unnamed(frame) {
             return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
         }

@@ -16,10 +16,12 @@ mod naming;
 mod numbers;
 mod outside;
 mod paint;
+mod playing;
 mod points;
 mod proposals;
 mod quality;
 mod review;
+mod shots;
 mod trainer;
 mod unclicked;
 
@@ -62,6 +64,8 @@ pub struct App {
     bulk_tickets: u64,
     /// How often a camera was looked for without a click.
     unclicked_tickets: u64,
+    /// How many searches for cuts there were.
+    shot_tickets: u64,
     effects: Vec<Effect>,
 }
 
@@ -115,6 +119,7 @@ impl App {
         self.apply(action);
         self.finish_find_camera();
         self.finish_bulk();
+        self.finish_shot_search();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
         self.refresh_review();
         self.refresh_accept_sheet();
@@ -136,9 +141,13 @@ impl App {
         }
         match action {
             Action::Command(command) => self.command(command),
+            Action::Video(action) => self.video(action),
             Action::Hold(command, down) => self.hold(command, down),
             Action::Hover(at) => self.session.hover = at,
-            Action::Press { at, on } => self.press(at, on),
+            Action::Press { at, on } => {
+                self.session.video.playing = false;
+                self.press(at, on);
+            }
             Action::Drag(to) => self.drag(to),
             Action::Release => self.release(false),
             Action::ReleaseExactly => self.release(true),

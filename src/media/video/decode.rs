@@ -1,5 +1,6 @@
 //! An open video and its frames by number.
 
+use super::comb::first_field;
 use super::player::Player;
 use super::survey::{Survey, survey};
 use super::{CountProgress, VideoInfo};
@@ -43,7 +44,8 @@ impl Video {
         &self.info
     }
 
-    /// The pixels of a frame by its number among the decoded frames, from 0, turned upright.
+    /// The pixels of a frame by its number among the decoded frames, from 0, turned upright; of an interlaced one those of its
+    /// first field.
     ///
     /// # Errors
     /// There is no such frame, or its data are damaged.
@@ -56,6 +58,7 @@ impl Video {
             });
         }
         self.player.go_to(&self.info, index)?;
-        self.player.capture.picture(index)
+        let picture = self.player.capture.picture(index)?;
+        Ok(if self.info.interlaced { first_field(&picture) } else { picture })
     }
 }

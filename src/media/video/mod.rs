@@ -10,6 +10,8 @@ mod clock;
 #[cfg(feature = "opencv")]
 mod capture;
 #[cfg(feature = "opencv")]
+mod comb;
+#[cfg(feature = "opencv")]
 mod decode;
 #[cfg(feature = "opencv")]
 mod player;
@@ -53,6 +55,8 @@ pub struct VideoInfo {
     pub stated_frames: usize,
     /// The number of frames that decode.
     pub decoded_frames: usize,
+    /// The frames are interlaced: two fields taken one after the other. What is returned is made of the first field alone.
+    pub interlaced: bool,
     /// When each frame is shown.
     pub clock: FrameClock,
     /// What the user should know about this video.

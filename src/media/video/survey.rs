@@ -6,6 +6,7 @@
 //! frame is visited once.
 
 use super::capture::Capture;
+use super::comb::is_combed;
 use super::player::Player;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
@@ -26,6 +27,8 @@ const PREROLL_FRAMES: usize = 300;
 const TAIL_FRAMES: usize = 64;
 /// How many frames are counted between two reports of progress.
 const COUNT_REPORT_FRAMES: usize = 100;
+/// The heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
+const INTERLACED_HEIGHTS: [u32; 4] = [480, 486, 576, 1080];
 /// Times on a steady rate, s: what is left is the rounding of floating-point numbers.
 const EXACT_S: f64 = 2e-6;
 /// Times on a steady rate in a container that rounds to milliseconds, s.
@@ -70,6 +73,7 @@ pub(super) fn survey(
         rotation_deg: capture.rotation_deg(),
         fps: capture.fps(),
         stated_frames: capture.stated_frames(),
+        interlaced: false,
         decoded_frames: lead.times_s.len(),
         clock: FrameClock::Even { first_s, fps: capture.fps() },
         notices: Vec::new(),
@@ -97,6 +101,7 @@ pub(super) fn survey(
             }
         }
     }
+    info.interlaced = is_interlaced(&mut player, &info, &lead);
     if !jumps_agree(&mut player, &info, &lead.samples) {
         player.preroll = usize::MAX;
         info.notices.push(Notice::NoJumping { path: path.to_path_buf() });
@@ -113,6 +118,9 @@ fn add_notices(info: &mut VideoInfo, aspect: f64) {
     }
     if matches!(info.clock, FrameClock::Listed(_)) {
         info.notices.push(Notice::UnevenFrameTimes { path: path.clone(), fps: info.fps });
+    }
+    if info.interlaced {
+        info.notices.push(Notice::Interlaced { path: path.clone() });
     }
     if (aspect - 1.0).abs() > 1e-3 {
         info.notices.push(Notice::PixelsNotSquare { path, aspect });
@@ -234,6 +242,24 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
         player.position = None;
         player.go_to(info, *index).is_ok() && player.capture.picture(*index).is_ok_and(|jumped| jumped == *played)
     })
+}
+
+/// Whether the frames are interlaced: two of those looked at are made of two fields. Footage is only in a few heights.
+fn is_interlaced(player: &mut Player, info: &VideoInfo, lead: &Lead) -> bool {
+    if !INTERLACED_HEIGHTS.contains(&info.size.height) || info.rotation_deg % 180 != 0 {
+        return false;
+    }
+    // Nothing may move where the video begins. Reading on costs little, so that each jump is used for four frames.
+    let starts = [info.decoded_frames / 3, info.decoded_frames * 2 / 3];
+    let places = starts.into_iter().flat_map(|start| (start..info.decoded_frames).step_by(4).take(4));
+    let later: Vec<Picture> = places
+        .filter_map(|index| {
+            player.go_to(info, index).ok()?;
+            player.capture.picture(index).ok()
+        })
+        .collect();
+    let lead = lead.samples.iter().map(|(_, picture)| picture);
+    lead.chain(&later).filter(|picture| is_combed(picture)).count() >= 2
 }
 
 /// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files

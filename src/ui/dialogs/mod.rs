@@ -7,6 +7,7 @@ mod assign;
 mod changed_outside;
 mod comment;
 mod fuzzy;
+mod go_to;
 mod keys;
 mod not_saved;
 mod orphans;
@@ -32,6 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),
+        Some(Dialog::GoToPlace) => go_to::show(panel, ctx),
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
         Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),

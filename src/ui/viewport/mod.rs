@@ -129,16 +129,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
             });
             show_frame(panel, ui, &placement, &hold, key, picture);
         }
-        Err(Missing::Yet) => show_last(ui, &placement, rect),
+        Err(Missing::Yet) => show_stand_in(panel, ui, &placement),
         Err(Missing::Never(reason)) => hints::failed(&painter, rect, &reason),
     }
 }
 
-/// The previous picture, dimmed once the next one takes longer.
-fn show_last(ui: &egui::Ui, placement: &Placement, rect: Rect) {
-    let now = ui.input(|input| input.time);
+/// The decoded picture of the nearest frame, or else the previous picture, dimmed once the frame's own takes longer.
+fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
+    let (now, rect) = (ui.input(|input| input.time), placement.rect);
     let (last, since) =
         remembered(ui.ctx(), |remembered| (remembered.last.clone(), *remembered.waiting_since.get_or_insert(now)));
+    let last = panel.pictures.nearest(panel.app.session.frame).or(last);
     let slow = now - since >= PATIENCE_S;
     if let Some((key, pixels)) = last
         && pixels.size() == placement.image_size

@@ -1,0 +1,92 @@
+//! A place in a video as people write it: a frame's number, or a time.
+
+use thiserror::Error;
+
+/// A place that was typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// A frame by its number, from 0.
+    Frame(usize),
+    /// A time, s.
+    Time(f64),
+}
+
+/// A text that is no place.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{0:?} is neither a frame nor a time; write for example 500 or 1:23.4")]
+pub struct NoPlace(pub String);
+
+impl std::str::FromStr for Place {
+    type Err = NoPlace;
+
+    /// `500` is a frame, `1:23.4` minutes and seconds, `1:02:03.4` with hours, `83.4` or `83 s` seconds.
+    fn from_str(text: &str) -> Result<Self, NoPlace> {
+        let wrong = || NoPlace(text.trim().to_owned());
+        let typed = text.trim();
+        if let Ok(frame) = typed.parse() {
+            return Ok(Self::Frame(frame));
+        }
+        let typed = typed.trim_end_matches('s').trim_end();
+        let is_plain = |part: &str| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+        let mut seconds = 0.0;
+        let parts: Vec<&str> = typed.split(':').collect();
+        if parts.len() > 3 {
+            return Err(wrong());
+        }
+        for (at, part) in parts.iter().enumerate() {
+            let number: f64 =
+                Some(*part).filter(|part| is_plain(part)).and_then(|part| part.parse().ok()).ok_or_else(wrong)?;
+            // Below the highest unit minutes and seconds end at 60, and only seconds have a fraction.
+            if at > 0 && number >= 60.0 || at + 1 < parts.len() && number.fract() != 0.0 {
+                return Err(wrong());
+            }
+            seconds = 60.0 * seconds + number;
+        }
+        Ok(Self::Time(seconds))
+    }
+}
+
+/// A time as a clock shows it: "1:23.40", "1:02:03.40".
+#[must_use]
+pub fn time_code(seconds: f64) -> String {
+    let hundredths = (100.0 * seconds.max(0.0)).round() as u64;
+    let (hours, minutes) = (hundredths / 360_000, hundredths / 6_000 % 60);
+    let rest = format!("{:02}.{:02}", hundredths / 100 % 60, hundredths % 100);
+    if hours > 0 { format!("{hours}:{minutes:02}:{rest}") } else { format!("{minutes}:{rest}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_and_times_are_told_apart() {
+        for (text, place) in [
+            ("500", Place::Frame(500)),
+            (" 0 ", Place::Frame(0)),
+            ("1:23.4", Place::Time(83.4)),
+            ("1:02:03.5", Place::Time(3723.5)),
+            ("83.4", Place::Time(83.4)),
+            ("12 s", Place::Time(12.0)),
+            ("75:00", Place::Time(4500.0)),
+        ] {
+            let Ok(found) = text.parse() else { panic!("{text} is a place") };
+            match (found, place) {
+                (Place::Time(found), Place::Time(wanted)) => assert!((found - wanted).abs() < 1e-9, "{text}: {found}"),
+                (found, place) => assert_eq!(found, place, "{text}"),
+            }
+        }
+        for text in ["", "kick-off", "-3", "1:75", "1.5:20", "1:2:3:4", "1:", "1e3:2", "inf"] {
+            assert_eq!(text.parse::<Place>(), Err(NoPlace(text.to_owned())));
+        }
+    }
+
+    #[test]
+    fn a_time_is_shown_as_it_is_typed() {
+        assert_eq!(
+            [0.0, 16.48, 83.4, 3723.5, 59.999].map(time_code),
+            ["0:00.00", "0:16.48", "1:23.40", "1:02:03.50", "1:00.00"]
+        );
+        assert_eq!(time_code(-1.0), "0:00.00");
+    }
+}

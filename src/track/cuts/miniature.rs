@@ -1,0 +1,136 @@
+//! A frame so small that only what fills it is left: what cuts are looked for in.
+
+use crate::media::Picture;
+
+/// Columns of a miniature.
+pub const WIDTH: usize = 64;
+/// Rows of a miniature.
+pub const HEIGHT: usize = 36;
+/// How many pixels of a cell are looked at along each side; the mean of these stands for the cell.
+const SAMPLES: usize = 6;
+/// The farthest shift that is tried, in halves of a cell's count: columns and rows of a picture of half the size.
+const COARSE_SHIFT: (i32, i32) = (8, 4);
+
+/// A frame reduced to 64 × 36 cells of red, green and blue, whatever its shape.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Miniature {
+    /// Red, green and blue of each cell, rows from the top.
+    cells: Vec<[f32; 3]>,
+}
+
+impl Miniature {
+    /// Reduces a picture.
+    #[must_use]
+    pub fn of(picture: &Picture) -> Self {
+        let (width, height) = (picture.size().width as usize, picture.size().height as usize);
+        let rgba = picture.rgba();
+        // The middles of so many equal parts of a side.
+        let places = |side: usize, parts: usize| -> Vec<usize> {
+            (0..parts).map(|part| (2 * part + 1) * side / (2 * parts)).collect()
+        };
+        let (columns, rows) = (places(width, WIDTH * SAMPLES), places(height, HEIGHT * SAMPLES));
+        let mut cells = Vec::with_capacity(WIDTH * HEIGHT);
+        for rows in rows.chunks_exact(SAMPLES) {
+            for columns in columns.chunks_exact(SAMPLES) {
+                let mut sum = [0u32; 3];
+                for row in rows {
+                    for column in columns {
+                        let at = 4 * (row * width + column);
+                        for (sum, value) in sum.iter_mut().zip(rgba.get(at..at + 3).unwrap_or_default()) {
+                            *sum += u32::from(*value);
+                        }
+                    }
+                }
+                cells.push(sum.map(|sum| sum as f32 / (SAMPLES * SAMPLES) as f32));
+            }
+        }
+        Self { cells }
+    }
+
+    /// How far two differ where one is shifted as fits best: the mean difference of a colour, 0 to 255.
+    ///
+    /// A camera that turns shifts its picture, which is no cut; what differs then is little.
+    #[must_use]
+    pub fn difference(&self, other: &Self) -> f32 {
+        let (small, small_other) = (self.halved(), other.halved());
+        let half = (WIDTH / 2, HEIGHT / 2);
+        let shifts = (-COARSE_SHIFT.0..=COARSE_SHIFT.0)
+            .flat_map(|right| (-COARSE_SHIFT.1..=COARSE_SHIFT.1).map(move |down| (right, down)));
+        let coarse = shifts
+            .map(|shift| (shift, shifted_difference(&small, &small_other, half, shift)))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map_or((0, 0), |(shift, _)| shift);
+        let fine = (-1..=1).flat_map(|right| (-1..=1).map(move |down| (2 * coarse.0 + right, 2 * coarse.1 + down)));
+        fine.map(|shift| shifted_difference(&self.cells, &other.cells, (WIDTH, HEIGHT), shift))
+            .fold(f32::INFINITY, f32::min)
+    }
+
+    /// How far it is from the mean of two others, none of them shifted: little where one fades into the other.
+    #[must_use]
+    pub fn difference_from_blend(&self, before: &Self, after: &Self) -> f32 {
+        let blended = before.cells.iter().zip(&after.cells);
+        let sum: f32 = self
+            .cells
+            .iter()
+            .zip(blended)
+            .map(|(cell, (a, b))| {
+                (0..3).map(|colour| (cell[colour] - 0.5 * (a[colour] + b[colour])).abs()).sum::<f32>()
+            })
+            .sum();
+        sum / (3 * self.cells.len()) as f32
+    }
+
+    /// How far two differ as they lie.
+    #[must_use]
+    pub fn unshifted_difference(&self, other: &Self) -> f32 {
+        shifted_difference(&self.cells, &other.cells, (WIDTH, HEIGHT), (0, 0))
+    }
+
+    /// How far its cells are from their mean: nothing in a picture of one colour.
+    #[must_use]
+    pub fn contrast(&self) -> f32 {
+        let count = self.cells.len() as f32;
+        let mean = (0..3).map(|colour| self.cells.iter().map(|cell| cell[colour]).sum::<f32>() / count);
+        let deviations = mean
+            .enumerate()
+            .map(|(colour, mean)| self.cells.iter().map(|cell| (cell[colour] - mean).abs()).sum::<f32>());
+        deviations.sum::<f32>() / (3.0 * count)
+    }
+
+    fn halved(&self) -> Vec<[f32; 3]> {
+        let mut half = Vec::with_capacity(self.cells.len() / 4);
+        for rows in self.cells.chunks_exact(2 * WIDTH) {
+            for column in (0..WIDTH).step_by(2) {
+                let four = [rows[column], rows[column + 1], rows[WIDTH + column], rows[WIDTH + column + 1]];
+                half.push([0, 1, 2].map(|colour| four.iter().map(|cell| cell[colour]).sum::<f32>() / 4.0));
+            }
+        }
+        half
+    }
+}
+
+/// The mean difference of a colour where cell (x, y) of one lies on (x + right, y + down) of the other.
+fn shifted_difference(
+    one: &[[f32; 3]],
+    other: &[[f32; 3]],
+    (width, height): (usize, usize),
+    (right, down): (i32, i32),
+) -> f32 {
+    let span = |side: usize, shift: i32| {
+        let (from, cut) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
+        from..side - cut
+    };
+    let (columns, rows) = (span(width, right), span(height, down));
+    let count = 3 * columns.len() * rows.len();
+    let mut sum = 0.0;
+    for row in rows {
+        let start = row * width + columns.start;
+        let beside =
+            row.saturating_add_signed(down as isize) * width + columns.start.saturating_add_signed(right as isize);
+        let (one, other) = (&one[start..start + columns.len()], &other[beside..beside + columns.len()]);
+        for (a, b) in one.iter().zip(other) {
+            sum += (a[0] - b[0]).abs() + (a[1] - b[1]).abs() + (a[2] - b[2]).abs();
+        }
+    }
+    sum / count as f32
+}

@@ -1,0 +1,40 @@
+//! Going to a frame by its number, or to a time.
+
+use super::{has_just_opened, sheet};
+use crate::app::place::Place;
+use crate::app::{Action, VideoAction, sentence};
+use crate::ui::{Panel, theme};
+use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
+
+/// Shows the sheet.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let memory = Id::unique("place asked for");
+    let opened = has_just_opened(ctx, "place");
+    let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
+    let mut typed = known.filter(|_| !opened).unwrap_or_default();
+    let last = panel.app.open().map_or(0, |open| open.document.frames.len().saturating_sub(1));
+    sheet(panel, ctx, "Go to frame or time", vec2(320.0, 150.0), |panel, ui| {
+        let place = typed.parse::<Place>();
+        ui.horizontal(|ui| {
+            let field = TextEdit::singleline(&mut typed).hint_text("500 or 1:23.4").desired_width(210.0);
+            let response = ui.add(field).accessible_name("Frame or time");
+            let response = response.on_hover_text("A frame's number, or minutes and seconds. Enter goes there.");
+            if opened {
+                response.request_focus();
+            }
+            let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+            let go = ui.add_enabled(place.is_ok(), Button::new("Go").fill(theme::ACCENT_GROUND));
+            let go = go.on_hover_text("Show this frame. (Enter)");
+            if let (true, Ok(place)) = (go.clicked() || entered, &place) {
+                panel.actions.push(Action::Video(VideoAction::GoToPlace(*place)));
+            }
+        });
+        ui.add_space(theme::SPACE);
+        let says = match &place {
+            Err(error) if !typed.trim().is_empty() => RichText::new(sentence(&error.to_string())).color(theme::CAUTION),
+            _ => RichText::new(format!("Frames are numbered from 0 to {last}.")).color(theme::WEAK),
+        };
+        ui.label(says.small());
+    });
+    ctx.data_mut(|data| data.insert_temp(memory, typed));
+}

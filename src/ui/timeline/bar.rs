@@ -1,0 +1,257 @@
+//! All frames of the document on one line: a click or a drag goes there, the handle of a cut moves it.
+
+use crate::app::place::time_code;
+use crate::app::session::status_label;
+use crate::app::{Action, App, Command, OpenProject, VideoAction};
+use crate::document::{FrameStatus, ShotKind};
+use crate::scene::timeline::{Timeline, TimelineCut};
+use crate::ui::{Panel, theme};
+use egui::{
+    Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
+    vec2,
+};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// How near to its line a cut is taken hold of, points.
+const HOLD: f32 = 5.0;
+/// The height of the row with the handles of the cuts, points.
+const HANDLES: f32 = 7.0;
+/// The height of the row of what is decoded, points.
+const DECODED: f32 = 2.0;
+/// The greatest height of the band of doubt, points.
+const DOUBT: f32 = 8.0;
+
+/// The line as it was summed up last, and of what.
+#[derive(Clone)]
+struct Known {
+    of: (PathBuf, u64, String, usize),
+    timeline: Arc<Timeline>,
+}
+
+/// Shows the line.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(open) = panel.app.open() else { return };
+    let size = vec2(ui.available_width(), ui.available_height() - 6.0);
+    let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
+    let timeline = summed_up(ui.ctx(), panel.app, open, area.width() as usize);
+    let bar = Bar { area, timeline: &timeline };
+    let held = hold(panel, ui, &response, &bar);
+    bar.paint(panel, ui, held);
+    menu(panel, &response);
+    tooltip(panel.app, open, response, &bar);
+}
+
+/// The line of the open document; made again only when that has changed.
+fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
+    let video = app.frame().and_then(|frame| frame.video.as_ref()).map(|video| video.path.clone()).unwrap_or_default();
+    let of = (open.file.clone(), open.document.version(), video, parts);
+    let memory = Id::unique("timeline");
+    if let Some(known) = ctx.data(|data| data.get_temp::<Known>(memory)).filter(|known| known.of == of) {
+        return known.timeline;
+    }
+    let timeline = Arc::new(Timeline::of(&open.document, &of.2, parts));
+    ctx.data_mut(|data| data.insert_temp(memory, Known { of, timeline: Arc::clone(&timeline) }));
+    timeline
+}
+
+/// A cut that the pointer holds, and the frame that it is over.
+#[derive(Clone, Copy)]
+struct Held {
+    cut: TimelineCut,
+    over: usize,
+}
+
+/// Reads the pointer: a cut that it holds is moved when it lets go, anything else is shown at once.
+fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> Option<Held> {
+    let memory = Id::unique("held cut");
+    let at = response.interact_pointer_pos().or_else(|| response.hover_pos());
+    let near = at.and_then(|at| bar.cut_near(at));
+    if near.is_some() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    }
+    if response.drag_started() {
+        let origin = ui.input(|input| input.pointer.press_origin());
+        let taken = origin.and_then(|origin| bar.cut_near(origin));
+        ui.data_mut(|data| {
+            data.remove::<TimelineCut>(memory);
+            if let Some(cut) = taken {
+                data.insert_temp(memory, cut);
+            }
+        });
+    }
+    let cut = ui.data(|data| data.get_temp::<TimelineCut>(memory));
+    let over = at.map(|at| bar.frame_at(at))?;
+    let Some(cut) = cut else {
+        if response.is_pointer_button_down_on() && near.is_none() && over != panel.app.session.frame {
+            panel.actions.extend([Action::Video(VideoAction::Pause), Action::GoTo(over)]);
+        }
+        return None;
+    };
+    if response.drag_stopped() {
+        ui.data_mut(|data| data.remove::<TimelineCut>(memory));
+        let number = |position: usize| panel.app.open()?.frame(position)?.video.as_ref().map(|video| video.frame_index);
+        if let Some(to) = number(over).filter(|_| over != cut.position) {
+            panel.actions.push(Action::Video(VideoAction::MoveCut { cut: cut.frame_index, to }));
+        }
+        return None;
+    }
+    ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+    Some(Held { cut, over })
+}
+
+fn menu(panel: &mut Panel<'_>, response: &Response) {
+    response.context_menu(|ui| {
+        for command in
+            [Command::AddCut, Command::MoveCutHere, Command::RemoveCut, Command::FindShots, Command::GoToPlace]
+        {
+            let why_not = panel.app.why_not(command);
+            let button = ui.add_enabled(why_not.is_none(), egui::Button::new(command.name()));
+            let button = button.on_hover_text(command.about());
+            if button.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+                panel.actions.push(Action::Command(command));
+                ui.close();
+            }
+        }
+    });
+}
+
+fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
+    let Some(at) = response.hover_pos() else { return };
+    let position = bar.frame_at(at);
+    let Some(frame) = open.frame(position) else { return };
+    let cut = bar.cut_near(at);
+    response.on_hover_ui_at_pointer(|ui| {
+        let time = frame.video.as_ref().and_then(|video| video.pts_s).map(time_code).unwrap_or_default();
+        ui.label(egui::RichText::new(format!("Frame {position} · {time}")).color(theme::STRONG));
+        let shot = frame.clip.as_ref().map(|clip| format!(" · shot {clip}")).unwrap_or_default();
+        ui.label(format!("{}{shot}", status_label(frame.status)));
+        let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
+        if let Some(confidence) = confidence.filter(|_| frame.status == FrameStatus::Suggested) {
+            ui.label(format!("Confidence {:.0} %", 100.0 * confidence));
+        }
+        if let Some(cut) = cut {
+            ui.label(egui::RichText::new(described(cut.kind)).color(theme::WEAK));
+        }
+        if app.shots().is_none() && app.session.video.search.is_none() {
+            ui.label(egui::RichText::new("Right-click: cuts").color(theme::WEAK));
+        }
+    });
+}
+
+const fn described(kind: ShotKind) -> &'static str {
+    match kind {
+        ShotKind::Cut => "A cut. Drag its handle to move it.",
+        ShotKind::Fade => "A fade: its place is unsure. Drag its handle to move it.",
+        ShotKind::ByHand => "A cut that somebody marked. Drag its handle to move it.",
+    }
+}
+
+/// The line in its place.
+struct Bar<'a> {
+    area: Rect,
+    timeline: &'a Timeline,
+}
+
+impl Bar<'_> {
+    fn x(&self, share: f64) -> f32 {
+        self.area.left() + share as f32 * self.area.width()
+    }
+
+    fn frame_at(&self, at: Pos2) -> usize {
+        self.timeline.frame_at(f64::from((at.x - self.area.left()) / self.area.width().max(1.0)))
+    }
+
+    /// The cut whose handle is at a place.
+    fn cut_near(&self, at: Pos2) -> Option<TimelineCut> {
+        if !self.area.contains(at) || at.y > self.area.top() + HANDLES {
+            return None;
+        }
+        let distance = |cut: &TimelineCut| (self.x(self.timeline.beginning_of(cut.position)) - at.x).abs();
+        let nearest = self.timeline.cuts.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.filter(|cut| distance(cut) <= HOLD).copied()
+    }
+
+    fn paint(&self, panel: &Panel<'_>, ui: &Ui, held: Option<Held>) {
+        let painter = ui.painter_at(self.area.expand2(vec2(4.0, 0.0)));
+        let line = Rect::from_min_max(self.area.min + vec2(0.0, HANDLES), self.area.max);
+        painter.rect_filled(line, 2.0, theme::RAISED);
+        self.paint_shots(&painter, line);
+        self.paint_frames(&painter, line);
+        for place in panel.pictures.decoded() {
+            let (left, right) =
+                (self.x(self.timeline.beginning_of(place)), self.x(self.timeline.beginning_of(place + 1)));
+            let decoded =
+                Rect::from_min_max(pos2(left, line.bottom() - DECODED), pos2(right.max(left + 1.0), line.bottom()));
+            painter.rect_filled(decoded, 0.0, theme::ACCENT);
+        }
+        for cut in &self.timeline.cuts {
+            let is_held = held.is_some_and(|held| held.cut.position == cut.position);
+            self.paint_cut(&painter, cut.position, cut.kind, if is_held { theme::LINE } else { theme::TEXT });
+        }
+        if let Some(held) = held {
+            self.paint_cut(&painter, held.over, ShotKind::ByHand, theme::ACCENT);
+        }
+        let x = self.x(self.timeline.share_of(panel.app.session.frame));
+        painter.vline(x, line.y_range(), Stroke::new(2.0, theme::STRONG));
+        let head =
+            vec![pos2(x - 4.0, self.area.top() + 1.0), pos2(x + 4.0, self.area.top() + 1.0), pos2(x, line.top() + 1.0)];
+        painter.add(Shape::convex_polygon(head, theme::STRONG, Stroke::NONE));
+    }
+
+    /// Every other shot on a lighter ground.
+    fn paint_shots(&self, painter: &Painter, line: Rect) {
+        let starts = self.timeline.cuts.iter().map(|cut| self.x(self.timeline.beginning_of(cut.position)));
+        let edges: Vec<f32> = starts.chain([line.right()]).collect();
+        for pair in edges.chunks(2) {
+            if let [from, to] = pair {
+                painter.rect_filled(
+                    Rect::from_x_y_ranges(*from..=*to, line.y_range()),
+                    0.0,
+                    theme::LINE.gamma_multiply(0.6),
+                );
+            }
+        }
+    }
+
+    fn paint_frames(&self, painter: &Painter, line: Rect) {
+        let colour = |status| theme::status_look(status).colour;
+        let marks = |top: f32, bottom: f32| line.top() + top..=line.bottom() - bottom;
+        for (at, part) in self.timeline.parts.iter().enumerate() {
+            let [from, to] = self.timeline.span_of_part(at).map(|share| self.x(share));
+            let fill = |rows: std::ops::RangeInclusive<f32>, colour: Color32| {
+                painter.rect_filled(Rect::from_x_y_ranges(from..=to.max(from + 1.0), rows), 0.0, colour);
+            };
+            if part.rejected == part.frames {
+                fill(marks(8.0, 8.0), colour(FrameStatus::Rejected).gamma_multiply(0.7));
+            }
+            if part.suggestions > 0 {
+                fill(marks(6.0, DOUBT + DECODED), colour(FrameStatus::Suggested).gamma_multiply(0.8));
+            }
+            if part.drafts > 0 {
+                fill(marks(4.0, DOUBT + DECODED), colour(FrameStatus::Draft));
+            }
+            if part.doubt > 0.0 {
+                let height = DOUBT * part.doubt as f32;
+                fill(line.bottom() - DECODED - height..=line.bottom() - DECODED, theme::BAD.gamma_multiply(0.55));
+            }
+            if part.references > 0 {
+                fill(marks(0.0, DECODED), colour(FrameStatus::Reference));
+            }
+        }
+    }
+
+    /// A line with a handle; dashed for a fade, whose place is unsure.
+    fn paint_cut(&self, painter: &Painter, position: usize, kind: ShotKind, colour: Color32) {
+        let x = self.x(self.timeline.beginning_of(position));
+        let (top, bottom) = (pos2(x, self.area.top() + 2.0), pos2(x, self.area.bottom()));
+        let stroke = Stroke::new(1.0, colour);
+        if kind == ShotKind::Fade {
+            painter.extend(Shape::dashed_line(&[top, bottom], stroke, 3.0, 3.0));
+        } else {
+            painter.line_segment([top, bottom], stroke);
+        }
+        painter.rect_filled(Rect::from_center_size(pos2(x, self.area.top() + 3.5), vec2(5.0, 5.0)), 1.0, colour);
+    }
+}

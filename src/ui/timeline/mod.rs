@@ -1,0 +1,66 @@
+//! The timeline of a video, under the picture: play and pause, the time, and all frames on one line.
+
+mod bar;
+mod playback;
+
+use super::symbol::{self, Symbol};
+use super::{Panel, theme};
+use crate::app::place::time_code;
+use crate::app::playing::SPEEDS;
+use crate::app::video::PlaySpeed;
+use crate::app::{Action, App, Command, VideoAction};
+use egui::{Align, Button, ComboBox, Layout, RichText, Ui, vec2};
+
+/// The height of the timeline, points.
+pub const HEIGHT: f32 = 36.0;
+
+/// Whether the shown frame is one of a video: only that has a time.
+pub fn is_wanted(app: &App) -> bool {
+    app.frame().is_some_and(|frame| frame.video.is_some()) && app.round().is_none()
+}
+
+/// Shows the timeline, and lets the video play.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    playback::go_on(panel, ui.ctx());
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        ui.spacing_mut().item_spacing.x = 2.0 * theme::SPACE;
+        controls(panel, ui);
+        bar::show(panel, ui);
+    });
+}
+
+fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let playing = panel.app.session.video.playing;
+    let (symbol, name) = if playing { (Symbol::Pause, "Pause") } else { (Symbol::Play, "Play") };
+    let button = symbol::button(ui, symbol, name, theme::TEXT);
+    if button.on_hover_text(panel.app.settings.keys.tooltip(Command::PlayPause)).clicked() {
+        panel.actions.push(Action::Command(Command::PlayPause));
+    }
+    let chosen = panel.app.session.video.speed.0;
+    let label = |speed: f64| format!("{speed}×");
+    let combo = ComboBox::from_id_salt("speed").width(52.0).selected_text(label(chosen)).show_ui(ui, |ui| {
+        for speed in SPEEDS {
+            if ui.selectable_label(speed == chosen, label(speed)).clicked() {
+                panel.actions.push(Action::Video(VideoAction::SetSpeed(PlaySpeed(speed))));
+            }
+        }
+    });
+    combo
+        .response
+        .accessible_name("Speed")
+        .on_hover_text("How fast the video is played, as a multiple of its own speed.");
+    let (Some(frame), Some(open)) = (panel.app.frame(), panel.app.open()) else { return };
+    let time = frame.video.as_ref().and_then(|video| video.pts_s).map_or_else(|| "–".to_owned(), time_code);
+    let last = open.document.frames.len().saturating_sub(1);
+    // The width does not change from frame to frame.
+    let digits = last.to_string().len();
+    let text = format!("{time:>8}  {:>digits$}", panel.app.session.frame);
+    let place = Button::new(RichText::new(text).monospace().color(theme::STRONG)).frame(false);
+    let tip = format!(
+        "The time, and the number of the frame: from 0 to {last}, as in the document.\n{}",
+        panel.app.settings.keys.tooltip(Command::GoToPlace)
+    );
+    if ui.add(place.min_size(vec2(0.0, 24.0))).on_hover_text(tip).clicked() {
+        panel.actions.push(Action::Command(Command::GoToPlace));
+    }
+}

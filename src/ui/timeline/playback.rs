@@ -1,0 +1,38 @@
+//! The video plays: the frame that is due is shown, with everything that lies over it.
+
+use crate::app::playing::PlayClock;
+use crate::app::session::Mode;
+use crate::app::{Action, VideoAction};
+use crate::ui::Panel;
+use egui::{Context, Id};
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+/// How soon it is looked again whether a frame has been decoded.
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
+
+/// Shows the frame that is due, if the video plays.
+pub fn go_on(panel: &mut Panel<'_>, ctx: &Context) {
+    let memory = Id::unique("play clock");
+    let (session, now_s) = (&panel.app.session, ctx.input(|input| input.time));
+    let Some(open) = panel.app.open().filter(|_| session.video.playing) else {
+        ctx.data_mut(|data| data.remove::<PlayClock>(memory));
+        return;
+    };
+    let last = open.document.frames.len().saturating_sub(1);
+    if session.mode != Mode::Idle || session.dialog.is_some() || session.frame >= last {
+        panel.actions.push(Action::Video(VideoAction::Pause));
+        return;
+    }
+    let (shown, speed) = (session.frame, session.video.speed.0);
+    let before = ctx.data(|data| data.get_temp::<PlayClock>(memory)).filter(|clock| clock.follows(shown, speed));
+    let mut clock = before.unwrap_or_else(|| PlayClock::start(now_s, shown, speed));
+    let decoded: BTreeSet<usize> = panel.pictures.decoded().into_iter().collect();
+    let due = clock.frame_at(now_s, open, |frame| decoded.contains(&frame));
+    if due != shown {
+        panel.actions.push(Action::GoTo(due));
+    }
+    let wait = if decoded.contains(&(due + 1)) { clock.until_next_s(now_s, open) } else { LOOK_AGAIN.as_secs_f64() };
+    ctx.request_repaint_after(Duration::from_secs_f64(wait));
+    ctx.data_mut(|data| data.insert_temp(memory, clock));
+}
