@@ -2,7 +2,7 @@
 
 use super::base::EstimateFailure;
 use super::bulk::{BulkFailure, BulkOrder};
-use super::choices::{MaskList, MaskScope, Scope, Selecting, TimeAxis};
+use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::paint_orders::{CheckedLines, LineCheckOrder, PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
@@ -419,18 +419,11 @@ impl Action {
     pub const fn kind(&self) -> ActionKind {
         match self {
             Self::Command(_) => ActionKind::Command,
-            Self::Video(action) => match action {
-                VideoAction::MoveCut { .. } => ActionKind::Edit,
-                VideoAction::GoToPlace(_) => ActionKind::Navigation,
-                VideoAction::SetSpeed(_) | VideoAction::Pause => ActionKind::View,
-                VideoAction::ShotProgress { .. } | VideoAction::ShotsFound { .. } | VideoAction::PictureAwaited(_) => {
-                    ActionKind::Report
-                }
-            },
             Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release | Self::ReleaseExactly => {
                 ActionKind::Pointer
             }
-            Self::View(_)
+            Self::Video(VideoAction::SetSpeed(_) | VideoAction::Pause)
+            | Self::View(_)
             | Self::FitScale(_)
             | Self::SelectNoFrames
             | Self::SetFilter(_)
@@ -447,7 +440,8 @@ impl Action {
             | Self::DismissNotice(_)
             | Self::Notify(..)
             | Self::TypePath(_) => ActionKind::View,
-            Self::Hold(..)
+            Self::Video(VideoAction::GoToPlace(_))
+            | Self::Hold(..)
             | Self::Select(_)
             | Self::GoTo(_)
             | Self::SelectFrame { .. }
@@ -456,7 +450,8 @@ impl Action {
             | Self::TypeName(_)
             | Self::HighlightName(_)
             | Self::OfferLines(_) => ActionKind::Navigation,
-            Self::Nudge { .. }
+            Self::Video(VideoAction::MoveCut { .. })
+            | Self::Nudge { .. }
             | Self::TakeName(_)
             | Self::Pick(_)
             | Self::Name { .. }
@@ -479,7 +474,8 @@ impl Action {
             | Self::SetUseForTraining { .. }
             | Self::UseForBase { .. }
             | Self::MirrorNames { .. } => ActionKind::Edit,
-            Self::Proposals(_)
+            Self::Video(_)
+            | Self::Proposals(_)
             | Self::BurntIn { .. }
             | Self::SnapProgress { .. }
             | Self::Snapped { .. }
@@ -535,15 +531,6 @@ pub enum OutsideChoice {
     Replace,
     /// It is opened; what was edited here is set aside.
     TakeTheirs,
-}
-
-/// A camera of the document, or one to be made.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum CameraChoice {
-    /// The document has it.
-    Known(CameraId),
-    /// It gets this name, and pictures like those of the shown frame's camera.
-    New(CameraId),
 }
 
 /// A document that has just been opened.

@@ -40,6 +40,15 @@ impl Scope {
     }
 }
 
+/// A camera of the document, or one to be made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CameraChoice {
+    /// The document has it.
+    Known(CameraId),
+    /// It gets this name, and pictures like those of the shown frame's camera.
+    New(CameraId),
+}
+
 /// One of the lists of masks that cover a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MaskList {

@@ -42,11 +42,11 @@ mod versioned;
 pub mod video;
 pub mod where_to_label;
 
-pub use action::{Action, ActionKind, CameraChoice, Effect, Opened, OutsideChoice};
+pub use action::{Action, ActionKind, Effect, Opened, OutsideChoice};
 pub use bulk::{BulkFailure, BulkOrder, BulkWork};
 pub use burnt_in::BurntInSearch;
 pub use camera_watch::{CameraWatch, WatchPanicked};
-pub use choices::{MaskList, MaskScope};
+pub use choices::{CameraChoice, MaskList, MaskScope};
 pub use command::{Command, CommandKind, MenuGroup};
 pub use compared::{Compared, Comparison};
 pub use current::Current;

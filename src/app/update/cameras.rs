@@ -1,8 +1,9 @@
 //! Which camera took which frames, and a camera that stops fitting.
 
 use super::App;
+use crate::app::CameraChoice;
 use crate::app::Command;
-use crate::app::action::{CameraChoice, Effect};
+use crate::app::action::Effect;
 use crate::app::camera_watch::{AT_ONCE, CameraWatch, WatchPanicked};
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};

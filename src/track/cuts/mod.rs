@@ -19,7 +19,7 @@ const AROUND: usize = 4;
 /// A fade is looked for between frames this far before and after it.
 const HALF_FADE: usize = 8;
 /// The least difference between both ends of a fade, grey levels.
-const LEAST_FADE: f32 = 8.0;
+const LEAST_FADE: f32 = 12.0;
 /// The largest difference of a frame within a fade from the mean of its ends, as a share of their difference.
 const MOST_OFF_BLEND: f32 = 0.35;
 /// Frames of less contrast than this are empty, grey levels.
