@@ -28,13 +28,13 @@ fn ptz(frame: usize) -> Ptz {
     Ptz::from_degrees(8.0 * frame as f64 - 16.0, -13.0, 2300.0)
 }
 
-/// The camera of the drawn truth moved sideways, found from all but the last frame.
+/// The camera of the drawn truth moved sideways, over a flat field as the truth, found from all but the last frame.
 fn found(frames: usize, sideways_m: f64) -> UnclickedCamera {
     let known = base();
     let sigma = BaseSigma { position_m: Vec3::new(0.3, 0.4, 0.0), ..known.sigma };
     let base = CameraBase { position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0), sigma, ..known };
     let frames = (0..frames - 1).map(|index| UnclickedFrame { index, ptz: ptz(index), snapped: None }).collect();
-    UnclickedCamera { base, crown_m: 0.2, frames, evidence: UnclickedEvidence::default() }
+    UnclickedCamera { base, crown_m: 0.0, frames, evidence: UnclickedEvidence::default() }
 }
 
 fn order(bench: &Bench) -> UnclickedOrder {
