@@ -56,7 +56,7 @@ pub struct BaseProblem {
     pub clicks: Vec<FrameClicks>,
     image_size: ImageSize,
     principal_point: ImagePoint,
-    previous: Option<CameraBase>,
+    pub(super) previous: Option<CameraBase>,
 }
 
 /// An estimated base and where it comes from. Frames are numbered as in the document.
@@ -96,6 +96,23 @@ impl BaseProblem {
     /// # Errors
     /// The document lacks the camera, its field is not valid, or a click names something that the field lacks.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
+        Self::gathered(document, camera, |_| false)
+    }
+
+    /// The same with the solved frames that nobody has clicked: their paint may say something.
+    ///
+    /// # Errors
+    /// Those of [`Self::of`].
+    pub(super) fn with_solved(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, BaseEstimationError> {
+        Self::gathered(document, camera, |frame| frame.ptz.is_some())
+    }
+
+    /// Gathers the frames with clicks, and those without that are wanted all the same.
+    fn gathered(
+        document: DocumentAt<'_>,
+        camera: &CameraId,
+        is_wanted: impl Fn(&Frame) -> bool,
+    ) -> Result<Self, BaseEstimationError> {
         let known = document
             .camera(camera)
             .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
@@ -105,7 +122,8 @@ impl BaseProblem {
         for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {
             let observations = observations(frame, &field)
                 .map_err(|source| BaseEstimationError::Observation { frame: frame.name(), source })?;
-            if frame.is_used_for_base() && observations.iter().any(|observation| !observation.check) {
+            let has_clicks = observations.iter().any(|observation| !observation.check);
+            if frame.is_used_for_base() && (has_clicks || is_wanted(frame)) {
                 frames.push(index);
                 clicks.push(FrameClicks { observations, start: None });
             }
@@ -145,13 +163,22 @@ impl BaseProblem {
         options: &BaseOptions,
         watch: WatchBase<'_>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
-        let clicks = CameraClicks {
+        let estimate = estimate_base_watched(&self.camera_clicks(), self.previous.as_ref(), options, watch)?;
+        Ok(self.estimated(document, estimate))
+    }
+
+    /// The clicks, ready for an adjustment.
+    pub(super) fn camera_clicks(&self) -> CameraClicks<'_> {
+        CameraClicks {
             field: &self.field,
             frames: &self.clicks,
             image_size: self.image_size,
             principal_point: self.principal_point,
-        };
-        let mut estimate = estimate_base_watched(&clicks, self.previous.as_ref(), options, watch)?;
+        }
+    }
+
+    /// An estimate from these frames, as one of the document's.
+    pub(super) fn estimated(&self, document: &Document, mut estimate: BaseEstimate) -> EstimatedBase {
         for disputed in &mut estimate.disputed {
             disputed.frame = self.frames[disputed.frame];
         }
@@ -160,7 +187,7 @@ impl BaseProblem {
         }
         let landmarks = self.landmark_fits(document, &estimate);
         let (camera, frames) = (self.camera.clone(), self.frames.clone());
-        Ok(EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new() })
+        EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new() }
     }
 
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {

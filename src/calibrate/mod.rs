@@ -2,6 +2,7 @@
 
 mod base_change;
 mod base_estimation;
+mod base_on_paint;
 mod base_readiness;
 mod better_camera;
 mod bulk;
@@ -26,6 +27,7 @@ mod which_camera;
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
+pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, OnPaintErrors, PictureOf, estimate_on_paint};
 pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{

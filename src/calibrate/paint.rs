@@ -29,6 +29,11 @@ pub enum SnapFrameError {
     /// There is no camera to begin with.
     #[error("it has no camera yet, or its camera has no base: solve it first")]
     Unsolved,
+    /// Its own k₁ is asked for, but its camera has a lens.
+    #[error(
+        "its camera has a lens, which holds for all its frames: refine-base --markings finds it from them together"
+    )]
+    HasLens,
     /// A click names something that the field lacks.
     #[error(transparent)]
     Observation(#[from] ObservationError),
@@ -56,10 +61,14 @@ pub fn snap_frame(
     options: &SnapOptions,
 ) -> Result<(CameraBase, Snapped), SnapFrameError> {
     let camera = document.pointed(frame).ok_or(SnapFrameError::Unsolved)?;
+    if options.own_k1 && document.camera_of(frame).is_some_and(|camera| camera.curve().is_some()) {
+        return Err(SnapFrameError::HasLens);
+    }
     let clicks = observations(frame, field)?;
     let ground = GroundPicture::new(picture, &document.masks_of(frame));
     let snapped = snap(&ground, field, camera.base(), camera.ptz(), &clicks, options)?;
-    Ok((*camera.base(), snapped))
+    let distortion = snapped.own_lens.unwrap_or(camera.base().distortion);
+    Ok((CameraBase { distortion, ..*camera.base() }, snapped))
 }
 
 /// Why no camera is found for a frame by its paint alone.

@@ -1,9 +1,12 @@
 //! The size of a document's field from the clicks of a camera.
 
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
+use crate::camera::{CameraBase, Ptz};
 use crate::document::{CameraId, Document, DocumentAt, FieldSize};
 use crate::field::FieldModel;
-use crate::solve::base::{AdjustOptions, BaseOptions, FittedSize, SizeParam, SizeStart, WatchBase, fit_field_size};
+use crate::solve::base::{
+    AdjustOptions, BaseModel, BaseOptions, FittedSize, FrameClicks, SizeParam, SizeStart, WatchBase, fit_field_size,
+};
 
 /// The parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
@@ -24,19 +27,23 @@ impl BaseProblem {
         watch: WatchBase<'_>,
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let found = self.estimate_watched(&document, options, watch)?;
-        let sizes = self.fit_size(document, &found)?;
+        let ptz: Vec<_> = found.estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
+        let model = &found.estimate.model;
+        let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
         let mut sized = document.document.clone();
         sized.set_field_size(&self.camera, &sizes);
         let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
         Ok(EstimatedBase { sizes, ..found })
     }
 
-    /// Length and width of the field, from the clicks and the base that they gave; empty where the template leaves no choice, or
-    /// the clicks leave it open.
-    fn fit_size(
+    /// Length and width of the field, from what is seen in the frames, and a base and cameras that are near; empty where the
+    /// template leaves no choice, or what is seen leaves it open.
+    pub(super) fn fit_size(
         &self,
         document: DocumentAt<'_>,
-        found: &EstimatedBase,
+        frames: &[FrameClicks],
+        (base, ptz): (&CameraBase, &[Option<Ptz>]),
+        model: &BaseModel,
     ) -> Result<Vec<FittedSize>, BaseEstimationError> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
         let spec = camera.field.as_ref().unwrap_or(&document.field);
@@ -64,14 +71,12 @@ impl BaseProblem {
             );
             template.model(&filled, crown_m).ok()
         };
-        let estimate = &found.estimate;
-        let ptz: Vec<_> = estimate.frames.iter().map(|fit| fit.map(|fit| fit.ptz)).collect();
         let start = SizeStart {
             field: &self.field,
-            frames: &self.clicks,
-            base: &estimate.base,
-            ptz: &ptz,
-            model: &estimate.model,
+            frames,
+            base,
+            ptz,
+            model,
             image_width_px: camera.image_size.width,
             options: &AdjustOptions::default(),
         };

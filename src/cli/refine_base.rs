@@ -4,12 +4,17 @@ use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{
-    BaseEstimationError, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size, solve_document,
+    BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size,
+    estimate_on_paint, solve_document,
 };
-use crate::document::{CameraId, Document, DocumentAt};
-use crate::solve::base::{BaseOptions, CrownModel, LensModel};
+use crate::document::{CameraId, Document, DocumentAt, Frame};
+use crate::media::{FrameReader, Picture};
+use crate::proposals::read_picture;
+use crate::solve::base::{BaseOptions, CrownModel, HeldOutErrors, LensModel};
 use clap::ValueEnum;
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
+use std::path::Path;
 
 /// Camera position, base rotation, lens and the pitch's crown from the clicks of all frames but the rejected ones; every
 /// frame is solved with them, statuses stay.
@@ -31,6 +36,10 @@ pub struct RefineBaseArgs {
     /// Also find the field's length and width, within what the rules allow (unstable with few frames).
     #[arg(long)]
     field_size: bool,
+    /// Also use the painted lines that the frames' pictures show, clicked or only solved, in one adjustment with the clicks; each
+    /// frame is then pulled onto its lines.
+    #[arg(long)]
+    markings: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -89,9 +98,22 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     };
     let cameras: Vec<CameraId> = document.cameras.iter().map(|camera| camera.id.clone()).collect();
     let mut estimates = Vec::new();
+    let mut on_paint = Vec::new();
     let mut errors = Vec::new();
+    let mut pictures = Pictures::new(location.folder(), messages);
     for camera in &cameras {
-        match estimate(document.at(location.folder()), camera, &options, args.field_size) {
+        let document = document.at(location.folder());
+        let estimated = if args.markings {
+            let found = pictures.estimate(document, camera, &options, args.field_size);
+            found.map(|found| {
+                let estimate = found.estimated.clone();
+                on_paint.push(found);
+                estimate
+            })
+        } else {
+            estimate(document, camera, &options, args.field_size).map_err(anyhow::Error::from)
+        };
+        match estimated {
             Ok(estimate) => estimates.push(estimate),
             Err(error) => errors.push(format!("camera {:?}: {error}", camera.as_str())),
         }
@@ -115,6 +137,18 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             messages.frame_failed(&frame.name(), &error.to_string());
             failed += 1;
         }
+    }
+    for found in &on_paint {
+        report_on_paint(found, messages);
+        let camera = document.camera(&found.estimated.camera);
+        let field = camera.and_then(|camera| camera.field.as_ref()).unwrap_or(&document.field);
+        let field = document.at(location.folder()).model_of(field)?;
+        let snapped = found.write_frames(&mut document, &field, &mut |frame| pictures.read(frame));
+        messages.note(&format!(
+            "{}: {snapped} of {} frames pulled onto their painted lines",
+            found.estimated.camera.as_str(),
+            found.estimated.frames.len()
+        ));
     }
     for estimate in &estimates {
         estimate.mark_disputes(&mut document);
@@ -141,6 +175,69 @@ fn estimate(
     }
 }
 
+/// The pictures of a document's frames; a frame that cannot be read is told once.
+struct Pictures<'a> {
+    folder: &'a Path,
+    messages: Messages,
+    reader: FrameReader,
+    unreadable: BTreeSet<String>,
+}
+
+impl<'a> Pictures<'a> {
+    fn new(folder: &'a Path, messages: Messages) -> Self {
+        Self { folder, messages, reader: FrameReader::new(), unreadable: BTreeSet::new() }
+    }
+
+    fn read(&mut self, frame: &Frame) -> Option<Picture> {
+        match read_picture(&mut self.reader, frame, self.folder) {
+            Ok(picture) => Some(picture),
+            Err(error) => {
+                let name = frame.name();
+                if self.unreadable.insert(name.clone()) {
+                    self.messages.frame_failed(&name, &error.to_string());
+                }
+                None
+            }
+        }
+    }
+
+    /// The base of a camera from clicks and paint.
+    fn estimate(
+        &mut self,
+        document: DocumentAt<'_>,
+        camera: &CameraId,
+        options: &BaseOptions,
+        size: bool,
+    ) -> anyhow::Result<BaseOnPaint> {
+        let bar = self.messages.progress(1, "Looking at painted lines");
+        let found = estimate_on_paint(document, camera, options, size, &mut |frame| self.read(frame), &|_| {
+            ControlFlow::Continue(())
+        });
+        bar.finish_and_clear();
+        Ok(found?)
+    }
+}
+
+/// How far clicks and paint lie off the lines, before and after.
+fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
+    let name = found.estimated.camera.as_str();
+    messages.note(&format!(
+        "{name}: painted lines: {} places on {} lines in {} frames",
+        found.places, found.lines, found.frames
+    ));
+    let errors = |errors: Option<HeldOutErrors>| {
+        errors.map_or_else(
+            || "none".to_owned(),
+            |HeldOutErrors { median_px, p90_px, .. }| format!("{median_px:.2} px, 90 % {p90_px:.2} px"),
+        )
+    };
+    for (what, before, after) in
+        [("paint", found.before.paint, found.after.paint), ("clicks", found.before.clicks, found.after.clicks)]
+    {
+        messages.note(&format!("{name}: {what} held out: {}; before {}", errors(after), errors(before)));
+    }
+}
+
 /// What was found, which models were compared, what disagrees.
 fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
     let found = &estimated.estimate;
@@ -162,10 +259,12 @@ fn report(estimated: &EstimatedBase, document: &Document, messages: Messages) {
         messages.note(&format!("{name}: {frame}"));
     }
     let before = found.previous_median_px.map_or_else(String::new, |before| format!(", {before:.2} px before"));
-    messages.note(&format!(
-        "{name}: all clicks {:.2} px, 90 % {:.2} px{before}; crown {:.2} m",
-        found.median_px, found.p90_px, found.crown_m
-    ));
+    let clicks = if found.median_px.is_finite() {
+        format!("all clicks {:.2} px, 90 % {:.2} px{before}; ", found.median_px, found.p90_px)
+    } else {
+        String::new()
+    };
+    messages.note(&format!("{name}: {clicks}crown {:.2} m", found.crown_m));
     for size in &estimated.sizes {
         messages.note(&format!("{name}: field {}", describe_size(size)));
     }

@@ -23,6 +23,9 @@ pub struct SnapArgs {
     /// Paint is looked for this far from where a frame's camera predicts it, px at 1920 px width.
     #[arg(long, value_name = "PX", default_value_t = SnapOptions::default().reach_px, value_parser = reach)]
     reach: f64,
+    /// Also find each frame's own k1, for cameras of which no lens is known.
+    #[arg(long, conflicts_with = "from_nothing")]
+    k1: bool,
     /// Also search the painted lines of frames that have no camera: for wide views of a camera whose base is known. What is found
     /// is a suggestion.
     #[arg(long)]
@@ -45,7 +48,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, mut document } = args.document.load(messages)?;
     let before = document.clone();
     let fields = Fields::of(document.at(location.folder()))?;
-    let options = SnapOptions { reach_px: args.reach, ..SnapOptions::default() };
+    let options = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
     let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Snapping");
     let mut counts = Counts::default();

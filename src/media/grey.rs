@@ -15,11 +15,21 @@ pub struct GreyPicture {
 /// The weights of red, green and blue in 1/256 (BT.601).
 const WEIGHTS: [u32; 3] = [77, 150, 29];
 
+/// The brightness of a pixel in 1/256 of a grey level.
+fn weighed([red, green, blue, _]: [u8; 4]) -> u32 {
+    WEIGHTS[0] * u32::from(red) + WEIGHTS[1] * u32::from(green) + WEIGHTS[2] * u32::from(blue)
+}
+
 /// The picture in grey, every block of `factor` × `factor` px averaged to one; columns and rows that fill no block are
 /// dropped. A corner coordinate of the full picture is `factor` times that of the reduced one.
 #[must_use]
 pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
     let full = picture.size();
+    if factor == 1 {
+        // Nothing to sum up.
+        let values = picture.rgba().as_chunks::<4>().0.iter().map(|pixel| ((128 + weighed(*pixel)) / 256) as u8);
+        return GreyPicture { size: full, values: values.collect() };
+    }
     let size = ImageSize::new(full.width / factor, full.height / factor);
     let (factor, width) = (factor as usize, size.width as usize);
     let row_bytes = 4 * full.width as usize;
@@ -31,9 +41,7 @@ pub fn grey_reduced(picture: &Picture, factor: u32) -> GreyPicture {
         for row in block_row.chunks_exact(row_bytes) {
             for (sum, block) in sums.iter_mut().zip(row.chunks_exact(4 * factor)) {
                 for pixel in block.as_chunks::<4>().0 {
-                    *sum += WEIGHTS[0] * u32::from(pixel[0])
-                        + WEIGHTS[1] * u32::from(pixel[1])
-                        + WEIGHTS[2] * u32::from(pixel[2]);
+                    *sum += weighed(*pixel);
                 }
             }
         }

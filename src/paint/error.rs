@@ -19,6 +19,12 @@ pub enum SnapError {
         /// 1-σ of the overlay at the worst corner, px.
         sigma_px: f64,
     },
+    /// The lines that are seen leave the lens open.
+    #[error("the lines that are seen leave k1 open (±{sigma:.2})")]
+    LensOpen {
+        /// 1-σ of k₁.
+        sigma: f64,
+    },
     /// Two halves of the samples give two cameras.
     #[error("two halves of the paint give cameras {apart_px:.1} px apart, {allowed_px:.1} px are allowed")]
     HalvesDisagree {

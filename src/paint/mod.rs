@@ -6,6 +6,7 @@
 //! | [`Sightings`] | the ridges of paint that a picture shows where a camera predicts a line |
 //! | [`check_lines`], [`LineCheck`] | a camera judged by the paint that it predicts |
 //! | [`snap`], [`Snapped`] | pan, tilt and focal length pulled onto the paint, or the reason why not |
+//! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for adjusting many frames together |
 //! | [`find_camera`], [`Found`] | a camera found in one picture by its lines alone, its base known |
 //! | [`Strokes`] | painted strokes of a picture, found without any camera |
 //! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner or crossing that it names |
@@ -22,7 +23,9 @@ mod evidence;
 mod find;
 mod ground;
 mod ground_area;
+mod lens;
 mod persistent;
+mod places;
 mod point;
 mod profile;
 mod pull;
@@ -40,6 +43,7 @@ pub use error::SnapError;
 pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};
 pub use ground::GroundPicture;
 pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
+pub use places::{PaintPlace, paint_places};
 pub use point::{PointSnapOptions, SnappedPoint, snap_point};
 pub use ridge::Ridge;
 pub use sightings::{Seen, Sightings};

@@ -132,8 +132,12 @@ pub(super) fn sample_sigmas_px(sightings: &Sightings, scale: f64) -> Vec<f64> {
     for (index, sample) in sightings.samples.iter().enumerate() {
         counts[sample.line] += u32::from(!sightings.ridges_at(index).is_empty());
     }
-    let sigma = |line: usize| (RIDGE_SIGMA_PX.powi(2) + f64::from(counts[line]) * LINE_SIGMA_PX.powi(2)).sqrt() * scale;
-    sightings.samples.iter().map(|sample| sigma(sample.line)).collect()
+    sightings.samples.iter().map(|sample| ridge_sigma_px(counts[sample.line], scale)).collect()
+}
+
+/// 1-σ of a ridge, px, beside `count` others of its line that err with it.
+pub(super) fn ridge_sigma_px(count: u32, scale: f64) -> f64 {
+    (RIDGE_SIGMA_PX.powi(2) + f64::from(count) * LINE_SIGMA_PX.powi(2)).sqrt() * scale
 }
 
 /// The pull of clicks.

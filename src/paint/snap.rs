@@ -1,11 +1,12 @@
 //! Snapping: pan, tilt and focal length pulled onto the painted lines, or the reason why not.
 
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};
+use super::lens::{OwnLens, own_lens};
 use super::pull::{Around, ClickPull, RidgePull, Step, sample_sigmas_px};
 use super::search::likely_steps;
 use super::sightings::Look;
 use super::{GroundPicture, LineCheck, Sightings, SnapError};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::solve::{Observation, SolveError, Uncertainty};
 use nalgebra::Vector6;
@@ -26,6 +27,8 @@ pub struct SnapOptions {
     pub click_sigmas: f64,
     /// The line check's score of the result is at least this. 0.8 by default.
     pub min_score: f64,
+    /// Whether the frame's own k₁ is found as well, in place of the base's lens. Not by default.
+    pub own_k1: bool,
 }
 
 impl Default for SnapOptions {
@@ -37,6 +40,7 @@ impl Default for SnapOptions {
             max_corner_sigma_px: 8.0,
             click_sigmas: 6.0,
             min_score: 0.8,
+            own_k1: false,
         }
     }
 }
@@ -46,6 +50,8 @@ impl Default for SnapOptions {
 pub struct Snapped {
     /// Pan, tilt, focal length.
     pub ptz: Ptz,
+    /// The lens that was found with them, where it was asked for.
+    pub own_lens: Option<FocalCurve>,
     /// Samples with paint that took part.
     pub samples: usize,
     /// Root mean square of their distances from the lines, px.
@@ -106,7 +112,13 @@ pub fn snap(
             return Err(SnapError::Ambiguous { apart_px });
         }
     }
-    problem.accepted(best)
+    if !options.own_k1 {
+        return problem.accepted(best);
+    }
+    let OwnLens { base, ptz } = own_lens(ground, field, &PtzCamera::new(*base, best.ptz), clicks)?;
+    let problem = Problem { base: &base, ..problem };
+    let bent = problem.refined(ptz).ok_or(SnapError::TooFewSamples { found: 0, needed: options.min_samples })?;
+    Ok(Snapped { own_lens: Some(base.distortion), ..problem.accepted(&bent)? })
 }
 
 /// What stays the same while a frame is snapped.
@@ -225,7 +237,7 @@ impl Problem<'_> {
         }
         let squares = taking_part.iter().map(|(_, distance_px)| distance_px * distance_px);
         let rms_px = (squares.sum::<f64>() / found as f64).sqrt();
-        Ok(Snapped { ptz: fit.ptz, samples: found, rms_px, halves_px, uncertainty, check })
+        Ok(Snapped { ptz: fit.ptz, own_lens: None, samples: found, rms_px, halves_px, uncertainty, check })
     }
 
     /// What the lines and the clicks leave open, the base's uncertainty in it.

@@ -74,6 +74,34 @@ fn a_drawn_match_is_snapped_back_by_the_command() {
 }
 
 #[test]
+fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
+    let place = tempfile::tempdir().unwrap();
+    let drawn = touchline(place.path(), "synth -o match --frames 2 --seed 11 --size 1280x720 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.path().join("match");
+    let truth = document(&folder.join("truth.json"));
+    let mut bare = truth.clone();
+    bare.cameras[0].distortion = None;
+    for frame in &mut bare.frames {
+        frame.clicks.clear();
+        frame.ptz = Some(FramePtz::new(truth.pointed(frame).unwrap().ptz(), None));
+    }
+    fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
+    let ran = touchline(&folder, "snap bare.json --k1 -o bent.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let bent = document(&folder.join("bent.json"));
+    for (was, is) in truth.frames.iter().zip(&bent.frames) {
+        let right = truth.pointed(was).unwrap();
+        let k1 = is.ptz.as_ref().unwrap().k1.unwrap();
+        assert!((k1 - right.lens().k1).abs() < 0.015, "{}: {k1}, {:?}", was.name(), right.lens());
+        assert_eq!(bent.pointed(is).unwrap().lens().k1, k1, "it is drawn with it");
+    }
+    let ran = touchline(&folder, "snap truth.json --k1 -o refused.json");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("its camera has a lens, which holds for all its frames"), "{}", ran.stderr);
+}
+
+#[test]
 fn a_camera_far_off_is_refused_by_name_and_keeps_its_numbers() {
     let place = tempfile::tempdir().unwrap();
     let drawn = touchline(place.path(), "synth -o match --frames 1 --seed 11 --size 1280x720 --preset easy");

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, document_to_string};
+use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, SolutionSource, document_to_string};
 use touchline::field::builtin;
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
 use touchline::store::read;
@@ -164,4 +164,66 @@ fn a_field_outside_the_rules_is_refused_with_the_range() {
         ran.stderr
     );
     assert!(!folder.path().join("refined.json").exists());
+}
+
+/// A drawn match whose clicks scatter, in a new folder: the folder and the exact document.
+fn drawn_match(place: &Path) -> (std::path::PathBuf, Document) {
+    let drawn = touchline(place, "synth -o match --frames 6 --seed 5 --size 960x540 --preset easy");
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let folder = place.join("match");
+    let (_, truth, _) = read(&folder.join("truth.json")).unwrap();
+    (folder, truth)
+}
+
+#[test]
+fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
+    let place = tempfile::tempdir().unwrap();
+    let (folder, truth) = drawn_match(place.path());
+    let mut rng = seeded::rng("painted_lines_and_clicks_together");
+    let mut clicked = truth.clone();
+    for camera in &mut clicked.cameras {
+        *camera = Camera::new("main".into(), truth.frames[0].image_size).into();
+    }
+    for frame in &mut clicked.frames {
+        (frame.ptz, frame.solution, frame.camera) = (None, None, "main".into());
+        for click in &mut frame.clicks {
+            click.image = click.image.moved(Vec2::new(normal(&mut rng), normal(&mut rng)) * 1.5);
+        }
+    }
+    // The last frame has no picture: its clicks count all the same.
+    let last = clicked.frames.len() - 1;
+    clicked.frames[last].image = Some("images/none.png".into());
+    write(&clicked, &folder);
+    let ran = touchline(&folder, "refine-base doc.json --markings -o refined.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for line in
+        ["main: painted lines: ", "main: paint held out: ", "main: 5 of 6 frames pulled onto their painted lines"]
+    {
+        assert!(ran.stderr.contains(line), "{line}: {}", ran.stderr);
+    }
+    assert!(ran.stderr.contains("images/none.png"), "{}", ran.stderr);
+    let (_, refined, _) = read(&folder.join("refined.json")).unwrap();
+    let away_m = |document: &Document| {
+        (document.cameras[0].base().unwrap().position_m - truth.cameras[0].base().unwrap().position_m).norm()
+    };
+    assert!(away_m(&refined) < 0.5, "{} m", away_m(&refined));
+    for (was, is) in truth.frames.iter().zip(&refined.frames).take(last) {
+        let middle = was.image_size.centre();
+        let ground = truth.pointed(was).unwrap().plane_from_image(middle, 0.0).unwrap();
+        let off_px = refined.pointed(is).unwrap().image_from_world(ground).unwrap().distance_px(middle);
+        assert!(off_px < 1.0, "{}: {off_px} px", was.name());
+        assert_eq!(is.solution.as_ref().unwrap().source, Some(SolutionSource::Markings));
+        assert_eq!(is.status, was.status);
+    }
+}
+
+#[test]
+fn without_painted_lines_the_base_is_refused_by_name() {
+    let place = tempfile::tempdir().unwrap();
+    let document = document("without_painted_lines");
+    write(&document, place.path());
+    let ran = touchline(place.path(), "refine-base doc.json --markings -o refined.json");
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
+    assert!(ran.stderr.contains("painted lines are seen in 0 frames"), "{}", ran.stderr);
+    assert!(!place.path().join("refined.json").exists());
 }

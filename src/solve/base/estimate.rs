@@ -2,17 +2,17 @@
 
 use super::adjust::adjust_base;
 use super::disputes::{disputed_clicks, mirrored_frames};
-use super::model_choice::{CrossValidation, FOLDS, MIN_FRAMES, choose};
+use super::model_choice::{CrossValidation, Errors, FOLDS, MIN_FRAMES, choose};
 use super::one_more::one_more_frame;
 use super::progress::Adjustments;
 use super::start::{solve_all, start_base};
 use super::{
-    AdjustOptions, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks, LensModel,
-    MirroredFrame, ModelReason, ModelScore, OneMoreFrame, WatchBase,
+    AdjustOptions, AdjustedBase, BaseError, BaseModel, CameraClicks, CrownModel, DisputedClick, FrameClicks,
+    HeldOutErrors, LensModel, MirroredFrame, ModelReason, ModelScore, OneMoreFrame, WatchBase,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{AngleRange, ImagePoint, Mat3, median_high};
+use crate::geometry::{AngleRange, ImagePoint, ImageSize, Mat3, median_high};
 use serde::Serialize;
 use std::ops::ControlFlow;
 
@@ -52,6 +52,14 @@ impl BaseEstimate {
                 solved.len()
             )
         })
+    }
+}
+
+impl BaseOptions {
+    /// The model with most that is free among those that may be chosen.
+    #[must_use]
+    pub fn richest(&self, clicks: &CameraClicks<'_>) -> BaseModel {
+        models(clicks.field, clicks.principal_point, self).pop().unwrap_or_else(|| pinhole(clicks.field))
     }
 }
 
@@ -142,8 +150,7 @@ pub fn estimate_base_watched(
         Err(error) => previous_fit.as_ref().map(|(base, _, ptz)| (*base, ptz.clone())).ok_or(error)?,
     };
     // First the pinhole, which has nothing to go astray with; then each frame anew from its clicks.
-    let pinhole =
-        BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None };
+    let pinhole = pinhole(field);
     for _ in 0..STARTING_ROUNDS {
         let adjusted = adjust_base(clicks, &base, &ptz, &pinhole, &options.adjust);
         base = adjusted.base;
@@ -151,28 +158,119 @@ pub fn estimate_base_watched(
         adjustments.made();
     }
 
-    let validation =
-        CrossValidation { clicks, start: &base, start_ptz: &ptz, options: &options.adjust, adjustments: &adjustments };
-    let scores = validation.scores(&models);
+    let fit = chosen_fit(clicks, &models, (&base, &ptz), &options.adjust, &adjustments)?;
+    let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
+    let frames: Vec<FrameClicks> = frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
+    let solved_frames = ptz.iter().flatten().count();
+    let (model, adjusted_ptz) = (fit.model, fit.adjusted.ptz.clone());
+    let ptz = solve_all(&fit.adjusted.base, &frames, image_size);
+    let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
+    estimate.previous_median_px = previous_fit.map(|fit| fit.1);
+    if solved_frames < MIN_FRAMES {
+        let known_m = estimate.base.sigma.position_m.norm();
+        let adjusting = (&model, &options.adjust);
+        estimate.one_more_frame = one_more_frame(clicks, &estimate.base, &adjusted_ptz, adjusting, known_m);
+    }
+    Ok(estimate)
+}
+
+/// The same from clicks and paint in one adjustment. `painted` has the clicks of each frame of `clicks`, which may be none, followed by
+/// its paint; the cameras are adjusted from `start`, a base and the frames' cameras, and stay where both together put them. The model
+/// is the one that does best at paint that it has not seen.
+///
+/// # Errors
+/// Those of [`estimate_base`], and [`BaseError::Stopped`].
+pub fn estimate_base_on_paint(
+    clicks: &CameraClicks<'_>,
+    painted: &[FrameClicks],
+    start: (&CameraBase, &[Option<Ptz>]),
+    options: &BaseOptions,
+    watch: WatchBase<'_>,
+) -> Result<BaseEstimate, BaseError> {
+    let CameraClicks { field, frames, image_size, principal_point } = *clicks;
+    let models = models(field, principal_point, options);
+    let adjustments = Adjustments::new(watch, models.len() * FOLDS);
+    let painted = CameraClicks { frames: painted, ..*clicks };
+    let fit = chosen_fit(&painted, &models, start, &options.adjust, &adjustments)?;
+    let crowned = FieldModel { crown_m: fit.adjusted.crown_m, ..field.clone() };
+    let recrowned = |frames: &[FrameClicks]| frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
+    let (frames, painted): (Vec<FrameClicks>, Vec<FrameClicks>) = (recrowned(frames), recrowned(painted.frames));
+    let ptz = fit.adjusted.ptz.clone();
+    let mut estimate = summary(fit, &crowned, &frames, &ptz, image_size)?;
+    let fits = painted.iter().zip(&ptz).map(|(frame, ptz)| frame_fit(&estimate.base, frame, (*ptz)?)).collect();
+    estimate.frames = fits;
+    Ok(estimate)
+}
+
+/// The errors of frames under a base that is not adjusted to them, each camera refined on one half of its clicks and paint and judged by
+/// the other: of the paint, and of the clicks. `crown_m` is the crown that goes with the base.
+#[must_use]
+pub fn held_out_on_paint(
+    painted: &CameraClicks<'_>,
+    base: &CameraBase,
+    crown_m: f64,
+    ptz: &[Option<Ptz>],
+) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
+    let crowned = FieldModel { crown_m, ..painted.field.clone() };
+    let mut errors = Errors::default();
+    for (frame, ptz) in painted.frames.iter().zip(ptz) {
+        if let Some(start) = ptz {
+            errors.add_halves(base, *start, frame, painted.field, &crowned);
+        }
+    }
+    errors.summaries()
+}
+
+/// A base adjusted with the model that was chosen.
+struct ChosenFit {
+    adjusted: AdjustedBase,
+    model: BaseModel,
+    reason: ModelReason,
+    scores: Vec<ModelScore>,
+}
+
+/// The model chosen by cross-validation from a start, and everything adjusted with it.
+fn chosen_fit(
+    clicks: &CameraClicks<'_>,
+    models: &[BaseModel],
+    (base, ptz): (&CameraBase, &[Option<Ptz>]),
+    options: &AdjustOptions,
+    adjustments: &Adjustments<'_>,
+) -> Result<ChosenFit, BaseError> {
+    let validation = CrossValidation { clicks, start: base, start_ptz: ptz, options, adjustments };
+    let scores = validation.scores(models);
     if adjustments.are_stopped() {
         return Err(BaseError::Stopped);
     }
     let solved_frames = ptz.iter().flatten().count();
-    let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole, ModelReason::Prescribed));
-
-    let adjusted = adjust_base(clicks, &base, &ptz, &model, &options.adjust);
-    let mut base = adjusted.base;
+    let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
+    let mut adjusted = adjust_base(clicks, base, ptz, &model, options);
     if let Some(score) = scores.iter().find(|score| score.model == model) {
-        base.sigma.position_m = base.sigma.position_m.sup(&score.position_spread_m);
+        let sigma = &mut adjusted.base.sigma;
+        sigma.position_m = sigma.position_m.sup(&score.position_spread_m);
     }
-    let crowned = FieldModel { crown_m: adjusted.crown_m, ..field.clone() };
-    let frames: Vec<FrameClicks> = frames.iter().map(|frame| on_field(frame, field, &crowned)).collect();
-    let ptz = solve_all(&base, &frames, image_size);
-    let mut errors = distances(&base, &frames, &ptz);
+    Ok(ChosenFit { adjusted, model, reason, scores })
+}
+
+const fn pinhole(field: &FieldModel) -> BaseModel {
+    BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(field.crown_m), principal_point: None }
+}
+
+/// What a fit is worth, by clicks on the field that it has found and the frames' cameras.
+fn summary(
+    fit: ChosenFit,
+    field: &FieldModel,
+    frames: &[FrameClicks],
+    ptz: &[Option<Ptz>],
+    image_size: ImageSize,
+) -> Result<BaseEstimate, BaseError> {
+    let ChosenFit { adjusted, model, reason, scores } = fit;
+    let base = adjusted.base;
+    let mut errors = distances(&base, frames, ptz);
     errors.sort_by(f64::total_cmp);
     let median_px = errors.get(errors.len() / 2).copied().unwrap_or(f64::INFINITY);
-    let limit_px = NO_FIT_PX * image_size.scale_from_1920();
-    if !(median_px < limit_px) {
+    let has_clicks = frames.iter().any(|frame| frame.equations() > 0);
+    if has_clicks && !(median_px < NO_FIT_PX * image_size.scale_from_1920()) {
         return Err(BaseError::NoFit { median_px });
     }
     let known = adjusted.position_covariance.iter().all(|x| x.is_finite());
@@ -184,18 +282,11 @@ pub fn estimate_base_watched(
     if base.position_m.z <= 0.0 {
         return Err(BaseError::BelowGround { depth_m: -base.position_m.z });
     }
-    let mirrored = mirrored_frames(&base, &frames, &ptz, image_size);
+    let mirrored = mirrored_frames(&base, frames, ptz, image_size);
     let noise_scale = adjusted.noise_scale.sqrt();
-    let mut disputed = disputed_clicks(&base, &crowned, &frames, &ptz, noise_scale);
+    let mut disputed = disputed_clicks(&base, field, frames, ptz, noise_scale);
     disputed.retain(|click| mirrored.iter().all(|frame| frame.frame != click.frame));
-    let one_more_frame = (solved_frames < MIN_FRAMES)
-        .then(|| {
-            let known_m = base.sigma.position_m.norm();
-            let adjusting = (&model, &options.adjust);
-            one_more_frame(clicks, &base, &adjusted.ptz, adjusting, known_m)
-        })
-        .flatten();
-    let frame_fits = frames.iter().zip(&ptz).map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?)).collect();
+    let frame_fits = frames.iter().zip(ptz).map(|(frame, ptz)| frame_fit(&base, frame, (*ptz)?)).collect();
     Ok(BaseEstimate {
         base,
         crown_m: adjusted.crown_m,
@@ -206,8 +297,8 @@ pub fn estimate_base_watched(
         frames: frame_fits,
         median_px,
         p90_px: errors.get(errors.len() * 9 / 10).copied().unwrap_or(median_px),
-        previous_median_px: previous_fit.map(|fit| fit.1),
-        one_more_frame,
+        previous_median_px: None,
+        one_more_frame: None,
         disputed,
         mirrored,
     })

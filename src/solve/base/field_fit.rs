@@ -14,6 +14,7 @@ use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
 use crate::camera::{CameraBase, Ptz};
 use crate::field::{Crown, FieldElement, FieldModel};
+use crate::geometry::Vec3;
 use crate::solve::{Observation, ObservedShape};
 
 /// A length of the field that may differ from what is assumed.
@@ -189,27 +190,30 @@ impl SizeFit<'_> {
         self.params.iter().zip(values).zip(variances).zip(displaced).map(of).collect()
     }
 
-    /// The variance of each length, m², because the landmarks that move with it lie off their places.
+    /// The variance of each length, m², because the landmarks and lines that move with it lie off their places.
     fn displaced(&self, values: &[f64]) -> Option<Vec<f64>> {
         let field = (self.sized)(values)?;
         let clicks = self.start.frames.iter().flat_map(|frame| &frame.observations);
-        let mut clicked: Vec<usize> = clicks
-            .filter_map(|click| match click.element {
-                Some(FieldElement::Landmark(index)) => Some(index),
-                _ => None,
-            })
-            .collect();
+        let mut clicked: Vec<FieldElement> = clicks.filter_map(|click| click.element).collect();
         clicked.sort_unstable();
         clicked.dedup();
         let variance = (USUAL_DISPLACEMENT * field.width_m).powi(2);
         let of = |size: usize| {
             let (changed, by_m) = self.changed(values, size)?;
-            let slopes = clicked.iter().map(|&landmark| {
-                let by = changed.landmarks[landmark].nominal_m - field.landmarks[landmark].nominal_m;
-                by.norm_squared() / (by_m * by_m)
+            let slopes = clicked.iter().filter_map(|&element| {
+                let by = nominal_m(&changed, element)? - nominal_m(&field, element)?;
+                Some(by.norm_squared() / (by_m * by_m))
             });
             Some(variance / slopes.sum::<f64>().max(f64::MIN_POSITIVE))
         };
         (0..values.len()).map(of).collect()
     }
+}
+/// Where a landmark is, or the middle of a line, on flat ground, m.
+fn nominal_m(field: &FieldModel, element: FieldElement) -> Option<Vec3> {
+    Some(match element {
+        FieldElement::Landmark(index) => field.landmarks.get(index)?.nominal_m,
+        FieldElement::Line(index) => field.lines.get(index)?.curve.point_at(0.5),
+        FieldElement::Paint(index) => field.lines.get(index)?.paint_centre.point_at(0.5),
+    })
 }

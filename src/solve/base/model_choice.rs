@@ -1,4 +1,4 @@
-//! Which lens and which pitch: every model is tried on clicks that it has not seen.
+//! Which lens and which pitch: every model is tried on clicks, or on paint where it is known, that it has not seen.
 
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
@@ -11,25 +11,34 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt;
 
-/// How a model does on clicks that it has not seen.
+/// How a model does on clicks that it has not seen; where the frames' paint is known, on paint that it has not seen.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ModelScore {
     /// The model.
     pub model: BaseModel,
-    /// Median error at held-out clicks, px.
+    /// Median error at what was held out, px.
     pub median_px: f64,
     /// The 90 % quantile of it, px.
     pub p90_px: f64,
-    /// Root mean square with far-off clicks (wrong names) clipped, px: the choice is made by it.
+    /// Root mean square with what is far off (wrong names, other paint) clipped, px: the choice is made by it.
     pub clipped_rms_px: f64,
-    /// How many clicks were held out, each once.
-    pub clicks: usize,
+    /// How many clicks, or places of paint, were held out, each once.
+    pub held_out: usize,
+    /// Where paint decides: the errors at held-out clicks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub at_clicks: Option<HeldOutErrors>,
     /// 1-σ of the position by how it moves when a group is held out (jackknife), m.
     pub position_spread_m: Vec3,
 }
 
-/// Errors beyond this are wrong names, whatever the model, px at 1920 px width.
+/// Errors at clicks beyond this are wrong names, whatever the model, px at 1920 px width.
 const CLIP_PX: f64 = 12.0;
+
+/// Errors of paint beyond this are other paint, whatever the model, px at 1920 px width.
+const PAINT_CLIP_PX: f64 = 4.0;
+
+/// So many places of paint that follow each other are held out together: neighbours on one line know too much of each other.
+const PAINT_BLOCK: usize = 4;
 
 /// A richer model must be better by this share.
 const WORTHWHILE: f64 = 0.005;
@@ -107,27 +116,30 @@ impl CrossValidation<'_> {
         let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
         let hold_out = |fold| {
             if self.adjustments.are_stopped() {
-                return Fold { errors: Vec::new(), position_m: self.start.position_m };
+                return Fold { errors: Errors::default(), position_m: self.start.position_m };
             }
             let tried = if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
             self.adjustments.made();
             tried
         };
         let folds: Vec<Fold> = (0..FOLDS).into_par_iter().map(hold_out).collect();
-        let mut errors: Vec<f64> = folds.iter().flat_map(|fold| fold.errors.iter().copied()).collect();
-        errors.sort_by(f64::total_cmp);
-        let quantile = |share: f64| {
-            let index = (share * (errors.len().saturating_sub(1)) as f64).round() as usize;
-            errors.get(index).copied().unwrap_or(f64::INFINITY)
+        let errors = folds.iter().fold(Errors::default(), |sum, fold| sum.and(&fold.errors));
+        let scale = self.clicks.image_size.scale_from_1920();
+        let (deciding, clip_px, at_clicks) = if errors.paint.is_empty() {
+            (errors.clicks, CLIP_PX * scale, None)
+        } else {
+            (errors.paint, PAINT_CLIP_PX * scale, HeldOutErrors::of(errors.clicks))
         };
-        let clip_px = CLIP_PX * self.clicks.image_size.scale_from_1920();
-        let squares: f64 = errors.iter().map(|error| error.min(clip_px).powi(2)).sum();
+        let squares: f64 = deciding.iter().map(|error| error.min(clip_px).powi(2)).sum();
+        let clipped_rms_px = (squares / deciding.len().max(1) as f64).sqrt();
+        let summary = HeldOutErrors::of(deciding).unwrap_or(HeldOutErrors::NONE);
         ModelScore {
             model: *model,
-            median_px: quantile(0.5),
-            p90_px: quantile(0.9),
-            clipped_rms_px: (squares / errors.len().max(1) as f64).sqrt(),
-            clicks: errors.len(),
+            median_px: summary.median_px,
+            p90_px: summary.p90_px,
+            clipped_rms_px,
+            held_out: summary.count,
+            at_clicks,
             position_spread_m: jackknife(&folds),
         }
     }
@@ -139,18 +151,10 @@ impl CrossValidation<'_> {
         let ptz: Vec<Option<Ptz>> =
             self.start_ptz.iter().enumerate().map(|(index, ptz)| ptz.filter(|_| !held_out(index))).collect();
         let (adjusted, field) = self.adjusted(self.clicks.frames, &ptz, model);
-        let mut errors = Vec::new();
+        let mut errors = Errors::default();
         for (index, frame) in self.clicks.frames.iter().enumerate().filter(|(index, _)| held_out(*index)) {
             let Some(start) = self.start_ptz[index] else { continue };
-            let half = |half: usize| -> Vec<Observation> {
-                frame.used().skip(half).step_by(2).map(|click| click.recrowned(self.clicks.field, &field)).collect()
-            };
-            let (even, odd) = (half(0), half(1));
-            for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
-                let refined = refine(&adjusted.base, start, fitted, Loss::default(), None);
-                let camera = PtzCamera::new(adjusted.base, refined.ptz);
-                errors.extend(judged.iter().filter_map(|click| click.distance_px(&camera)));
-            }
+            errors.add_halves(&adjusted.base, start, frame, self.clicks.field, &field);
         }
         Fold { errors, position_m: adjusted.base.position_m }
     }
@@ -158,24 +162,21 @@ impl CrossValidation<'_> {
     /// Everything from the clicks of the other groups, judged by the clicks of this one.
     fn held_out_clicks(&self, model: &BaseModel, fold: usize) -> Fold {
         let part = |(index, frame): (usize, &FrameClicks)| {
-            let held_out = |click: usize| (click + index) % FOLDS == fold;
-            let observations = frame
-                .used()
-                .enumerate()
-                .map(|(i, click)| if held_out(i) { click.held_out() } else { *click })
-                .collect();
+            let held_out = |group: usize| (group + index) % FOLDS == fold;
+            let hold = |(group, click): (usize, &Observation)| if held_out(group) { click.held_out() } else { *click };
+            let observations = grouped(frame).map(hold).collect();
             FrameClicks { observations, start: frame.start }
         };
         let frames: Vec<FrameClicks> = self.clicks.frames.iter().enumerate().map(part).collect();
         let ptz: Vec<Option<Ptz>> =
             frames.iter().zip(self.start_ptz).map(|(frame, ptz)| ptz.filter(|_| frame.equations() >= 3)).collect();
         let (adjusted, field) = self.adjusted(&frames, &ptz, model);
-        let mut errors = Vec::new();
+        let mut errors = Errors::default();
         for (frame, ptz) in frames.iter().zip(&adjusted.ptz) {
             let Some(ptz) = ptz else { continue };
             let camera = PtzCamera::new(adjusted.base, *ptz);
             let held_out = frame.observations.iter().filter(|click| click.check);
-            errors.extend(held_out.filter_map(|click| click.recrowned(self.clicks.field, &field).distance_px(&camera)));
+            errors.add(&camera, held_out.map(|click| click.recrowned(self.clicks.field, &field)));
         }
         Fold { errors, position_m: adjusted.base.position_m }
     }
@@ -190,8 +191,89 @@ impl CrossValidation<'_> {
 
 /// What one group's holding out gave.
 struct Fold {
-    errors: Vec<f64>,
+    errors: Errors,
     position_m: Vec3,
+}
+
+/// The errors at something held out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct HeldOutErrors {
+    /// The median, px.
+    pub median_px: f64,
+    /// The 90 % quantile, px.
+    pub p90_px: f64,
+    /// How many there are.
+    pub count: usize,
+}
+
+impl HeldOutErrors {
+    const NONE: Self = Self { median_px: f64::INFINITY, p90_px: f64::INFINITY, count: 0 };
+
+    /// Of errors in any order, px; none of none.
+    fn of(mut errors: Vec<f64>) -> Option<Self> {
+        errors.sort_by(f64::total_cmp);
+        let last = errors.len().checked_sub(1)?;
+        let quantile = |share: f64| errors[(share * last as f64).round() as usize];
+        Some(Self { median_px: quantile(0.5), p90_px: quantile(0.9), count: errors.len() })
+    }
+}
+
+/// Errors held out, px: of clicks and of paint.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Errors {
+    clicks: Vec<f64>,
+    paint: Vec<f64>,
+}
+
+impl Errors {
+    /// Adds those of some observations.
+    fn add(&mut self, camera: &PtzCamera, judged: impl Iterator<Item = Observation>) {
+        for observation in judged {
+            let of_kind = if observation.is_paint() { &mut self.paint } else { &mut self.clicks };
+            of_kind.extend(observation.distance_px(camera));
+        }
+    }
+
+    /// Adds those of a frame whose camera is refined on one half of what is known of it and judged by the other, both ways. Its
+    /// observations are of the field `from`; the base was found with `to`.
+    pub fn add_halves(
+        &mut self,
+        base: &CameraBase,
+        start: Ptz,
+        frame: &FrameClicks,
+        from: &FieldModel,
+        to: &FieldModel,
+    ) {
+        let half = |half: usize| -> Vec<Observation> {
+            let of_half = grouped(frame).filter(|(group, _)| group % 2 == half);
+            of_half.map(|(_, observation)| observation.recrowned(from, to)).collect()
+        };
+        let (even, odd) = (half(0), half(1));
+        for (fitted, judged) in [(&even, &odd), (&odd, &even)] {
+            let refined = refine(base, start, fitted, Loss::default(), None);
+            self.add(&PtzCamera::new(*base, refined.ptz), judged.iter().copied());
+        }
+    }
+
+    /// These and others.
+    fn and(mut self, others: &Self) -> Self {
+        self.clicks.extend_from_slice(&others.clicks);
+        self.paint.extend_from_slice(&others.paint);
+        self
+    }
+
+    /// Those of the paint, and those of the clicks.
+    pub fn summaries(self) -> (Option<HeldOutErrors>, Option<HeldOutErrors>) {
+        (HeldOutErrors::of(self.paint), HeldOutErrors::of(self.clicks))
+    }
+}
+
+/// What takes part of a frame, each with the number of the group that it is held out with.
+fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
+    let group = |(index, observation): (usize, &Observation)| {
+        if observation.is_paint() { index / PAINT_BLOCK } else { index }
+    };
+    frame.used().enumerate().map(move |item| (group(item), item.1))
 }
 
 /// 1-σ of the position, m: the delete-a-group jackknife (Wolter, Introduction to Variance Estimation, chapter 4). Unlike

@@ -1,0 +1,294 @@
+//! The base of a camera from the clicks and the painted lines of its frames, in one adjustment.
+//!
+//! The clicks give a first base, or the camera has one. With it every frame is pulled onto its paint, the places of the paint and
+//! the clicks are adjusted together, and once more with what that has found. Lens and crown are chosen by paint that they
+//! have not seen.
+
+use super::paint::{record_snapped, snap_frame};
+use super::solve_frames::is_by_clicks;
+use super::{BaseEstimationError, BaseProblem, EstimatedBase, observations};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::{CameraId, Document, DocumentAt, Frame, FramePtz};
+use crate::field::FieldModel;
+use crate::geometry::Vec3;
+use crate::media::Picture;
+use crate::paint::{GroundPicture, PaintPlace, SnapOptions, paint_places, snap};
+use crate::solve::Observation;
+use crate::solve::base::{
+    AdjustOptions, BaseError, BaseModel, BaseOptions, CameraClicks, FrameClicks, HeldOutErrors, WatchBase, adjust_base,
+    estimate_base_on_paint, held_out_on_paint,
+};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use thiserror::Error;
+
+/// Frames whose pictures are looked at, at most: spread over all that have a camera.
+const MOST_FRAMES: usize = 150;
+
+/// Fewer frames with paint, or fewer lines in all of them together, do not hold a base.
+const FEWEST_FRAMES: usize = 3;
+const FEWEST_LINES: usize = 5;
+
+/// 1-σ of the position along each axis where paint alone gives it, m: what grounds are off by is common to all frames. Where clicks
+/// give a position too, half of the way between the two takes its place.
+const ALONE_SIGMA_M: f64 = 0.3;
+
+/// Pictures that are held in memory at once.
+const AT_ONCE: usize = 8;
+
+/// Why no base is found from clicks and paint.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BaseOnPaintError {
+    /// There is neither a base nor enough clicks for one, or the adjustment gives none.
+    #[error(transparent)]
+    Base(#[from] BaseEstimationError),
+    /// Hardly any paint is seen where the cameras predict it.
+    #[error(
+        "painted lines are seen in {frames} frames, {lines} different ones ({FEWEST_FRAMES} frames and {FEWEST_LINES} lines are \
+         needed): refine the base from clicks alone, or click frames that show more of the lines"
+    )]
+    TooFewLines {
+        /// Frames whose camera could be pulled onto its paint.
+        frames: usize,
+        /// Different lines in them.
+        lines: usize,
+    },
+}
+
+/// A base from clicks and paint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BaseOnPaint {
+    /// The base, and the frames that gave it; their cameras are where clicks and paint together put them.
+    pub estimated: EstimatedBase,
+    /// Frames of them whose paint took part.
+    pub frames: usize,
+    /// Places of paint that took part.
+    pub places: usize,
+    /// Different lines among them.
+    pub lines: usize,
+    /// The base before: errors where a frame's camera is refined on half of its paint and clicks and judged by the other half. If
+    /// clicks gave this base it has seen all of them.
+    pub before: OnPaintErrors,
+    /// The same for the new base, found without the frame.
+    pub after: OnPaintErrors,
+}
+
+/// Errors at what was held out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnPaintErrors {
+    /// Of the paint; none without any.
+    pub paint: Option<HeldOutErrors>,
+    /// Of the clicks; none without any.
+    pub clicks: Option<HeldOutErrors>,
+}
+
+/// Where a frame's picture comes from; none where it cannot be read.
+pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
+
+impl BaseOnPaint {
+    /// Pulls the frames that gave the base onto their paint with it and writes them; how many could be. The document has the base
+    /// already, and its frames are solved from their clicks: a frame that cannot be pulled stays so; without clicks it gets the
+    /// camera of the adjustment.
+    pub fn write_frames(&self, document: &mut Document, field: &FieldModel, pictures: PictureOf<'_>) -> usize {
+        let estimate = &self.estimated.estimate;
+        let mut snapped = 0;
+        for (&index, fit) in self.estimated.frames.iter().zip(&estimate.frames) {
+            let (Some(frame), Some(fit)) = (document.frames.get(index), fit) else { continue };
+            let mut adjusted = Frame::clone(frame);
+            let lens = Some(estimate.base.distortion.radial_at(fit.ptz.focal_px)).filter(|lens| !lens.is_none());
+            adjusted.ptz = Some(FramePtz::new(fit.ptz, lens));
+            let picture = pictures(&adjusted);
+            let options = SnapOptions::default();
+            let pulled = picture.and_then(|picture| snap_frame(document, &adjusted, field, &picture, &options).ok());
+            if let Some((base, pulled)) = pulled {
+                record_snapped(&mut adjusted, &base, &pulled);
+                snapped += 1;
+            } else if is_by_clicks(frame) {
+                continue;
+            }
+            *document.frames[index] = adjusted;
+        }
+        snapped
+    }
+}
+
+/// Estimates the base of a camera from clicks and paint; with `size` the field's length and width as well.
+///
+/// # Errors
+/// There is no base to begin with, too few lines are seen, or the adjustment gives no base.
+pub fn estimate_on_paint(
+    document: DocumentAt<'_>,
+    camera: &CameraId,
+    options: &BaseOptions,
+    size: bool,
+    pictures: PictureOf<'_>,
+    watch: WatchBase<'_>,
+) -> Result<BaseOnPaint, BaseOnPaintError> {
+    let mut problem = BaseProblem::with_solved(document, camera)?;
+    let first_field = problem.field.clone();
+    let first = Cameras::first(&problem, document, options, watch)?;
+    let seen = Seen::of(&problem, &document, &first, pictures)?;
+    let model = options.richest(&problem.camera_clicks());
+    let mut start = first.adjusted(&problem, &seen, &model, &options.adjust);
+
+    let mut document = document;
+    let mut sized = document.document.clone();
+    let mut sizes = Vec::new();
+    if size {
+        sizes = problem.fit_size(document, &seen.painted, (&start.base, &start.ptz), &model)?;
+        sized.set_field_size(camera, &sizes);
+        document = sized.at(document.folder);
+        problem = BaseProblem::with_solved(document, camera)?;
+    }
+    let seen = Seen::of(&problem, &document, &start, pictures)?;
+    start.ptz.clone_from(&seen.ptz);
+    let clicks = problem.camera_clicks();
+    let from = (&start.base, start.ptz.as_slice());
+    let mut estimate =
+        estimate_base_on_paint(&clicks, &seen.painted, from, options, watch).map_err(BaseEstimationError::from)?;
+    let apart_m = first.by_clicks.then(|| estimate.base.position_m - first.base.position_m);
+    let least_m = apart_m.map_or(Vec3::repeat(ALONE_SIGMA_M), |apart| apart.abs() * 0.5);
+    estimate.base.sigma.position_m = estimate.base.sigma.position_m.sup(&least_m);
+    // The first base is judged by the same paint, on the field that it was found with.
+    let as_first: Vec<FrameClicks> = seen.painted.iter().map(|frame| on_field(frame, &first_field)).collect();
+    let as_first = CameraClicks { field: &first_field, frames: &as_first, ..clicks };
+    let (paint, at_clicks) = held_out_on_paint(&as_first, &first.base, first.crown_m, &start.ptz);
+    let chosen = estimate.scores.iter().find(|score| score.model == estimate.model);
+    let after = OnPaintErrors {
+        paint: chosen.map(|score| HeldOutErrors {
+            median_px: score.median_px,
+            p90_px: score.p90_px,
+            count: score.held_out,
+        }),
+        clicks: chosen.and_then(|score| score.at_clicks),
+    };
+    let estimated = EstimatedBase { sizes, ..problem.estimated(&document, estimate) };
+    let Seen { frames, places, lines, .. } = seen;
+    let before = OnPaintErrors { paint, clicks: at_clicks };
+    Ok(BaseOnPaint { estimated, frames, places, lines: lines.len(), before, after })
+}
+
+/// The same clicks and paint on a field of another size.
+fn on_field(frame: &FrameClicks, field: &FieldModel) -> FrameClicks {
+    let renamed = |seen: &Observation| seen.element.and_then(|element| seen.renamed(field, element)).unwrap_or(*seen);
+    FrameClicks { observations: frame.observations.iter().map(renamed).collect(), start: frame.start }
+}
+
+/// A base, its crown and the frames' cameras.
+struct Cameras {
+    base: CameraBase,
+    crown_m: f64,
+    /// Of each frame of the problem.
+    ptz: Vec<Option<Ptz>>,
+    /// Whether clicks gave them.
+    by_clicks: bool,
+}
+
+impl Cameras {
+    /// What the clicks alone say; where they do not give a base, what the document says.
+    fn first(
+        problem: &BaseProblem,
+        document: DocumentAt<'_>,
+        options: &BaseOptions,
+        watch: WatchBase<'_>,
+    ) -> Result<Self, BaseEstimationError> {
+        let recorded = |index: &usize| document.frames.get(*index)?.ptz.as_ref().map(FramePtz::ptz);
+        let mut ptz: Vec<Option<Ptz>> = problem.frames.iter().map(recorded).collect();
+        let by_clicks = BaseProblem::of(document, &problem.camera)?.estimate_watched(&document, options, watch);
+        match (by_clicks, problem.previous) {
+            (Ok(EstimatedBase { frames, estimate, .. }), _) => {
+                for (index, fit) in frames.iter().zip(&estimate.frames) {
+                    if let (Ok(place), Some(fit)) = (problem.frames.binary_search(index), fit) {
+                        ptz[place] = Some(fit.ptz);
+                    }
+                }
+                Ok(Self { base: estimate.base, crown_m: estimate.crown_m, ptz, by_clicks: true })
+            }
+            (Err(BaseEstimationError::Base(BaseError::Stopped)), _) => Err(BaseError::Stopped.into()),
+            (Err(_), Some(base)) => Ok(Self { base, crown_m: problem.field.crown_m, ptz, by_clicks: false }),
+            (Err(error), None) => Err(error),
+        }
+    }
+
+    /// The field with the crown.
+    fn field(&self, problem: &BaseProblem) -> FieldModel {
+        FieldModel { crown_m: self.crown_m, ..problem.field.clone() }
+    }
+
+    /// Adjusted to what is seen.
+    fn adjusted(&self, problem: &BaseProblem, seen: &Seen, model: &BaseModel, options: &AdjustOptions) -> Self {
+        let painted = CameraClicks { frames: &seen.painted, ..problem.camera_clicks() };
+        let adjusted = adjust_base(&painted, &self.base, &seen.ptz, model, options);
+        Self { base: adjusted.base, crown_m: adjusted.crown_m, ptz: adjusted.ptz, ..*self }
+    }
+}
+
+/// What is seen of the lines.
+struct Seen {
+    /// The clicks of each frame of the problem, and its paint after them.
+    painted: Vec<FrameClicks>,
+    /// Each frame's camera: pulled onto the paint, or as it was.
+    ptz: Vec<Option<Ptz>>,
+    frames: usize,
+    places: usize,
+    lines: BTreeSet<usize>,
+}
+
+impl Seen {
+    /// Looks at the pictures of frames with known cameras.
+    fn of(
+        problem: &BaseProblem,
+        document: &Document,
+        cameras: &Cameras,
+        pictures: PictureOf<'_>,
+    ) -> Result<Self, BaseOnPaintError> {
+        let field = cameras.field(problem);
+        let solved: Vec<usize> = (0..problem.frames.len()).filter(|place| cameras.ptz[*place].is_some()).collect();
+        let every = solved.len().div_ceil(MOST_FRAMES).max(1);
+        let looked_at: Vec<usize> = solved.into_iter().step_by(every).collect();
+        let mut seen = Self {
+            painted: problem.clicks.clone(),
+            ptz: cameras.ptz.clone(),
+            frames: 0,
+            places: 0,
+            lines: BTreeSet::new(),
+        };
+        for some in looked_at.chunks(AT_ONCE) {
+            let read = |place: &usize| Some((*place, pictures(document.frames.get(problem.frames[*place])?)?));
+            let read: Vec<(usize, Picture)> = some.iter().filter_map(read).collect();
+            let looked = read.par_iter().map(|(place, picture)| {
+                let frame = &*document.frames[problem.frames[*place]];
+                let ground = GroundPicture::new(picture, &document.masks_of(frame));
+                let clicks = observations(frame, &field).unwrap_or_default();
+                let snapped = snap(&ground, &field, &cameras.base, cameras.ptz[*place]?, &clicks, &lenient()).ok()?;
+                let camera = PtzCamera::new(cameras.base, snapped.ptz);
+                Some((*place, snapped.ptz, paint_places(&ground, &field, &camera)))
+            });
+            let looked: Vec<_> = looked.collect();
+            for (place, ptz, paint) in looked.into_iter().flatten() {
+                seen.add(problem, place, ptz, &paint);
+            }
+        }
+        if seen.frames < FEWEST_FRAMES || seen.lines.len() < FEWEST_LINES {
+            return Err(BaseOnPaintError::TooFewLines { frames: seen.frames, lines: seen.lines.len() });
+        }
+        Ok(seen)
+    }
+
+    fn add(&mut self, problem: &BaseProblem, place: usize, ptz: Ptz, paint: &[PaintPlace]) {
+        self.ptz[place] = Some(ptz);
+        self.frames += 1;
+        self.places += paint.len();
+        self.lines.extend(paint.iter().map(|seen| seen.line));
+        let observed = paint.iter().enumerate().filter_map(|(number, seen)| {
+            Observation::of_paint(&problem.field, seen.line, seen.image, seen.sigma_px, number)
+        });
+        self.painted[place].observations.extend(observed);
+    }
+}
+
+/// A base that is not yet right bends lines: halves of a frame's paint may disagree more than where a frame is snapped for good.
+fn lenient() -> SnapOptions {
+    SnapOptions { halves_px: 4.0, min_score: 0.5, ..SnapOptions::default() }
+}
