@@ -150,6 +150,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
             found.estimated.frames.len()
         ));
     }
+    failed += pictures.unreadable.len();
     for estimate in &estimates {
         estimate.mark_disputes(&mut document);
     }

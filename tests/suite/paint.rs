@@ -3,7 +3,7 @@
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
-use touchline::camera::{Ptz, PtzCamera};
+use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera, Radial};
 use touchline::document::{Document, FramePtz, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
@@ -81,10 +81,10 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     let folder = place.path().join("match");
     let truth = document(&folder.join("truth.json"));
     let mut bare = truth.clone();
-    bare.cameras[0].distortion = None;
     for frame in &mut bare.frames {
         frame.clicks.clear();
-        frame.ptz = Some(FramePtz::new(truth.pointed(frame).unwrap().ptz(), None));
+        let off = Radial::k1(truth.pointed(frame).unwrap().lens().k1 - 0.05);
+        frame.ptz = Some(FramePtz::new(truth.pointed(frame).unwrap().ptz(), Some(off)));
     }
     fs::write(folder.join("bare.json"), document_to_string(&bare).unwrap()).unwrap();
     let ran = touchline(&folder, "snap bare.json --k1 -o bent.json");
@@ -96,7 +96,11 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
         assert!((k1 - right.lens().k1).abs() < 0.015, "{}: {k1}, {:?}", was.name(), right.lens());
         assert_eq!(bent.pointed(is).unwrap().lens().k1, k1, "it is drawn with it");
     }
-    let ran = touchline(&folder, "snap truth.json --k1 -o refused.json");
+    let mut with_lens = truth.clone();
+    let base = truth.cameras[0].base().unwrap();
+    with_lens.cameras[0].set_base(&CameraBase { distortion: FocalCurve::constant(0.01), ..base });
+    fs::write(folder.join("with_lens.json"), document_to_string(&with_lens).unwrap()).unwrap();
+    let ran = touchline(&folder, "snap with_lens.json --k1 -o refused.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
     assert!(ran.stderr.contains("its camera has a lens, which holds for all its frames"), "{}", ran.stderr);
 }
