@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test check bench demo experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check bench demo experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -29,6 +29,9 @@ run: run-packages ## build and open the demo match (a copy of it in target/demo)
 
 test: run-packages test-packages ## run every test; those that miss a part of the machine are ignored and say why
 	@.ci/test
+
+test-formats: build-packages ## exports read by each consumer's own reader, in a Python environment of its own
+	@.ci/formats
 
 check: build-packages ## formatting, lints and documentation, warnings refused
 	cargo fmt --check

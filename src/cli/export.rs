@@ -5,7 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
 use crate::document::FrameStatus;
-use crate::exchange::{ExportOptions, Format, KeypointNames, PointSource, Rate, export as export_document};
+use crate::exchange::{ExportOptions, Format, KeypointNames, PointSource, Rate, Zoom, export as export_document};
 use crate::geometry::ImageSize;
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
@@ -56,6 +56,9 @@ pub struct ExportArgs {
     /// The width of the camera's sensor, mm, where the document does not know it.
     #[arg(long)]
     sensor_mm: Option<f64>,
+    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
+    #[arg(long, default_value = "focal-px")]
+    zoom: String,
 }
 
 /// Takes the name of a format that can go this way.
@@ -86,6 +89,26 @@ fn parse_rate(text: &str) -> Result<Rate, String> {
     Rate::parse(text).ok_or_else(|| format!("{text} is no frame rate such as 25, 29.97 or 30000/1001"))
 }
 
+/// How a zoom value says the focal length, by name or from a file.
+pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
+    let file = match name {
+        "focal-px" => return Ok(Zoom::FocalPx),
+        "focal-mm-x100" => return Ok(Zoom::FocalMmX100),
+        file => file,
+    };
+    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the zoom table {file}"))?;
+    let rows = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let row = |line: &str| {
+        let (raw, focal) = line.split_once([',', ' ', '\t'])?;
+        Some((raw.trim().parse::<f64>().ok()?, focal.trim().parse::<f64>().ok()?))
+    };
+    let table: Option<Vec<(f64, f64)>> = rows.map(row).collect();
+    match table {
+        Some(table) if table.len() >= 2 => Ok(Zoom::Table(table)),
+        _ => bail!("{file} is no table of at least two rows with a raw value and a focal length in px"),
+    }
+}
+
 /// Carries out the command.
 ///
 /// # Errors
@@ -114,7 +137,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         points: if args.projected { PointSource::Projected } else { PointSource::Clicked },
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
-        ..ExportOptions::default()
+        zoom: zoom_of(&args.zoom)?,
     };
     let exported = export_document(document.at(location.folder()), args.format, &options)?;
     for note in exported.loss.iter().map(ToString::to_string).chain(exported.notes.iter().cloned()) {

@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::document::DocumentOutput;
-use super::export::{format_parser, parse_size};
+use super::export::{format_parser, parse_size, zoom_of};
 use super::messages::Messages;
 use super::new::parameter;
 use crate::document::FieldSpec;
@@ -45,6 +45,9 @@ pub struct ImportArgs {
     /// Whose annotations are read, where a file has several.
     #[arg(long)]
     annotator: Option<String>,
+    /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
+    #[arg(long)]
+    zoom: Option<String>,
     /// The width of the camera's sensor, mm.
     #[arg(long)]
     sensor_mm: Option<f64>,
@@ -82,7 +85,7 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         skip_unmapped: args.skip_unmapped,
         annotator: args.annotator.clone(),
         sensor_width_mm: args.sensor_mm,
-        ..ImportOptions::default()
+        zoom: args.zoom.as_deref().map(zoom_of).transpose()?,
     };
     let imported = import_document(&args.path, args.format, &options)?;
     for note in &imported.notes {

@@ -66,7 +66,7 @@ pub trait CameraFormat: Sync {
     fn reading(&self, held: &[FrameCamera], options: &ExportOptions) -> ImportOptions {
         ImportOptions {
             size: held.first().and_then(|frame| frame.size),
-            zoom: options.zoom.clone(),
+            zoom: Some(options.zoom.clone()),
             sensor_width_mm: options.sensor_width_mm,
             ..ImportOptions::default()
         }

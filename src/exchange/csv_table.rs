@@ -2,7 +2,7 @@
 //!
 //! World, pixels and angles are the document's own. `r11` … `r33` are `cam_from_world`, `t_*_m` is −R C, and
 //! `h_pitch_from_image_*` takes a pixel *without distortion* (corner convention) to metres on the pitch. Empty fields are not
-//! known. Numbers have all their digits (in pandas: `read_csv(f, float_precision="round_trip")`).
+//! known. Numbers have all their digits (before pandas 3: `read_csv(f, float_precision="round_trip")`).
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending, stem_of};
 use super::error::{ExchangeError, Problem};

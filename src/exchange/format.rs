@@ -18,6 +18,8 @@ pub enum Format {
     YoloPose,
     /// COCO keypoints.
     Coco,
+    /// CVAT's XML 1.1.
+    Cvat,
     /// Label Studio's JSON.
     LabelStudio,
     /// labelme's JSON, a file an image.
@@ -34,6 +36,16 @@ pub enum Format {
     Colmap,
     /// OpenCV's YAML, a file a frame.
     OpenCv,
+    /// A USD stage as text.
+    Usda,
+    /// `OpenTrackIO` samples, one a line.
+    OpenTrackIo,
+    /// `FreeD` packets.
+    FreeD,
+    /// What `FreeD` holds, as a table.
+    FreeDCsv,
+    /// `DeepSport`'s basketball cameras.
+    DeepSport,
     /// Nuke's camera track.
     Chan,
     /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.
@@ -58,13 +70,14 @@ const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports
 
 impl Format {
     /// Every format, in the order of the help.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 23] = [
         Self::Json,
         Self::SoccerNet,
         Self::SoccerNetLines,
         Self::Csv,
         Self::YoloPose,
         Self::Coco,
+        Self::Cvat,
         Self::LabelStudio,
         Self::Labelme,
         Self::Wc14,
@@ -73,6 +86,11 @@ impl Format {
         Self::BroadTrack,
         Self::Colmap,
         Self::OpenCv,
+        Self::Usda,
+        Self::OpenTrackIo,
+        Self::FreeD,
+        Self::FreeDCsv,
+        Self::DeepSport,
         Self::Chan,
         Self::PnlCalib,
         Self::AuthorsMat,
@@ -88,6 +106,7 @@ impl Format {
             Self::Csv => facts("csv", "a table, one row a frame, with R, t and H", false, true, true),
             Self::YoloPose => facts("yolo-pose", "keypoints for Ultralytics' pose models", true, true, true),
             Self::Coco => facts("coco", "COCO keypoints", false, true, true),
+            Self::Cvat => facts("cvat", "CVAT for images, XML 1.1", false, true, false),
             Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
             Self::Labelme => facts("labelme", "labelme, one file an image", true, true, true),
             Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file a frame", true, true, true),
@@ -96,6 +115,11 @@ impl Format {
             Self::BroadTrack => facts("broadtrack", "BroadTrack cameras, one JSON file", false, true, true),
             Self::Colmap => facts("colmap", "COLMAP text: cameras, images, points3D", true, true, true),
             Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file a frame", true, true, true),
+            Self::Usda => facts("usda", "a USD stage with an animated camera", false, false, true),
+            Self::OpenTrackIo => facts("opentrackio", "OpenTrackIO 1.0.1, one sample a line", false, true, true),
+            Self::FreeD => facts("freed", "FreeD D1 packets, back to back", false, true, true),
+            Self::FreeDCsv => facts("freed-csv", "what FreeD holds as a table, with times", false, true, true),
+            Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
             Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
             Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
             Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),

@@ -5,6 +5,7 @@
 //! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
 
 pub(crate) mod authors_mat;
+mod body_angles;
 mod broadtrack;
 mod camera_format;
 mod chan;
@@ -13,6 +14,8 @@ mod clicked_frame;
 mod coco;
 mod colmap;
 mod csv_table;
+mod cvat;
+mod deepsport;
 mod error;
 mod export;
 mod export_cameras;
@@ -21,6 +24,7 @@ mod exported;
 mod files;
 mod format;
 mod frame_camera;
+mod freed;
 mod held;
 mod homography_files;
 mod import;
@@ -35,6 +39,7 @@ mod loss;
 mod node;
 mod npy;
 mod opencv_yaml;
+mod opentrackio;
 mod options;
 mod pictures;
 mod registry;
@@ -44,6 +49,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 mod timecode;
+mod usda;
 mod yolo_pose;
 
 pub use authors_mat::{

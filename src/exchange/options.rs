@@ -53,7 +53,7 @@ pub struct ImportOptions {
     /// Whose annotations are read, where a file has several.
     pub annotator: Option<String>,
     /// How FreeD's zoom value says the focal length.
-    pub zoom: Zoom,
+    pub zoom: Option<Zoom>,
     /// The width of the sensor, mm.
     pub sensor_width_mm: Option<f64>,
 }
@@ -68,7 +68,7 @@ impl Default for ImportOptions {
             map: LabelMap::default(),
             skip_unmapped: false,
             annotator: None,
-            zoom: Zoom::default(),
+            zoom: None,
             sensor_width_mm: None,
         }
     }

@@ -7,13 +7,18 @@ use super::clicked_frame::ClickFormat;
 use super::coco::Coco;
 use super::colmap::Colmap;
 use super::csv_table::Csv;
+use super::cvat::Cvat;
+use super::deepsport::DeepSport;
 use super::format::Format;
+use super::freed::{FreeD, FreeDCsv};
 use super::homography_files::{HomographyLines, TsWorldCup, Wc14};
 use super::label_studio::LabelStudio;
 use super::labelme::Labelme;
 use super::opencv_yaml::OpenCvYaml;
+use super::opentrackio::OpenTrackIo;
 use super::soccernet::{PnlCalib, SoccerNet};
 use super::soccernet_lines::SoccerNetLines;
+use super::usda::Usda;
 use super::yolo_pose::YoloPose;
 
 /// The reader and writer of a format of cameras; none for formats of clicks and for whole documents.
@@ -29,6 +34,11 @@ pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
         Format::BroadTrack => &BroadTrack,
         Format::Colmap => &Colmap,
         Format::OpenCv => &OpenCvYaml,
+        Format::Usda => &Usda,
+        Format::OpenTrackIo => &OpenTrackIo,
+        Format::FreeD => &FreeD,
+        Format::FreeDCsv => &FreeDCsv,
+        Format::DeepSport => &DeepSport,
         Format::Chan => &Chan,
         _ => return None,
     })
@@ -41,6 +51,7 @@ pub fn click_format(format: Format) -> Option<&'static dyn ClickFormat> {
         Format::SoccerNetLines => &SoccerNetLines,
         Format::YoloPose => &YoloPose,
         Format::Coco => &Coco,
+        Format::Cvat => &Cvat,
         Format::LabelStudio => &LabelStudio,
         Format::Labelme => &Labelme,
         _ => return None,

@@ -1,0 +1,150 @@
+"""Reads a touchline dataset (or project.json) with numpy alone.
+
+    from touchline_dataset import load
+    data = load("dataset.json")
+    pixels = data.project(0, [[0.0, 0.0, 0.0], [0.0, 34.0, 0.0]])   # world metres -> px of frame 0
+
+World: origin at the field's centre, x right along its length seen from the main camera, y away from that camera, z up, metres.
+Pixels: (0, 0) is the top-left corner of the picture; libraries that count from the first pixel's centre (OpenCV, COCO) need 0.5 less.
+Angles: pan positive to the right, tilt positive up; x_cam = R (X - C), camera x right, y down, z forward.
+Licence: MIT, as touchline.
+"""
+
+import json
+import os
+
+import numpy as np
+
+
+class Dataset:
+    """Solved frames as arrays; row i of each array is frame i.
+
+    images      list of paths (None where a frame comes from a video only), as the file has them
+    videos      list of (path, frame index) or None
+    cameras     list of camera names
+    status      list: new, draft, suggested, reference, rejected
+    source      list: clicks, forest, tracking, markings, import, ... or None
+    size        (n, 2) width and height, px
+    pan, tilt   (n,) degrees
+    f           (n,) focal length, px
+    k1, k2      (n,) radial distortion on normalised coordinates
+    R           (n, 3, 3) world to camera
+    C           (n, 3) centre of projection, m
+    K           (n, 3, 3) calibration, corner convention
+    H           (n, 3, 3) undistorted pixel to pitch (m), scaled to H[2, 2] = 1
+    sigma       (n, 3) 1-sigma of pan, tilt (degrees) and focal length (px); NaN where not known
+    confidence  (n,) NaN where not known
+    clicks      list of lists of (name, x, y, is_line, is_check)
+    """
+
+    def __init__(self, document):
+        if document.get("format") != "touchline":
+            raise ValueError("this is no touchline document")
+        if document.get("version") != 1:
+            raise ValueError("version %r is newer than this reader" % document.get("version"))
+        self.document = document
+        cameras = {camera["id"]: camera for camera in document["cameras"]}
+        frames = [f for f in document["frames"] if f.get("ptz") and cameras[f["camera"]].get("position_m")]
+        self.unsolved = len(document["frames"]) - len(frames)
+        self.images = [f.get("image") for f in frames]
+        videos = [f.get("video") for f in frames]
+        self.videos = [(v["path"], v["frame_index"]) if v else None for v in videos]
+        self.cameras = [f["camera"] for f in frames]
+        self.status = [f["status"] for f in frames]
+        solutions = [f.get("solution") or {} for f in frames]
+        self.source = [s.get("source") for s in solutions]
+        self.size = np.array([f["image_size_px"] for f in frames], int).reshape(-1, 2)
+        self.pan = np.array([f["ptz"]["pan_deg"] for f in frames], float)
+        self.tilt = np.array([f["ptz"]["tilt_deg"] for f in frames], float)
+        self.f = np.array([f["ptz"]["focal_px"] for f in frames], float)
+        lenses = [_lens(cameras[f["camera"]], f["ptz"]) for f in frames]
+        self.k1, self.k2 = np.array(lenses, float).reshape(-1, 2).T
+        bases = [np.array(cameras[f["camera"]]["base_from_world"], float) for f in frames]
+        turned = [_turn(p, t) @ _rotation(b) for p, t, b in zip(self.pan, self.tilt, bases)]
+        self.R = np.array(turned, float).reshape(-1, 3, 3)
+        self.C = np.array([cameras[f["camera"]]["position_m"] for f in frames], float).reshape(-1, 3)
+        points = [cameras[f["camera"]]["principal_point_px"] for f in frames]
+        self.K = np.array([[[f, 0, x], [0, f, y], [0, 0, 1]] for f, (x, y) in zip(self.f, points)], float).reshape(-1, 3, 3)
+        ground = np.concatenate([self.R[:, :, :2], self.t[:, :, None]], axis=2)
+        inverse = np.linalg.inv(self.K @ ground)
+        self.H = inverse / inverse[:, 2:, 2:]
+        covariances = [np.array(s["covariance"], float) if s.get("covariance") else np.full((3, 3), np.nan) for s in solutions]
+        self.sigma = np.sqrt(np.array([np.diag(c) for c in covariances], float).reshape(-1, 3))
+        self.confidence = np.array([s.get("confidence", np.nan) for s in solutions], float)
+        self.clicks = [[_click(c) for c in f.get("clicks", []) if "landmark" in c or "line" in c] for f in frames]
+
+    def __len__(self):
+        return len(self.f)
+
+    @property
+    def t(self):
+        """(n, 3) translation of x_cam = R X + t, m."""
+        return -np.einsum("nij,nj->ni", self.R, self.C)
+
+    def project(self, index, world):
+        """Pixels (m, 2), corner convention, of world points (m, 3); NaN for what the camera cannot see."""
+        camera = (np.asarray(world, float).reshape(-1, 3) - self.C[index]) @ self.R[index].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ideal = camera[:, :2] / camera[:, 2:]
+        r2 = (ideal**2).sum(axis=1)
+        k1, k2 = self.k1[index], self.k2[index]
+        bent = ideal * (1 + r2 * (k1 + r2 * k2))[:, None]
+        pixels = bent * self.f[index] + self.K[index, :2, 2]
+        folded = r2 >= _fold(k1, k2)
+        pixels[(camera[:, 2] <= 1e-6 * np.linalg.norm(camera, axis=1)) | folded] = np.nan
+        return pixels
+
+    def opencv(self, index):
+        """(rotation matrix, t, camera matrix, distortion) of a frame in OpenCV's pixels, for cv2.projectPoints."""
+        matrix = self.K[index].copy()
+        matrix[:2, 2] -= 0.5
+        return self.R[index], self.t[index], matrix, np.array([self.k1[index], self.k2[index], 0, 0, 0])
+
+
+def load(path):
+    """The dataset of a file, or of the folder of a project or exported dataset."""
+    if os.path.isdir(path):
+        names = [os.path.join(path, name) for name in ("dataset.json", "project.json")]
+        path = next((name for name in names if os.path.exists(name)), names[0])
+    with open(path, encoding="utf-8") as file:
+        return Dataset(json.load(file))
+
+
+def _lens(camera, ptz):
+    """k1 and k2 of a frame: of the camera's curve, where it has one, else the frame's own k1."""
+    distortion = camera.get("distortion") or {}
+    curve = distortion.get("k1")
+    if curve is None:
+        return ptz.get("k1") or 0.0, 0.0
+    slope = curve.get("per_1000_px", 0.0) / 1000.0
+    k1 = curve["value"] + slope * (ptz["focal_px"] - curve.get("at_focal_px", 0.0))
+    return k1, distortion.get("k2_per_k1_squared", 0.0) * k1 * k1
+
+
+def _fold(k1, k2):
+    """The squared ideal radius beyond which the lens model folds and nothing has an image."""
+    if k2 == 0:
+        return -1 / (3 * k1) if k1 < 0 else np.inf
+    discriminant = 9 * k1 * k1 - 20 * k2
+    if discriminant < 0:
+        return np.inf
+    divisor = np.sqrt(discriminant) - 3 * k1
+    return 2 / divisor if divisor > 0 else np.inf
+
+
+def _turn(pan_deg, tilt_deg):
+    """Q_tilt Q_pan."""
+    (sp, cp), (st, ct) = [(np.sin(a), np.cos(a)) for a in np.radians([pan_deg, tilt_deg])]
+    return np.array([[1, 0, 0], [0, ct, st], [0, -st, ct]]) @ np.array([[cp, 0, -sp], [0, 1, 0], [sp, 0, cp]])
+
+
+def _rotation(matrix):
+    """The rotation nearest to a matrix whose digits were rounded."""
+    u, _, vt = np.linalg.svd(matrix)
+    return u @ np.diag([1, 1, np.linalg.det(u @ vt)]) @ vt
+
+
+def _click(click):
+    is_line = "line" in click
+    x, y = click["image_px"]
+    return click["line" if is_line else "landmark"], x, y, is_line, bool(click.get("check"))
