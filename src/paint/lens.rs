@@ -1,7 +1,8 @@
 //! The lens of one frame: k₁ from its paint and clicks, for a camera of which no lens is known.
 //!
-//! The least cost over pan, tilt and focal length is a smooth function of k₁ alone. Its parabola through three values of k₁ gives
-//! the best one and its σ; the paint is looked at again with that.
+//! The least cost over pan, tilt and focal length is a function of k₁ alone. The parabola through the best of some values and its
+//! neighbours gives k₁ and its σ; the paint is looked at again with that. Far off the cost is no parabola, since far paint hardly
+//! pulls, so the values reach over all that k₁ may change by.
 
 use super::{GroundPicture, SnapError, paint_places};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
@@ -14,8 +15,10 @@ const LOOKS: usize = 3;
 /// The values of k₁ that are compared lie this far apart.
 const STEP: f64 = 0.02;
 
-/// k₁ changes by at most this at a look, and is never farther from 0 than the most that lenses have.
-const LONGEST_STEP: f64 = 0.1;
+/// So many are compared on each side at a look.
+const STEPS: i32 = 5;
+
+/// k₁ is never farther from 0 than this, the most that lenses have.
 const MOST: f64 = 0.5;
 
 /// A k₁ that is less well known than this is none.
@@ -50,14 +53,18 @@ pub(super) fn own_lens(
         });
         let seen: Vec<Observation> = clicks.iter().filter(|click| !click.check).copied().chain(paint).collect();
         let fitted = |k1: f64| -> Refined { refine(&with_k1(near.base(), k1), found.ptz(), &seen, LOSS, None) };
-        let [less, here, more] = [k1 - STEP, k1, k1 + STEP].map(|k1| fitted(k1).cost);
+        let values: Vec<f64> = (-STEPS..=STEPS).map(|step| k1 + f64::from(step) * STEP).collect();
+        let costs: Vec<f64> = values.iter().map(|k1| fitted(*k1).cost).collect();
+        let inner = 1..values.len() - 1;
+        let best = inner.min_by(|a, b| costs[*a].total_cmp(&costs[*b])).unwrap_or(STEPS as usize);
+        let [less, here, more] = [costs[best - 1], costs[best], costs[best + 1]];
         let (slope, curvature) = ((more - less) / (2.0 * STEP), (more - 2.0 * here + less) / (STEP * STEP));
         // A sum of squares in sigmas has twice the inverse variance as its second derivative.
         let sigma = if curvature > 0.0 { (2.0 / curvature).sqrt() } else { f64::INFINITY };
         if !(sigma <= MAX_SIGMA) {
             return Err(SnapError::LensOpen { sigma });
         }
-        k1 = (k1 + (-slope / curvature).clamp(-LONGEST_STEP, LONGEST_STEP)).clamp(-MOST, MOST);
+        k1 = (values[best] + (-slope / curvature).clamp(-STEP, STEP)).clamp(-MOST, MOST);
         found = PtzCamera::new(with_k1(near.base(), k1), fitted(k1).ptz);
     }
     Ok(OwnLens { base: *found.base(), ptz: found.ptz() })
