@@ -84,7 +84,9 @@ fn hold(panel: &mut Panel<'_>, ui: &Ui, response: &Response, bar: &Bar<'_>) -> O
     let cut = ui.data(|data| data.get_temp::<TimelineCut>(memory));
     let over = at.map(|at| bar.frame_at(at))?;
     let Some(cut) = cut else {
-        if response.is_pointer_button_down_on() && near.is_none() && over != panel.app.session.frame {
+        // A quick click is over before the button is seen down.
+        let pressed = response.is_pointer_button_down_on() || response.clicked();
+        if pressed && near.is_none() && over != panel.app.session.frame {
             panel.actions.extend([Action::Video(VideoAction::Pause), Action::GoTo(over)]);
         }
         return None;
