@@ -3,10 +3,11 @@
 use super::{BaseEstimationError, BaseProblem, EstimatedBase};
 use crate::camera::{CameraBase, Ptz};
 use crate::document::{CameraId, Document, DocumentAt, FieldSize};
-use crate::field::FieldModel;
+use crate::field::{FieldModel, Template};
 use crate::solve::base::{
     AdjustOptions, BaseModel, BaseOptions, FittedSize, FrameClicks, SizeParam, SizeStart, WatchBase, fit_field_size,
 };
+use std::collections::BTreeMap;
 
 /// The parameters that are a field's size.
 const SIZE: [&str; 2] = ["length_m", "width_m"];
@@ -47,30 +48,7 @@ impl BaseProblem {
     ) -> Result<Vec<FittedSize>, BaseEstimationError> {
         let Some(camera) = document.camera(&self.camera) else { return Ok(Vec::new()) };
         let spec = camera.field.as_ref().unwrap_or(&document.field);
-        let template = spec.template(document.folder)?;
-        let params: Vec<SizeParam> = template
-            .params
-            .iter()
-            .filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max)
-            .map(|param| SizeParam {
-                name: param.name.clone(),
-                assumed_m: self.field.params.get(&param.name).copied().unwrap_or(param.default),
-                sigma_m: (param.max - param.min) * SIGMA_SHARE,
-                min_m: param.min,
-                max_m: param.max,
-            })
-            .collect();
-        let crown_m = self.field.crown_m;
-        let sized = |values: &[f64]| -> Option<FieldModel> {
-            let mut filled = self.field.params.clone();
-            filled.extend(
-                params
-                    .iter()
-                    .zip(values)
-                    .map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m))),
-            );
-            template.model(&filled, crown_m).ok()
-        };
+        let open = OpenSize::new(spec.template(document.folder)?, &self.field);
         let start = SizeStart {
             field: &self.field,
             frames,
@@ -80,7 +58,51 @@ impl BaseProblem {
             image_width_px: camera.image_size.width,
             options: &AdjustOptions::default(),
         };
-        Ok(fit_field_size(&sized, &params, &start).unwrap_or_default())
+        Ok(fit_field_size(&|values| open.sized(values), &open.params, &start).unwrap_or_default())
+    }
+}
+
+/// The lengths of a field that its rules leave open, and the field at other values of them.
+pub(super) struct OpenSize {
+    template: Template,
+    params_m: BTreeMap<String, f64>,
+    crown_m: f64,
+    /// The lengths, as assumed; none where the rules leave no choice.
+    pub params: Vec<SizeParam>,
+}
+
+impl OpenSize {
+    /// Of a field that was filled in from its template.
+    pub fn new(template: Template, field: &FieldModel) -> Self {
+        let open = template.params.iter().filter(|param| SIZE.contains(&param.name.as_str()) && param.min < param.max);
+        let params = open.map(|param| SizeParam {
+            name: param.name.clone(),
+            assumed_m: field.params.get(&param.name).copied().unwrap_or(param.default),
+            sigma_m: (param.max - param.min) * SIGMA_SHARE,
+            min_m: param.min,
+            max_m: param.max,
+        });
+        let params = params.collect();
+        Self { template, params_m: field.params.clone(), crown_m: field.crown_m, params }
+    }
+
+    /// The lengths of a field of this template, with those of `field` as what is assumed.
+    pub fn params_of(&self, field: &FieldModel) -> Vec<SizeParam> {
+        let of = |param: &SizeParam| {
+            let assumed_m = field.params.get(&param.name).copied().unwrap_or(param.assumed_m);
+            SizeParam { assumed_m, ..param.clone() }
+        };
+        self.params.iter().map(of).collect()
+    }
+
+    /// The field at values of the lengths, in their order, within what the rules allow; none where the template has none of
+    /// that size.
+    pub fn sized(&self, values_m: &[f64]) -> Option<FieldModel> {
+        let lengths = self.params.iter().zip(values_m);
+        let allowed = lengths.map(|(param, value)| (param.name.clone(), value.clamp(param.min_m, param.max_m)));
+        let mut filled = self.params_m.clone();
+        filled.extend(allowed);
+        self.template.model(&filled, self.crown_m).ok()
     }
 }
 

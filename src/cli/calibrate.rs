@@ -5,9 +5,10 @@ use super::messages::Messages;
 use super::new::parameter;
 use super::output::refuse_existing;
 use crate::calibrate::{
-    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, record_found,
+    DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
+    record_found,
 };
-use crate::document::{CameraId, Document, DocumentAt, FieldSpec, document_from_frames};
+use crate::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
 use crate::media::{FrameReader, FrameSource};
 use crate::proposals::{PictureError, read_picture};
 use crate::store::Location;
@@ -30,7 +31,8 @@ pub struct CalibrateArgs {
     /// The field's template (`touchline fields` lists them).
     #[arg(long, value_name = "TEMPLATE", default_value = "soccer")]
     field: String,
-    /// A parameter of the field, such as `length_m=105`; may be given several times.
+    /// A parameter of the field, such as `length_m=105`; may be given several times. The field's size is then taken as known;
+    /// else length and width are fitted where the usual size does not explain the paint.
     #[arg(long = "set", value_name = "NAME=NUMBER", value_parser = parameter)]
     set: Vec<(String, f64)>,
     /// The camera is found from this many frames at most, spread over all of them.
@@ -55,6 +57,9 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     let mut field = FieldSpec::new(&args.field);
     ensure!(!field.is_file(), "{}: calibrate takes the templates that are built in", args.field);
     field.params = args.set.iter().cloned().collect();
+    if !field.params.is_empty() {
+        field.size = Some(FieldSize::Confirmed);
+    }
     field.model(Path::new(""))?;
     let source = FrameSource::open(&args.frames)?;
     for notice in source.notices() {
@@ -171,6 +176,9 @@ fn two_answers(
 
 /// What was found and what speaks for it.
 fn say(found: &UnclickedCamera, messages: Messages) {
+    for size in &found.sizes {
+        messages.note(&describe_size(size));
+    }
     let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
     messages.note(&format!(
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",

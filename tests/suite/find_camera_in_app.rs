@@ -34,7 +34,7 @@ fn found(frames: usize, sideways_m: f64) -> UnclickedCamera {
     let sigma = BaseSigma { position_m: Vec3::new(0.3, 0.4, 0.0), ..known.sigma };
     let base = CameraBase { position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0), sigma, ..known };
     let frames = (0..frames - 1).map(|index| UnclickedFrame { index, ptz: ptz(index), snapped: None }).collect();
-    UnclickedCamera { base, crown_m: 0.0, frames, evidence: UnclickedEvidence::default() }
+    UnclickedCamera { base, crown_m: 0.0, sizes: Vec::new(), frames, evidence: UnclickedEvidence::default() }
 }
 
 fn order(bench: &Bench) -> UnclickedOrder {

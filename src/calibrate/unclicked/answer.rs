@@ -5,6 +5,7 @@ use crate::camera::{CameraBase, Ptz};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
 use crate::paint::Snapped;
+use crate::solve::base::FittedSize;
 
 /// The answer of a search that came to its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +32,8 @@ pub struct UnclickedCamera {
     pub base: CameraBase,
     /// The height of the pitch's crown, m.
     pub crown_m: f64,
+    /// The lengths of the field that were fitted; none where its size is known, or where the one assumed explains the paint as well.
+    pub sizes: Vec<FittedSize>,
     /// The frames that hang together and show enough paint.
     pub frames: Vec<UnclickedFrame>,
     /// What speaks for it.

@@ -4,13 +4,13 @@
 use super::candidates::{Candidate, OVER_RIVAL, SAME_M, Stop, candidates};
 use super::deciding::deciding_landmark;
 use super::traces::FrameTraces;
+use super::venue::Venue;
 use super::{
     Abstention, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedFrame, UnclickedProgress,
     WatchUnclicked,
 };
 use crate::calibrate::snap_frame;
 use crate::document::{CameraId, Document, DocumentAt, FrameStatus};
-use crate::field::FieldModel;
 use crate::media::Picture;
 use crate::paint::SnapOptions;
 use rayon::prelude::*;
@@ -38,9 +38,8 @@ pub fn camera_without_clicks(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    let spec = document.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&document.field);
-    let field = document.model_of(spec)?;
-    let search = Search { document: document.document, camera, field: &field, watch };
+    let venue = Venue::of(document, camera)?;
+    let search = Search { document: document.document, camera, venue: &venue, watch };
     match search.answer(look_at, picture) {
         Ok(answer) => Ok(answer),
         Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
@@ -51,7 +50,7 @@ pub fn camera_without_clicks(
 struct Search<'a> {
     document: &'a Document,
     camera: &'a CameraId,
-    field: &'a FieldModel,
+    venue: &'a Venue,
     watch: WatchUnclicked<'a>,
 }
 
@@ -62,7 +61,7 @@ impl Search<'_> {
 
     fn answer(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
         let (frames, traces) = self.look(&self.spread(look_at), picture)?;
-        let found = candidates(&traces, self.field, self.watch)?;
+        let found = candidates(&traces, self.venue, self.watch)?;
         let mut places = found.into_iter();
         let best = places.next().ok_or(Abstention::NothingFits)?;
         let is_elsewhere =
@@ -93,7 +92,7 @@ impl Search<'_> {
             // Where one of two is refuted only now, the search has not told them apart by itself.
             return Err(Abstention::Uncertain { doubts: [vec![Doubt::Rival], few].concat() }.into());
         }
-        let deciding = deciding_landmark(self.document, self.field, &best, &other);
+        let deciding = deciding_landmark(self.document, &self.venue.assumed, &best, &other);
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
@@ -131,15 +130,14 @@ impl Search<'_> {
     ) -> Result<UnclickedCamera, Stop> {
         let pointed = frames.iter().zip(&candidate.ptz);
         let frames = pointed.filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, snapped: None }));
-        let Candidate { base, crown_m, evidence, .. } = candidate;
-        let mut found = UnclickedCamera { base, crown_m, frames: frames.collect(), evidence };
+        let Candidate { base, field, sizes, evidence, .. } = candidate;
+        let mut found = UnclickedCamera { base, crown_m: field.crown_m, sizes, frames: frames.collect(), evidence };
         // Snapping reads the clicks of a frame; here there are none.
         let mut document = self.document.clone();
         for frame in &found.frames {
             document.frames[frame.index].clicks.clear();
         }
         super::record_found(&mut document, self.camera, &found);
-        let field = FieldModel { crown_m, ..self.field.clone() };
         let of = found.frames.len();
         for (chunk, some) in found.frames.chunks_mut(AT_ONCE).enumerate() {
             self.told(UnclickedProgress::Snapping { done: chunk * AT_ONCE, of })?;

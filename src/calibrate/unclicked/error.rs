@@ -104,6 +104,14 @@ pub enum Doubt {
         /// Its roll, degrees.
         roll_deg: f64,
     },
+    /// The stated size of the field explains less than another.
+    #[error("a field of {length_m:.1} × {width_m:.1} m explains the paint better than the stated size")]
+    OtherSize {
+        /// The length that explains more, m.
+        length_m: f64,
+        /// The width, m.
+        width_m: f64,
+    },
     /// Another place for the camera is as good.
     #[error("another place explains the paint nearly as well")]
     Rival,

@@ -40,6 +40,8 @@ pub struct UnclickedEvidence {
     pub residual_px: f64,
     /// How far the bases of the two halves of the frames lie apart, m; infinite where one has none.
     pub halves_m: f64,
+    /// Length and width of a field that would explain more, m, where the size is known and is not that.
+    pub other_size_m: Option<[f64; 2]>,
 }
 
 impl UnclickedEvidence {
@@ -71,18 +73,22 @@ impl UnclickedEvidence {
         ask(self.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: self.residual_px });
         ask(self.halves_m > MAX_HALVES_M, Doubt::HalvesDisagree { halves_m: self.halves_m });
         ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
+        if let Some([length_m, width_m]) = self.other_size_m {
+            doubts.push(Doubt::OtherSize { length_m, width_m });
+        }
         doubts
     }
 }
 
 /// What speaks for a base adjusted to the paint of frames.
-pub(super) fn of(field: &FieldModel, joint: &Joint, paint: &[FramePaint], strokes: &[Strokes]) -> UnclickedEvidence {
+pub(super) fn of(joint: &Joint, paint: &[FramePaint], strokes: &[Strokes]) -> UnclickedEvidence {
+    let field = &joint.field;
     let frames: Vec<usize> = (0..strokes.len()).filter(|frame| joint.ptz[*frame].is_some()).collect();
     let counts: Vec<Counts> = frames
         .par_iter()
         .filter_map(|&frame| {
             let camera = PtzCamera::new(joint.base, joint.ptz[frame]?);
-            Some(Counts::of(&joint.field(field), &camera, &paint[frame], &strokes[frame]))
+            Some(Counts::of(field, &camera, &paint[frame], &strokes[frame]))
         })
         .collect();
     let sum = |of: &dyn Fn(&Counts) -> usize| counts.iter().map(of).sum::<usize>() as f64;
@@ -103,6 +109,7 @@ pub(super) fn of(field: &FieldModel, joint: &Joint, paint: &[FramePaint], stroke
         missing: (0..field.lines.len()).filter(|line| is_missing(*line)).map(name).collect(),
         residual_px: joint.residual_px(),
         halves_m: joint.halves_m,
+        other_size_m: None,
     }
 }
 

@@ -1,11 +1,12 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
 use super::pitch_map::PitchMap;
+use super::venue::Venue;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3, median};
 use crate::solve::base::{
-    AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel, adjust_base,
+    AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks, LensModel, adjust_base,
 };
 use crate::solve::{Loss, Observation};
 
@@ -14,6 +15,9 @@ const REACH_PX: [f64; 6] = [40.0, 25.0, 14.0, 8.0, 5.0, 4.0];
 
 /// From this round on the pitch may be higher in the middle: before, the lines are not sure enough.
 const CROWN_FROM: usize = 3;
+
+/// After these rounds the field's size is fitted, where it is open: once coarsely, once among lines that are sure.
+const SIZE_AFTER: [usize; 2] = [1, 3];
 
 /// 1-σ of the middle of a stroke, px at 1920 px width, with what its neighbours have in common with it.
 const SIGMA_PX: f64 = 1.5;
@@ -39,7 +43,10 @@ pub(super) struct Joint {
     /// Where the adjustment began, m.
     pub start_m: Vec3,
     pub base: CameraBase,
-    pub crown_m: f64,
+    /// With the crown, and the size where that was fitted.
+    pub field: FieldModel,
+    /// The lengths that were fitted.
+    pub sizes: Vec<FittedSize>,
     /// Of each frame that shows enough paint.
     pub ptz: Vec<Option<Ptz>>,
     /// How far the bases of the two halves of the frames lie apart, m; infinite where one has none.
@@ -50,11 +57,6 @@ pub(super) struct Joint {
 }
 
 impl Joint {
-    /// The field with the crown that was found.
-    pub fn field(&self, field: &FieldModel) -> FieldModel {
-        FieldModel { crown_m: self.crown_m, ..field.clone() }
-    }
-
     /// The median distance of paint from its line, px at 1920 px width; infinite without any.
     pub fn residual_px(&self) -> f64 {
         let frames = self.ptz.iter().zip(&self.taken);
@@ -67,24 +69,27 @@ impl Joint {
     }
 }
 
-/// Adjusts a base and its frames to paint, from a start; none where too few frames show paint near the lines.
+/// Adjusts a base and its frames to paint, from a start on a field; with a venue whose size is open, the field's size too. None
+/// where too few frames show paint near the lines.
 pub(super) fn joint(
-    field: &FieldModel,
+    start_field: &FieldModel,
+    sized: Option<&Venue>,
     paint: &[FramePaint],
     start: CameraBase,
     ptz: &[Ptz],
     size: ImageSize,
 ) -> Option<Joint> {
     let scale = size.scale_from_1920();
-    let map = PitchMap::of(field);
-    let (mut base, mut crown_m) = (start, field.crown_m);
+    let mut field = start_field.clone();
+    let mut map = PitchMap::of(&field);
+    let mut base = start;
     let mut ptz: Vec<Option<Ptz>> = ptz.iter().copied().map(Some).collect();
-    let mut taken = Vec::new();
+    let (mut taken, mut sizes) = (Vec::new(), Vec::new());
     for (round, reach_px) in REACH_PX.into_iter().enumerate() {
         let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
             let camera = ptz.map(|ptz| PtzCamera::new(base, ptz));
-            let observations =
-                camera.map_or_else(Vec::new, |camera| near_lines(field, &map, &camera, paint, reach_px * scale, scale));
+            let observations = camera
+                .map_or_else(Vec::new, |camera| near_lines(&field, &map, &camera, paint, reach_px * scale, scale));
             FrameClicks { observations, start: None }
         };
         taken = paint.iter().zip(&ptz).map(near).collect();
@@ -92,15 +97,22 @@ pub(super) fn joint(
             *ptz = ptz.filter(|_| taken.observations.len() >= MIN_PLACES);
         }
         let crown = if round < CROWN_FROM { CrownModel::Fixed(field.crown_m) } else { CrownModel::Free };
-        let loss = Loss::Cauchy { c: (reach_px / 4.0 / SIGMA_PX).max(1.5) };
-        let adjusted = adjusted(&CameraClicks::centred(field, &taken, size), &base, &ptz, crown, loss)?;
-        (base, crown_m, ptz) = (adjusted.base, adjusted.crown_m, adjusted.ptz);
+        let (model, options) = (model(crown), options(Loss::Cauchy { c: (reach_px / 4.0 / SIGMA_PX).max(1.5) }));
+        let adjusted = adjusted(&CameraClicks::centred(&field, &taken, size), &base, &ptz, &model, &options)?;
+        (base, ptz) = (adjusted.base, adjusted.ptz);
+        let crowned = FieldModel { crown_m: adjusted.crown_m, ..field };
+        taken = on_field(taken, &crowned);
+        field = crowned;
+        let Some(venue) = sized.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
+        let Some(fitted) = venue.fitted(&field, &taken, &base, &ptz, &model, (size.width, &options)) else { continue };
+        (field, sizes) = fitted;
+        map = PitchMap::of(&field);
     }
     let half = |which: usize| {
         let of_half = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| frame % 2 == which);
         let ptz: Vec<Option<Ptz>> = ptz.iter().enumerate().map(of_half).collect();
-        let loss = Loss::Cauchy { c: 1.5 };
-        adjusted(&CameraClicks::centred(field, &taken, size), &base, &ptz, CrownModel::Fixed(crown_m), loss)
+        let (model, options) = (model(CrownModel::Fixed(field.crown_m)), options(Loss::Cauchy { c: 1.5 }));
+        adjusted(&CameraClicks::centred(&field, &taken, size), &base, &ptz, &model, &options)
             .map(|half| half.base.position_m)
     };
     let between = half(0).zip(half(1)).map(|(one, other)| one - other);
@@ -110,21 +122,36 @@ pub(super) fn joint(
             Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(MIN_SIGMA_M));
     }
     let halves_m = between.map_or(f64::INFINITY, |between| between.norm());
-    Some(Joint { start_m: start.position_m, base, crown_m, ptz, halves_m, taken, scale })
+    Some(Joint { start_m: start.position_m, base, field, sizes, ptz, halves_m, taken, scale })
+}
+
+/// The same paint on the lines of a field of another crown or size.
+fn on_field(mut taken: Vec<FrameClicks>, field: &FieldModel) -> Vec<FrameClicks> {
+    for frame in &mut taken {
+        let moved = |seen: &Observation| seen.renamed(field, seen.element?);
+        frame.observations = frame.observations.iter().filter_map(moved).collect();
+    }
+    taken
 }
 
 fn adjusted(
     taken: &CameraClicks<'_>,
     base: &CameraBase,
     ptz: &[Option<Ptz>],
-    crown: CrownModel,
-    loss: Loss,
+    model: &BaseModel,
+    options: &AdjustOptions,
 ) -> Option<AdjustedBase> {
-    let model = BaseModel { lens: LensModel::K1Focal, crown, principal_point: None };
-    let options = AdjustOptions { loss, max_iterations: 15, ..AdjustOptions::default() };
     let enough = ptz.iter().flatten().count() >= MIN_FRAMES;
-    let adjusted = enough.then(|| adjust_base(taken, base, ptz, &model, &options))?;
+    let adjusted = enough.then(|| adjust_base(taken, base, ptz, model, options))?;
     (adjusted.base.is_finite() && adjusted.base.position_m.z > 0.0).then_some(adjusted)
+}
+
+const fn model(crown: CrownModel) -> BaseModel {
+    BaseModel { lens: LensModel::K1Focal, crown, principal_point: None }
+}
+
+fn options(loss: Loss) -> AdjustOptions {
+    AdjustOptions { loss, max_iterations: 15, ..AdjustOptions::default() }
 }
 
 /// Paint taken for the line nearest to it on the ground, within reach in the picture; spread over the lines.

@@ -2,7 +2,7 @@
 //!
 //! One frame lacks lines, but the frames of one fixed camera together show most of the field. Their pictures tie together by
 //! rotation and zoom ([`crate::track`]); paint that many of them show in one direction is drawn on the ground
-//! ([`crate::paint::persistent_paint`]); a field of known size fits what is drawn in one way only. Places are tried, the best are adjusted
+//! ([`crate::paint::persistent_paint`]); a field of nearly known size fits what is drawn in one way only. Places are tried, the best are adjusted
 //! with all frames to the paint in the pictures, and the answer is given where it explains the paint, is seen where it
 //! should be, and leaves its rivals behind.
 
@@ -19,6 +19,7 @@ mod progress;
 mod record;
 mod search;
 mod traces;
+mod venue;
 
 pub use answer::{DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedFrame};
 pub use camera::{PictureOfFrame, camera_without_clicks};

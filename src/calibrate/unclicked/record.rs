@@ -4,10 +4,12 @@ use super::UnclickedCamera;
 use crate::calibrate::record_snapped;
 use crate::document::{CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource};
 
-/// Writes a found camera into a document: base, crown, and its frames as suggestions. References stay as they are.
+/// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
 pub fn record_found(document: &mut Document, camera: &CameraId, found: &UnclickedCamera) {
     let Some(of_document) = document.camera_mut(camera) else { return };
     of_document.set_base(&found.base);
+    document.set_field_size(camera, &found.sizes);
+    let Some(of_document) = document.camera_mut(camera) else { return };
     let field = if of_document.field.is_some() { of_document.field.as_mut() } else { Some(&mut document.field) };
     if let Some(field) = field {
         field.set_crown_m(found.crown_m);

@@ -81,6 +81,8 @@ impl Panorama {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hypothesis {
     pub pose: RigPose,
+    /// Which of the fields.
+    pub field: usize,
     /// The share of the paint that the field's lines explain.
     pub explained: f64,
     /// The share of the lines that should be seen and are.
@@ -130,25 +132,43 @@ fn place(index: usize) -> (Vec3, Angle) {
 const SCATTER: f64 = 0.025;
 const SCATTER_M: f64 = 0.3;
 
-/// How many of the places first tried are looked at closer, and how many are fitted.
+/// How many of the places first tried on a field are looked at closer, and how many are fitted.
 const LOOKED_AT: usize = 400;
 const FITTED: usize = 80;
 
-/// The best places, the most likely first.
-pub(super) fn search(panorama: &Panorama, map: &PitchMap) -> Vec<Hypothesis> {
-    let tries: Vec<(Vec3, Angle)> = (0..PLACES).map(place).collect();
-    let few: Vec<Vec3> = panorama.directions.iter().step_by(3).copied().collect();
-    let mut scored: Vec<(f64, usize)> = tries
-        .par_iter()
-        .enumerate()
-        .map(|(index, (position_m, heading))| {
-            (explained_roughly(&RigPose::upright(*position_m, *heading), &few, map), index)
+/// Directions of paint that are asked at the first look.
+const ASKED_FIRST: usize = 500;
+
+/// The best places on one of several fields, the most likely first.
+pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> {
+    let mut found: Vec<Hypothesis> =
+        maps.iter().enumerate().flat_map(|(field, map)| on_one_field(panorama, (field, map), maps.len())).collect();
+    sort(&mut found);
+    let mut distinct: Vec<Hypothesis> = Vec::new();
+    for hypothesis in found {
+        let near = |other: &Hypothesis| (other.pose.position_m - hypothesis.pose.position_m).norm() < 3.0;
+        if !distinct.iter().any(near) {
+            distinct.push(hypothesis);
+        }
+    }
+    distinct
+}
+
+/// Places on one of `of` fields: together the fields are asked as little longer as that allows.
+fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<Hypothesis> {
+    let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
+    let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
+    let mut scored: Vec<(f64, usize)> = (0..PLACES)
+        .into_par_iter()
+        .map(|index| {
+            let (position_m, heading) = place(index);
+            (explained_roughly(&RigPose::upright(position_m, heading), &few, map), index)
         })
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in &scored {
-        let (position_m, heading) = tries[*index];
+        let (position_m, heading) = place(*index);
         let near = |other: &(Vec3, Angle)| {
             (other.0 - position_m).norm() < 6.5 && (other.1 - heading).wrapped().degrees().abs() < 5.0
         };
@@ -164,24 +184,14 @@ pub(super) fn search(panorama: &Panorama, map: &PitchMap) -> Vec<Hypothesis> {
         .map(|(position_m, heading)| {
             let pose = RigPose::upright(*position_m, *heading);
             let explained = explained_roughly(&pose, &panorama.directions, map);
-            Hypothesis { pose, explained, visible: visible(&pose, panorama, map, 1.2) }
+            Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 1.2) }
         })
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
-    let mut found: Vec<Hypothesis> = looked
-        .par_iter()
-        .map(|hypothesis| judged(fitted(hypothesis.pose, &panorama.directions, map), panorama, map))
-        .collect();
-    sort(&mut found);
-    let mut distinct: Vec<Hypothesis> = Vec::new();
-    for hypothesis in found {
-        let near = |other: &Hypothesis| (other.pose.position_m - hypothesis.pose.position_m).norm() < 3.0;
-        if !distinct.iter().any(near) {
-            distinct.push(hypothesis);
-        }
-    }
-    distinct
+    let fitted =
+        |hypothesis: &Hypothesis| judged(fitted(hypothesis.pose, &panorama.directions, map), panorama, (field, map));
+    looked.par_iter().map(fitted).collect()
 }
 
 fn sort(hypotheses: &mut [Hypothesis]) {
@@ -189,7 +199,7 @@ fn sort(hypotheses: &mut [Hypothesis]) {
 }
 
 /// What speaks for a fitted place.
-pub(super) fn judged(pose: RigPose, panorama: &Panorama, map: &PitchMap) -> Hypothesis {
+fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
     const WITHIN_DEG: f64 = 0.25;
     let explains = |direction: &&Vec3| {
         pose.ground(**direction).and_then(|ground| map.nearest(ground)).is_some_and(|line| {
@@ -202,7 +212,7 @@ pub(super) fn judged(pose: RigPose, panorama: &Panorama, map: &PitchMap) -> Hypo
     };
     let explained =
         panorama.directions.iter().filter(explains).count() as f64 / panorama.directions.len().max(1) as f64;
-    Hypothesis { pose, explained, visible: visible(&pose, panorama, map, 0.0) }
+    Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 0.0) }
 }
 
 /// The share of the paint that lies near a line, more the nearer.

@@ -1,0 +1,74 @@
+//! The field that a camera is looked for on: of known size, or of one that the rules leave open.
+
+use crate::calibrate::size_fit::OpenSize;
+use crate::camera::{CameraBase, Ptz};
+use crate::document::{CameraId, DocumentAt, FieldSize};
+use crate::field::{FieldError, FieldModel};
+use crate::solve::base::{AdjustOptions, BaseModel, FittedSize, FrameClicks, SizeStart, fit_field_size};
+
+/// Other sizes that are tried at the start lie this share of what the rules allow beside the one assumed: a fit reaches half as
+/// far.
+const LEVEL_SHARE: f64 = 0.125;
+
+/// A field, and how its size may differ.
+pub(super) struct Venue {
+    /// As the document has it.
+    pub assumed: FieldModel,
+    /// None where the rules leave no choice of its size.
+    open: Option<OpenSize>,
+    /// The document knows the size: another one is fitted only to test it.
+    pub is_known: bool,
+}
+
+impl Venue {
+    /// The field of a document's camera. Its size is open where the document only assumes it.
+    pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
+        let spec = document.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&document.field);
+        let assumed = document.model_of(spec)?;
+        let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
+        let open = OpenSize::new(spec.template(document.folder)?, &assumed);
+        Ok(Self { assumed, open: Some(open).filter(|open| !open.params.is_empty()), is_known })
+    }
+
+    /// The size as assumed, then others around it.
+    pub fn levels(&self) -> Vec<FieldModel> {
+        let mut levels = vec![self.assumed.clone()];
+        if let Some(open) = self.open.as_ref().filter(|_| !self.is_known) {
+            let corners = (0..1_usize << open.params.len()).filter_map(|corner| {
+                let value = |(index, param): (usize, &crate::solve::base::SizeParam)| {
+                    let sign = if corner >> index & 1 == 0 { -1.0 } else { 1.0 };
+                    param.assumed_m + sign * LEVEL_SHARE * (param.max_m - param.min_m)
+                };
+                open.sized(&open.params.iter().enumerate().map(value).collect::<Vec<_>>())
+            });
+            levels.extend(corners);
+        }
+        levels
+    }
+
+    /// Whether another size is possible.
+    pub const fn is_open(&self) -> bool {
+        self.open.is_some()
+    }
+
+    /// The size that paint asks for, from a base and frames adjusted to it at another; and the field of that size.
+    pub fn fitted(
+        &self,
+        field: &FieldModel,
+        taken: &[FrameClicks],
+        base: &CameraBase,
+        ptz: &[Option<Ptz>],
+        model: &BaseModel,
+        (image_width_px, options): (u32, &AdjustOptions),
+    ) -> Option<(FieldModel, Vec<FittedSize>)> {
+        let open = self.open.as_ref()?;
+        let start = SizeStart { field, frames: taken, base, ptz, model, image_width_px, options };
+        let crowned = |values: &[f64]| Some(FieldModel { crown_m: field.crown_m, ..open.sized(values)? });
+        let mut sizes = fit_field_size(&crowned, &open.params_of(field), &start)?;
+        for (size, param) in sizes.iter_mut().zip(&open.params) {
+            size.assumed_m = param.assumed_m;
+        }
+        let field = crowned(&sizes.iter().map(|size| size.value_m).collect::<Vec<_>>())?;
+        Some((field, sizes))
+    }
+}
