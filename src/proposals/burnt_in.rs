@@ -105,6 +105,8 @@ pub(super) fn moved_by_labels(one: &PtzCamera, other: &PtzCamera, point: ImagePo
 
 /// A document whose cameras have the masks that were found.
 pub(super) fn with_found_masks(mut document: Document, found: &[FoundMask]) -> Document {
-    found.iter().for_each(|found| found.mask_in(&mut document));
+    for found in found {
+        found.mask_in(&mut document);
+    }
     document
 }

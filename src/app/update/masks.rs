@@ -130,7 +130,9 @@ impl App {
         let found = std::mem::take(&mut self.session.burnt_in);
         self.session.retract(Command::KeepBurntIn);
         self.change_masks(Step::on_document("Mask what looks burned in"), |document, _| {
-            found.iter().for_each(|found| found.mask_in(document));
+            for found in &found {
+                found.mask_in(document);
+            }
         });
     }
 
