@@ -20,7 +20,30 @@ pub struct ProjectionJacobian {
     pub by_k1: Vec2,
 }
 
+/// The image of a direction and its derivatives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectionJacobian {
+    /// The image point, px.
+    pub point: ImagePoint,
+    /// By pan (px/rad), tilt (px/rad) and focal length (px/px); the curve of k₁ is followed.
+    pub by_ptz: Matrix2x3<f64>,
+    /// By the direction in `base` (px per its unit).
+    pub by_direction: Matrix2x3<f64>,
+}
+
 impl PtzCamera {
+    /// The image of a direction in `base` (any length but zero) and its derivatives.
+    ///
+    /// # Errors
+    /// Behind the camera, or beyond the fold of the distortion model.
+    #[inline]
+    pub fn image_from_direction_jacobian(&self, direction_in_base: Vec3) -> Result<DirectionJacobian, ProjectError> {
+        let in_cam = self.cam_from_base() * direction_in_base;
+        let (point, by_cam, by_focal_fixed_k1, by_k1) = self.image_from_cam_jacobian(in_cam)?;
+        let by_ptz = self.by_ptz(direction_in_base, in_cam, &by_cam, by_focal_fixed_k1, by_k1);
+        Ok(DirectionJacobian { point, by_ptz, by_direction: by_cam * self.cam_from_base() })
+    }
+
     /// The image of a world point and its derivatives.
     ///
     /// # Errors
@@ -163,6 +186,10 @@ mod tests {
                 let rotation = difference(|h| project(turned(h), ptz, world), 1e-6);
                 assert!((at.by_base.column(3 + axis) - rotation).norm() < 1e-6 * (1.0 + rotation.norm()));
             }
+            let direction = base.base_from_world * (world - base.position_m);
+            let seen = camera.image_from_direction_jacobian(direction).unwrap();
+            assert_eq!((seen.point, seen.by_ptz), (at.point, at.by_ptz));
+            assert!((seen.by_direction * base.base_from_world - at.by_world).norm() < 1e-9 * at.by_world.norm());
             let lens = |h: f64| CameraBase {
                 distortion: FocalCurve { value: base.distortion.value + h, ..base.distortion },
                 ..base

@@ -13,7 +13,7 @@ mod ray;
 pub use base::{BaseAngles, BaseSigma, CameraBase};
 pub(crate) use distortion::undistort;
 pub use distortion::{FocalCurve, Radial, UndistortError};
-pub use jacobian::ProjectionJacobian;
+pub use jacobian::{DirectionJacobian, ProjectionJacobian};
 pub(crate) use projection::MIN_DEPTH;
 pub use projection::{ProjectError, PtzCamera};
 pub use ray::PanTilt;

@@ -21,6 +21,7 @@ mod render;
 mod snap;
 mod solve;
 mod synth;
+mod track;
 mod train;
 
 use clap::{Parser, Subcommand};
@@ -57,6 +58,7 @@ enum Command {
     Snap(snap::SnapArgs),
     Solve(solve::SolveArgs),
     Synth(synth::SynthArgs),
+    Track(track::TrackArgs),
     Train(train::TrainArgs),
 }
 
@@ -107,6 +109,7 @@ pub fn run() -> Next {
         Command::Snap(args) => snap::snap(&args, messages),
         Command::Solve(args) => solve::solve(&args, messages),
         Command::Synth(args) => synth::synth(&args, messages),
+        Command::Track(args) => track::track(&args, messages),
         Command::Train(args) => train::train(&args, messages),
     };
     Next::Exit(exit_code(result, messages))

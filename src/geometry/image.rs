@@ -131,6 +131,12 @@ impl PixelBox {
         point.x >= self.x && point.y >= self.y && point.x < self.x + self.width && point.y < self.y + self.height
     }
 
+    /// The same box in a picture of another scale.
+    #[must_use]
+    pub fn scaled(&self, by: f64) -> Self {
+        Self { x: self.x * by, y: self.y * by, width: self.width * by, height: self.height * by }
+    }
+
     /// Its middle.
     #[must_use]
     pub const fn centre(&self) -> ImagePoint {

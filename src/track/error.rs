@@ -36,3 +36,11 @@ pub enum TrackError {
         residual_px: f64,
     },
 }
+
+#[cfg(feature = "opencv")]
+impl TrackError {
+    /// What OpenCV says, on one line.
+    pub(super) fn of_opencv(error: &opencv::Error) -> Self {
+        Self::OpenCv { reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
+    }
+}

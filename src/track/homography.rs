@@ -11,11 +11,6 @@ use opencv::core::{Mat, Point2d, Vector};
 #[cfg(feature = "opencv")]
 use opencv::prelude::*;
 
-#[cfg(feature = "opencv")]
-fn one_line(error: &opencv::Error) -> TrackError {
-    TrackError::OpenCv { reason: error.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
-}
-
 /// The homography that most pairs agree on within `within_px`, and which do (MAGSAC++, Barath and others, CVPR 2020); none
 /// where no four agree.
 #[cfg(feature = "opencv")]
@@ -31,12 +26,12 @@ pub(super) fn robust_homography(
     };
     let mut agree = Mat::default();
     let found = find_homography(&side(|pair| pair.0), &side(|pair| pair.1), &mut agree, USAC_MAGSAC, within_px)
-        .map_err(|error| one_line(&error))?;
+        .map_err(|error| TrackError::of_opencv(&error))?;
     if found.empty() {
         return Ok(None);
     }
-    let values = found.data_typed::<f64>().map_err(|error| one_line(&error))?;
-    let agree = agree.data_typed::<u8>().map_err(|error| one_line(&error))?;
+    let values = found.data_typed::<f64>().map_err(|error| TrackError::of_opencv(&error))?;
+    let agree = agree.data_typed::<u8>().map_err(|error| TrackError::of_opencv(&error))?;
     Ok(Some((Mat3::from_row_slice(values), agree.iter().map(|flag| *flag != 0).collect())))
 }
 

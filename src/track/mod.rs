@@ -4,15 +4,17 @@
 //! |---|---|
 //! | [`tie_frames`], [`Tie`] | matches of two frames that one rotation and one zoom explain |
 //! | [`CutFinder`] | where one shot of a video ends and the next begins |
+//! | [`PointFollower`], [`carry`], [`adjust_clip`], [`smooth`] | a clip whose camera's base is known: points followed by optical flow, cameras carried from known frames to all others, adjusted together, made one motion |
 //! | [`groups`] | the frames that hang together |
 //! | [`adjust_turns`], [`Turns`] | pan, tilt and focal length of every frame of a group, from the ties alone |
 //!
-//! Nothing here knows a field: pan is counted from the middle of what the frames show, and the axis about which the camera
+//! Nothing here knows a field. Where no base is known, pan is counted from the middle of what the frames show, and the axis about which the camera
 //! pans is taken as vertical.
 //!
 //! Frames, signs and units: [`crate::conventions`].
 
 mod axis;
+mod clip;
 mod cuts;
 mod cycles;
 mod error;
@@ -26,6 +28,10 @@ mod tie_problem;
 mod tie_residual;
 mod turns;
 
+pub use clip::{
+    AdjustOptions, AdjustedClip, AdjustedFrame, Anchor, Carried, CarryOptions, CarryStop, FollowOptions, Jitter,
+    PointFollower, PointTrack, PointTracks, SmoothOptions, Unsmoothed, adjust_clip, carry, smooth,
+};
 pub use cuts::{CutFinder, FoundCut, Miniature};
 pub use error::TrackError;
 pub use group::groups;

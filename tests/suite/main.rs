@@ -60,6 +60,7 @@ mod snapped_suggestions;
 mod suggestions_in_app;
 mod synth_command;
 mod synthetic;
+mod track_command;
 mod trainer;
 mod trust;
 mod two_point_truth;

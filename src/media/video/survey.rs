@@ -246,7 +246,7 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
 
 /// Whether the frames are interlaced: two of those looked at are made of two fields. Footage is only in a few heights.
 fn is_interlaced(player: &mut Player, info: &VideoInfo, lead: &Lead) -> bool {
-    if !INTERLACED_HEIGHTS.contains(&info.size.height) || info.rotation_deg % 180 != 0 {
+    if !INTERLACED_HEIGHTS.contains(&info.size.height) || !info.rotation_deg.is_multiple_of(180) {
         return false;
     }
     // Nothing may move where the video begins. Reading on costs little, so that each jump is used for four frames.

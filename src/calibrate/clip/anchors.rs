@@ -1,0 +1,65 @@
+//! What a document knows of the cameras of a clip.
+
+use super::frames::ClipFrames;
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::{Document, Frame, FrameStatus};
+use crate::geometry::{Mat3, Vec3};
+use crate::solve::{Loss, Uncertainty};
+use crate::track::Anchor;
+
+/// A proposal less certain than this holds nothing.
+pub(super) const SURE: f64 = 0.9;
+
+/// A frame that people gave a camera without saying how exact is taken as this exact, px at 1920 px width.
+const UNSTATED_PX: f64 = 4.0;
+
+/// What people decided may be contradicted by this many sigmas before it pulls less.
+const BY_PEOPLE: Loss = Loss::Huber { k: 2.0 };
+
+/// What the program proposed pulls less and less where the others contradict it.
+const BY_PROGRAM: Loss = Loss::Cauchy { c: 2.0 };
+
+/// What is known of a clip's frames, and how certain the most certain of it is.
+pub(super) fn anchors(document: &Document, clip: &ClipFrames, base: &CameraBase) -> Vec<(Anchor, f64)> {
+    let frames =
+        clip.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, &**document.frames.get(frame.place?)?)));
+    frames.filter_map(|(at, frame)| of_frame(frame, at, base)).collect()
+}
+
+fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)> {
+    let ptz = frame.ptz.as_ref()?.ptz();
+    let solution = frame.solution.as_ref();
+    let is_persons = frame.status == FrameStatus::Reference || frame.is_solved_by_clicks();
+    let confidence = if is_persons { 1.0 } else { solution?.confidence? };
+    if !is_persons && (confidence < SURE || tracked(frame)) {
+        return None;
+    }
+    let camera = PtzCamera::new(*base, ptz);
+    let stated = solution.and_then(|solution| solution.covariance);
+    let covariance = match stated {
+        Some(stated) => Uncertainty::of_stored(&camera, &stated, frame.image_size)
+            .map_or_else(|| in_radians(&stated), |uncertainty| uncertainty.clicks),
+        None if is_persons => unstated(ptz, UNSTATED_PX * frame.image_size.scale_from_1920(), frame),
+        None => return None,
+    };
+    let loss = if is_persons { BY_PEOPLE } else { BY_PROGRAM };
+    Some((Anchor { frame: at, ptz, covariance, loss }, confidence))
+}
+
+/// Whether its camera was itself carried there.
+fn tracked(frame: &Frame) -> bool {
+    use crate::document::SolutionSource;
+    frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Tracking))
+}
+
+fn in_radians(covariance_deg: &Mat3) -> Mat3 {
+    let radian = 1f64.to_radians();
+    let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
+    scale * covariance_deg * scale
+}
+
+fn unstated(ptz: Ptz, sigma_px: f64, frame: &Frame) -> Mat3 {
+    let turn = sigma_px / ptz.focal_px;
+    let zoom = 2.0 * sigma_px / f64::from(frame.image_size.width) * ptz.focal_px;
+    Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, zoom * zoom))
+}

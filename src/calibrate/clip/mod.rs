@@ -1,0 +1,15 @@
+//! A clip of a document: cameras carried from the frames that are known to all others, adjusted together.
+
+mod anchors;
+mod error;
+mod frames;
+mod paint;
+mod record;
+mod track;
+
+pub use error::TrackClipError;
+pub use frames::{ClipFrame, ClipFrames, clips};
+pub use record::record_tracked;
+pub use track::{
+    ClipProgress, ClipStop, MovedReference, TrackClipOptions, TrackedClip, TrackedFrame, WatchClip, track_clip,
+};

@@ -1,0 +1,72 @@
+//! Tracked cameras, written into their document.
+
+use super::track::{TrackedClip, TrackedFrame};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::document::{Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, SolutionWarning};
+
+/// The code of a warning that a camera carried from before and one carried from after differ.
+pub const SIDES_DIFFER: &str = "sides_differ";
+
+/// Cameras that differ by more than this are warned of, px at 1920 px width.
+const DIFFER_PX: f64 = 5.0;
+
+/// The key under which a smoothed frame keeps its camera as it was before.
+const RAW: &str = "raw_ptz";
+
+/// Writes the cameras of a tracked clip into its frames, as suggestions. Frames that people decided on keep everything but, where the
+/// motion was smoothed, their numbers.
+pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
+    for of_frame in &tracked.frames {
+        if let Some(frame) = document.frames.get_mut(of_frame.place) {
+            record(frame, tracked, of_frame);
+        }
+    }
+    for moved in &tracked.references {
+        let Some(frame) = document.frames.get_mut(moved.place) else { continue };
+        frame.ptz = Some(with_numbers(frame.ptz.take(), &tracked.base, moved.ptz));
+        let solution = frame.solution.get_or_insert_default();
+        keep_raw(solution, &tracked.base, moved.raw);
+    }
+}
+
+/// A frame's camera with other numbers.
+fn with_numbers(before: Option<FramePtz>, base: &CameraBase, ptz: Ptz) -> FramePtz {
+    let lens = PtzCamera::new(*base, ptz).lens();
+    let extra = before.map(|before| before.extra).unwrap_or_default();
+    FramePtz { extra, ..FramePtz::new(ptz, Some(lens).filter(|lens| !lens.is_none())) }
+}
+
+/// Keeps a camera as it was before it was smoothed.
+fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
+    if let Ok(raw) = serde_json::to_value(with_numbers(None, base, raw)) {
+        solution.extra.entry(RAW.to_owned()).or_insert(raw);
+    }
+}
+
+fn record(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
+    let camera = PtzCamera::new(clip.base, tracked.ptz);
+    frame.ptz = Some(with_numbers(frame.ptz.take(), &clip.base, tracked.ptz));
+    frame.status = FrameStatus::Suggested;
+    let mut solution = Solution {
+        covariance: Some(tracked.uncertainty.ptz_covariance_deg()),
+        worst_corner_sigma_px: Some(tracked.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
+        source: Some(SolutionSource::Tracking),
+        confidence: Some(tracked.confidence),
+        ..Solution::default()
+    };
+    if let Some(apart_px) = tracked.apart_px.filter(|apart| *apart > DIFFER_PX * frame.image_size.scale_from_1920()) {
+        let message = format!(
+            "carried here from before and from after, the cameras are {apart_px:.1} px apart: a frame between the two known ones \
+             should be clicked"
+        );
+        solution.warnings.push(SolutionWarning::new(SIDES_DIFFER, message));
+    }
+    if tracked.contradicted {
+        let message = "the painted lines are not where this camera puts them".to_owned();
+        solution.warnings.push(SolutionWarning::new(crate::calibrate::paint::LINE_CHECK, message));
+    }
+    if let Some(raw) = tracked.raw {
+        keep_raw(&mut solution, &clip.base, raw);
+    }
+    frame.solution = Some(solution);
+}

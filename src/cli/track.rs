@@ -1,0 +1,106 @@
+//! `touchline track`: cameras carried from solved frames to their neighbours.
+
+use super::Outcome;
+use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::messages::Messages;
+use crate::calibrate::{ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip};
+use crate::document::Fields;
+use crate::media::FrameReader;
+use std::ops::{ControlFlow, RangeInclusive};
+
+/// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
+#[derive(clap::Args, Debug)]
+pub struct TrackArgs {
+    #[command(flatten)]
+    document: DocumentArg,
+    #[command(flatten)]
+    output: DocumentOutput,
+    /// Smooth the motion of the camera; each frame keeps its own camera beside it (`solution.raw_ptz`).
+    #[arg(long)]
+    smooth: bool,
+    /// Only frames with these numbers: video frames from 0, or places in the document.
+    #[arg(long, value_name = "A..B", value_parser = range)]
+    frames: Option<RangeInclusive<usize>>,
+    /// Hold every N-th frame to its painted lines; 0: none.
+    #[arg(long, value_name = "N", default_value_t = TrackClipOptions::default().paint_every)]
+    paint_every: usize,
+}
+
+fn range(text: &str) -> Result<RangeInclusive<usize>, String> {
+    let wanted = || "frames are given as A..B, the first and the last number, such as 100..250".to_owned();
+    let (from, to) = text.split_once("..").ok_or_else(wanted)?;
+    let number = |text: &str| text.trim_start_matches('=').parse::<usize>().map_err(|_| wanted());
+    let (from, to) = (number(from)?, number(to)?);
+    if from <= to { Ok(from..=to) } else { Err(wanted()) }
+}
+
+/// Carries out the command.
+///
+/// # Errors
+/// The document cannot be read, its field is not valid, or the result cannot be written.
+pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
+    args.output.refuse_existing()?;
+    let Loaded { location, mut document } = args.document.load(messages)?;
+    let before = document.clone();
+    let fields = Fields::of(before.at(location.folder()))?;
+    let options =
+        TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
+    let mut reader = FrameReader::new();
+    let (mut carried, mut failed) = (0, 0);
+    for clip in clips(before.at(location.folder()), args.frames.as_ref()) {
+        let (Some(first), Some(last)) = (clip.frames.first(), clip.frames.last()) else { continue };
+        let name = format!("{} to {}", first.source, last.source);
+        let bar = messages.progress(2 * clip.frames.len(), "Tracking");
+        let field = clip.frames.iter().find_map(|frame| before.frames.get(frame.place?));
+        let Some(field) = field.map(|frame| fields.of_frame(&before, frame)) else { continue };
+        let mut watch = |progress| {
+            match progress {
+                ClipProgress::Following(done, _) => bar.set_position(done as u64),
+                ClipProgress::Painting(done, of) => {
+                    bar.set_message("Painted lines");
+                    bar.set_position((clip.frames.len() + done * clip.frames.len() / of.max(1)) as u64);
+                }
+                ClipProgress::Adjusting => bar.set_message("Adjusting"),
+            }
+            ControlFlow::Continue(())
+        };
+        let tracked = track_clip(before.at(location.folder()), &clip, field, &mut reader, &options, &mut watch);
+        bar.finish_and_clear();
+        match tracked {
+            Ok(tracked) => {
+                record_tracked(&mut document, &tracked);
+                carried += tracked.frames.len();
+                failed += tracked.missed.len();
+                messages.note(&format!(
+                    "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",
+                    tracked.frames.len(),
+                    tracked.painted,
+                    tracked.sigma_px,
+                    tracked.widened
+                ));
+                for stop in &tracked.stops {
+                    let why = format!("only {} of {} points agree with one turn and zoom", stop.agreeing, stop.seen);
+                    messages.frame_failed(&stop.picture, &format!("not carried on to this frame: {why}"));
+                }
+                for (what, jitter) in [("before smoothing", tracked.raw_jitter), ("", tracked.jitter)] {
+                    if let Some(jitter) = jitter {
+                        let what = if what.is_empty() { String::new() } else { format!(" {what}") };
+                        messages.note(&format!(
+                            "jitter{what}: pan {:.4}°, tilt {:.4}°, focal length {:.2} px, picture {:.2} px",
+                            jitter.pan_deg, jitter.tilt_deg, jitter.focal_px, jitter.centre_px
+                        ));
+                    }
+                }
+            }
+            Err(error @ (TrackClipError::NothingKnown { .. } | TrackClipError::NoBase { .. })) => {
+                failed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
+                messages.frame_failed(&name, &error.to_string());
+            }
+            Err(error) => return Err(error.into()),
+        }
+    }
+    document.count_edits_since(&before);
+    args.output.write(&document, location.folder())?;
+    messages.note(&format!("{carried} frames carried, {failed} not"));
+    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}

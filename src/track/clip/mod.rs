@@ -1,0 +1,31 @@
+//! A clip: frames of one camera that follow each other in time. What is known of some of its frames is carried to all.
+//!
+//! | what | where |
+//! |---|---|
+//! | [`PointFollower`], [`PointTracks`] | points followed from picture to picture by optical flow |
+//! | [`carry`] | pan, tilt and focal length of every frame, one after the other, from the frames that are known |
+//! | [`adjust_clip`] | all frames in one adjustment, with covariance |
+//! | [`smooth`] | the frames' cameras as one smooth motion |
+//!
+//! The base of the camera is known and stays as it is.
+
+mod adjust;
+mod anchor;
+mod carry;
+mod envelope;
+mod equations;
+#[cfg(feature = "opencv")]
+mod flow;
+mod follow;
+mod jitter;
+mod point_tracks;
+mod problem;
+mod smooth;
+
+pub use adjust::{AdjustOptions, AdjustedClip, AdjustedFrame, adjust_clip};
+pub use anchor::Anchor;
+pub use carry::{Carried, CarryOptions, CarryStop, carry};
+pub use follow::{FollowOptions, PointFollower};
+pub use jitter::Jitter;
+pub use point_tracks::{PointTrack, PointTracks};
+pub use smooth::{SmoothOptions, Unsmoothed, smooth};

@@ -1,0 +1,121 @@
+//! `touchline track` on drawn clips with exact cameras.
+#![cfg(feature = "opencv")]
+
+use crate::program::touchline;
+use std::fs;
+use std::path::Path;
+use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
+use touchline::geometry::ImagePoint;
+
+fn document(path: &Path) -> Document {
+    document_from_bytes(&fs::read(path).unwrap()).unwrap()
+}
+
+fn write(path: &Path, document: &Document) {
+    fs::write(path, document_to_string(document).unwrap()).unwrap();
+}
+
+/// A drawn clip at 25 frames a second with graphics that no mask covers; its first and last frame are known.
+fn drawn_clip(folder: &Path) -> Document {
+    let drawn = touchline(
+        folder,
+        "synth -o match --frames 30 --step 0.04 --seed 4 --size 640x360 --preset easy --graphics score-bug --unmasked",
+    );
+    assert_eq!(drawn.code, 0, "{}", drawn.stderr);
+    let truth = document(&folder.join("match/truth.json"));
+    let mut asked = truth.clone();
+    let last = asked.frames.len() - 1;
+    for (index, frame) in asked.frames.iter_mut().enumerate() {
+        let frame: &mut Frame = frame;
+        frame.clicks.clear();
+        frame.solution = None;
+        if index == 0 || index == last {
+            frame.status = FrameStatus::Reference;
+        } else {
+            (frame.status, frame.ptz) = (FrameStatus::New, None);
+        }
+    }
+    write(&folder.join("match/ask.json"), &asked);
+    truth
+}
+
+/// How far a frame's overlay is off at the corners of the picture and in its middle, px: the greatest.
+fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
+    let [one, exact] = [found, truth].map(|document| document.pointed(&document.frames[frame]).unwrap());
+    let size = truth.frames[frame].image_size;
+    let apart = |at: ImagePoint| one.image_from_ray(exact.ray_from_image(at).unwrap()).unwrap().distance_px(at);
+    size.corners().into_iter().chain([size.centre()]).map(apart).fold(0.0, f64::max)
+}
+
+#[test]
+fn known_frames_are_carried_to_all_others_of_the_clip_past_graphics_that_stand_still() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let ran = touchline(&folder, "track ask.json -o tracked.json --paint-every 0");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let tracked = document(&folder.join("tracked.json"));
+    for index in 1..tracked.frames.len() - 1 {
+        let (frame, off_px) = (&tracked.frames[index], worst_px(&tracked, &truth, index));
+        assert_eq!(frame.status, FrameStatus::Suggested);
+        let solution = frame.solution.as_ref().unwrap();
+        assert_eq!(solution.source, Some(SolutionSource::Tracking));
+        assert!(off_px < 1.5, "frame {index}: {off_px} px");
+        assert!(solution.confidence.unwrap() > 0.9 && solution.covariance.is_some(), "{solution:?}");
+    }
+    for end in [0, tracked.frames.len() - 1] {
+        assert_eq!(tracked.frames[end].ptz, truth.frames[end].ptz, "what is known stays");
+    }
+    let again = touchline(&folder, "track ask.json -o again.json --paint-every 0");
+    assert_eq!(again.code, 0);
+    assert!(fs::read(folder.join("again.json")).unwrap() == fs::read(folder.join("tracked.json")).unwrap());
+
+    let smooth = touchline(&folder, "track ask.json -o smooth.json --smooth --frames 0..12");
+    assert_eq!(smooth.code, 0, "{}", smooth.stderr);
+    let smoothed = document(&folder.join("smooth.json"));
+    let solution = smoothed.frames[6].solution.as_ref().unwrap();
+    assert!(solution.extra.contains_key("raw_ptz") && worst_px(&smoothed, &truth, 6) < 2.0, "{solution:?}");
+    assert!(smoothed.frames[13].ptz.is_none(), "only the frames asked for");
+}
+
+#[test]
+fn nothing_is_carried_across_a_cut_or_from_nothing() {
+    let place = tempfile::tempdir().unwrap();
+    let mut asked = {
+        drawn_clip(place.path());
+        document(&place.path().join("match/ask.json"))
+    };
+    let folder = place.path().join("match");
+    // The clip shows something else from its middle on: a picture of noise.
+    let noise = |index: u32| {
+        image::RgbImage::from_fn(640, 360, |x, y| {
+            let value = (x * 7919 + y * 104_729 + index * 31).wrapping_mul(2_654_435_761) >> 24;
+            image::Rgb([value as u8; 3])
+        })
+    };
+    for (at, frame) in asked.frames.iter_mut().enumerate().skip(15) {
+        let name = format!("images/noise{at}.png");
+        noise(at as u32).save(folder.join(&name)).unwrap();
+        let frame: &mut Frame = frame;
+        frame.image = Some(name);
+        frame.sha256 = None;
+        (frame.status, frame.ptz) = (FrameStatus::New, None);
+    }
+    write(&folder.join("cut.json"), &asked);
+    let ran = touchline(&folder, "track cut.json -o out.json --paint-every 0");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("noise15.png: not carried on to this frame"), "{}", ran.stderr);
+    let out = document(&folder.join("out.json"));
+    assert!(out.frames[14].ptz.is_some() && out.frames.iter().skip(15).all(|frame| frame.ptz.is_none()));
+
+    for frame in &mut asked.frames {
+        let frame: &mut Frame = frame;
+        (frame.status, frame.ptz) = (FrameStatus::New, None);
+    }
+    write(&folder.join("nothing.json"), &asked);
+    let ran = touchline(&folder, "track nothing.json -o none.json");
+    assert_eq!(ran.code, 1);
+    assert!(ran.stderr.contains("none of its 30 frames has a camera to carry on"), "{}", ran.stderr);
+    let wrong = touchline(&folder, "track ask.json -o never.json --frames 9..3");
+    assert_eq!((wrong.code, wrong.stderr.trim_end().lines().count()), (2, 1), "{}", wrong.stderr);
+}
