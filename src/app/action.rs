@@ -1,20 +1,18 @@
-//! Actions, which change state, and effects, which the outside carries out.
+//! Actions, which change state.
 
 use super::base::EstimateFailure;
-use super::bulk::{BulkFailure, BulkOrder};
+use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
-use super::paint_orders::{CheckedLines, LineCheckOrder, PointSnapOrder, SnapFailure, SnapOrder, SnappedFrame};
+use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
-use super::unclicked::{UnclickedFailure, UnclickedOrder};
-use super::{
-    BurntInSearch, CameraWatch, Chord, Command, Compared, ShotSearch, TrainerOrder, TrainerStatus, VideoAction,
-    WatchPanicked,
-};
+use super::tracking::TrackAction;
+use super::unclicked::UnclickedFailure;
+use super::{Chord, Command, Compared, TrainerStatus, VideoAction, WatchPanicked};
 use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
 use crate::camera::Ptz;
-use crate::document::{Camera, CameraId, Document, Edit, FieldSpec, History, RejectReason, Target};
+use crate::document::{Camera, CameraId, Document, FieldSpec, History, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
@@ -252,6 +250,8 @@ pub enum Action {
         /// What it is at.
         progress: UnclickedProgress,
     },
+    /// Cameras are carried through a clip.
+    Track(TrackAction),
     /// A camera was looked for without a click, or why that was not possible.
     CameraSearched {
         /// Which search.
@@ -487,6 +487,7 @@ impl Action {
             | Self::BaseEstimated(_)
             | Self::FindCameraProgress { .. }
             | Self::CameraSearched { .. }
+            | Self::Track(_)
             | Self::BulkProgress { .. }
             | Self::BulkSolved { .. }
             | Self::CameraWatched { .. }
@@ -568,131 +569,4 @@ impl Opened {
     pub const fn document(&self) -> &Document {
         self.prepared.document()
     }
-}
-
-/// What the outside has to do; the shell passes it to `jobs` or to the window system.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Effect {
-    /// Read a document, folder or video and report [`Action::Opened`].
-    Open(PathBuf),
-    /// Append an edit to the journal.
-    Journal {
-        /// What changed.
-        edit: Edit,
-        /// The document's revision with it.
-        revision: u64,
-    },
-    /// Give the saver the whole document in place of what it knows.
-    JournalWhole {
-        /// The document.
-        document: Box<Document>,
-        /// What can be undone and redone in it.
-        history: Box<History<Document>>,
-        /// Its revision.
-        revision: u64,
-    },
-    /// Write the document: the saver has every edit already.
-    Save,
-    /// Write the document although another program changed the file; that version is set aside.
-    SaveOver,
-    /// Report what another program made of the document: [`Action::Outside`].
-    ReadOutside,
-    /// Let go of the document, and open it as it is on disk.
-    Reopen(PathBuf),
-    /// Read edits that were set aside and report [`Action::OrphanRead`].
-    ReadOrphan {
-        /// Their file.
-        orphan: PathBuf,
-    },
-    /// Write them as a document and report [`Action::OrphanSaved`].
-    SaveOrphan {
-        /// Their file.
-        orphan: PathBuf,
-    },
-    /// Give their file another name and report [`Action::OrphanPutAway`].
-    PutOrphanAway {
-        /// Their file.
-        orphan: PathBuf,
-    },
-    /// Write a copy of the project into a folder.
-    SaveCopy {
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        from: PathBuf,
-        /// Where.
-        folder: PathBuf,
-    },
-    /// Write the dataset.
-    Export {
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        from: PathBuf,
-        /// Where.
-        file: PathBuf,
-    },
-    /// Give up what is being opened.
-    CancelOpening,
-    /// Open a fresh copy of the demo match.
-    OpenDemo,
-    /// Estimate the base of a camera and report [`Action::BaseEstimated`].
-    EstimateBase {
-        /// The field's size is fitted as well.
-        with_size: bool,
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        folder: PathBuf,
-        /// Which camera.
-        camera: CameraId,
-    },
-    /// Give up what is being estimated.
-    CancelEstimate,
-    /// Find a camera without a click, report [`Action::FindCameraProgress`] on the way and [`Action::CameraSearched`] in the end.
-    FindCamera(Box<UnclickedOrder>),
-    /// Nobody waits any more for a camera without a click.
-    CancelFindCamera,
-    /// Work a change out, report [`Action::BulkProgress`] on the way and [`Action::BulkSolved`] in the end.
-    SolveBulk(Box<BulkOrder>),
-    /// Give up the change that is being worked out.
-    CancelBulk,
-    /// Look whether a camera fits all of its frames and report [`Action::CameraWatched`].
-    WatchCamera(Box<CameraWatch>),
-    /// Pull a frame's camera onto the painted lines, or search it by them; report [`Action::SnapProgress`] on the way and
-    /// [`Action::Snapped`] in the end.
-    Snap(Box<SnapOrder>),
-    /// Nobody waits any more for a snap or a search.
-    CancelSnap,
-    /// Look where the landmarks of clicks are painted and report [`Action::PointsSnapped`].
-    SnapPoints(Box<PointSnapOrder>),
-    /// Judge cameras by the painted lines and report [`Action::LinesChecked`].
-    CheckLines(Box<LineCheckOrder>),
-    /// Look for the cuts of a video and report [`VideoAction::ShotsFound`].
-    FindShots(Box<ShotSearch>),
-    /// Give up that search.
-    CancelShots,
-    /// Look for burned-in graphics and report [`Action::BurntIn`].
-    FindBurntIn(Box<BurntInSearch>),
-    /// Tell the background trainer something.
-    Trainer(TrainerOrder),
-    /// Read the first camera with a base from a document and report [`Action::CameraLoaded`].
-    LoadCamera(PathBuf),
-    /// Compare the document with another annotator's and report [`Action::Compared`].
-    Compare {
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        folder: PathBuf,
-        /// Its revision.
-        revision: u64,
-        /// The other one's file.
-        with: PathBuf,
-    },
-    /// Ask for a path.
-    Ask(Question),
-    /// Write the settings.
-    SaveSettings,
-    /// Everything is on disk: close the window.
-    Close,
 }

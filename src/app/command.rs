@@ -65,6 +65,10 @@ pub enum Command {
     SwitchRoot,
     Snap,
     SearchLines,
+    /// Known cameras are carried through the shown frame's clip.
+    Track,
+    /// That ends.
+    StopTracking,
     /// The frame to click next for the base is shown.
     ShowForBase,
     /// The search by the painted lines ends.
@@ -237,6 +241,8 @@ rows! {
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
     Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
     SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
+    Track, "track", Frame, "Carry cameras through the shot", "Give every frame of this shot its camera from those that are known: points are followed from frame to frame, and all frames are adjusted together, held to the painted lines. The results are suggestions, as the forest's are.", ["T"];
+    StopTracking, "stop_tracking", Frame, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner or crossing that it names, where that is certain. Alt at the release keeps it where it is.", [];
     SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "What the forest proposes is pulled onto the painted lines before you review it, where they decide; elsewhere it stays as proposed. Switching it over asks the forest again.", [];
@@ -368,6 +374,8 @@ impl Command {
             | Self::SwitchRoot
             | Self::Snap
             | Self::SearchLines
+            | Self::Track
+            | Self::StopTracking
             | Self::ZoomToClick
             | Self::HideOverlay
             | Self::OverlayStyle

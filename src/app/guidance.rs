@@ -48,6 +48,9 @@ pub fn next_step(app: &App) -> Guidance {
     {
         return Guidance::say(searching.describe()).offer("Stop", Command::StopFindCamera);
     }
+    if let Some(tracking) = app.session.tracking.as_ref().filter(|_| app.session.mode == Mode::Idle) {
+        return Guidance::say(tracking.describe()).offer("Stop", Command::StopTracking);
+    }
     if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
         && app.session.mode == Mode::Idle
     {

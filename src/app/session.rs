@@ -8,6 +8,7 @@ use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
+use super::tracking::Tracking;
 use super::unclicked::UnclickedWork;
 use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
@@ -66,6 +67,8 @@ pub struct Session {
     pub notices: Vec<Notice>,
     /// How far what was done is on disk.
     pub saving: Saving,
+    /// Cameras that are being carried through a clip.
+    pub tracking: Option<Tracking>,
     /// What is being done about the camera's base.
     pub base: BaseWork,
     /// A change after which many frames are solved again, while it is worked out.

@@ -1,7 +1,7 @@
 //! A camera that was found without a click, on its way into a document that has been edited meanwhile.
 
 use super::{UnclickedCamera, UnclickedFrame, record_found};
-use crate::document::{CameraId, Document, Frame, FrameId, FrameStatus};
+use crate::document::{CameraId, Document, FrameId};
 
 /// A camera that was found without a click, and which camera of a document it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,15 +26,11 @@ impl FoundCamera {
     pub(super) fn write(&self, document: &mut Document) {
         let here = |(id, of_found): (&FrameId, &UnclickedFrame)| {
             let index = document.frames.position_of(id)?;
-            let is_open = is_open(&document.frames[index]) && document.frames[index].camera == self.camera;
+            let is_open = document.frames[index].is_open() && document.frames[index].camera == self.camera;
             is_open.then(|| UnclickedFrame { index, ..of_found.clone() })
         };
         let frames = self.frames.iter().zip(&self.found.frames).filter_map(here).collect();
         let found = UnclickedCamera { frames, ..self.found.clone() };
         record_found(document, &self.camera, &found);
     }
-}
-
-fn is_open(frame: &Frame) -> bool {
-    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
 }

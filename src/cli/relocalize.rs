@@ -8,9 +8,7 @@ use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
 use crate::media::{FrameReader, FrameSource, image_size};
-use crate::proposals::{
-    Coverage, FramePictures, LineEvidence, TrainingFrames, adopt_bases, is_open, label_advice, propose,
-};
+use crate::proposals::{Coverage, FramePictures, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
@@ -62,7 +60,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let Input { mut document, file, folder, skipped } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
     let before = document.clone();
-    let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_open(&document.frames[index])).collect();
+    let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| document.frames[index].is_open()).collect();
     let options = RelocalizeOptions {
         predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
         pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },

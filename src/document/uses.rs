@@ -25,6 +25,12 @@ impl Frame {
         self.is_suggestion() && self.solution.as_ref().is_some_and(on_paint)
     }
 
+    /// Whether nobody has clicked or decided on it: the program may suggest its camera.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.clicks.is_empty() && matches!(self.status, FrameStatus::New | FrameStatus::Suggested)
+    }
+
     /// Its status while it is neither accepted nor rejected.
     #[must_use]
     pub fn undecided(&self) -> FrameStatus {

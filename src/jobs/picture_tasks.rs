@@ -3,8 +3,10 @@
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
 use crate::app::unclicked::UnclickedOrder;
-use crate::app::{Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
-use crate::calibrate::WatchUnclicked;
+use crate::app::{
+    Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, TrackAction, TrackOrder, VideoAction,
+};
+use crate::calibrate::{ClipProgress, WatchUnclicked};
 use crate::media::FrameReader;
 use crate::paint::WatchFind;
 use crate::proposals::{FeatureStore, WorkFolder};
@@ -53,6 +55,16 @@ pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchF
 pub(super) fn camera_searched(order: &UnclickedOrder, pictures: SharedPictures, watch: WatchUnclicked<'_>) -> Action {
     let answer = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::CameraSearched { ticket: order.ticket, answer: answer.map(Box::new) }
+}
+
+/// Carries known cameras through a clip; `watch` is told how far it has come.
+pub(super) fn tracked(
+    order: &TrackOrder,
+    pictures: SharedPictures,
+    watch: &dyn Fn(ClipProgress) -> ControlFlow<()>,
+) -> Action {
+    let tracked = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
+    Action::Track(TrackAction::Done { ticket: order.ticket, tracked })
 }
 
 /// Looks where the landmarks of clicks are painted.

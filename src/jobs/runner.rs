@@ -1,7 +1,7 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped};
+use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
@@ -11,7 +11,8 @@ use crate::app::base::EstimateFailure;
 use crate::app::session::Level;
 use crate::app::unclicked::UnclickedFailure;
 use crate::app::{
-    Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction, WatchPanicked,
+    Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, TrackAction, TrackFailure, VideoAction,
+    WatchPanicked,
 };
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
@@ -53,6 +54,8 @@ enum Kind {
     Snap(u64),
     /// It looks for a camera without a click; the order's ticket.
     Unclicked(u64),
+    /// It carries cameras through a clip; the order's ticket.
+    Track(u64),
     /// It looks where clicks are painted; the order's ticket.
     SnapPoints(u64),
     /// It judges cameras by the painted lines; the order's ticket.
@@ -175,6 +178,16 @@ impl Runner {
                 });
             }
             Effect::CancelFindCamera => self.give_up(|kind| matches!(kind, Kind::Unclicked(_))),
+            Effect::Track(order) => {
+                let pictures = self.pictures.clone();
+                self.begin("carry cameras", Kind::Track(order.ticket), move |watch| {
+                    let ticket = order.ticket;
+                    Ok(Outcome::Action(tracked(&order, pictures, &|progress| {
+                        watch.tell(Action::Track(TrackAction::Progress { ticket, progress }))
+                    })))
+                });
+            }
+            Effect::CancelTrack => self.give_up(|kind| matches!(kind, Kind::Track(_))),
             Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
             Effect::SnapPoints(order) => {
                 let pictures = self.pictures.clone();
@@ -268,6 +281,10 @@ impl Runner {
                         Kind::Unclicked(ticket) => {
                             Action::CameraSearched { ticket, answer: Err(UnclickedFailure::Panicked { message }) }
                         }
+                        Kind::Track(ticket) => Action::Track(TrackAction::Done {
+                            ticket,
+                            tracked: Err(TrackFailure::Panicked { message }),
+                        }),
                         Kind::SnapPoints(ticket) => {
                             Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
                         }

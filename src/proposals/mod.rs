@@ -60,7 +60,7 @@ pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn
 pub use line_evidence::LineEvidence;
 pub(crate) use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
-pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings, is_open};
+pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings};
 pub use proposing::propose;
 pub use quality::WRONG_PX;
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, measure, overlay_error_px};

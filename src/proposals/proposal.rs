@@ -3,8 +3,8 @@
 use super::PictureError;
 use crate::camera::CameraBase;
 use crate::document::{
-    Camera, CameraId, Document, Frame, FrameId, FramePtz, FrameStatus, PaintEvidence, Solution, SolutionSource,
-    SolutionWarning, Suggestion, TimingsMs,
+    Camera, CameraId, Document, Frame, FrameId, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning,
+    Suggestion, TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
@@ -116,12 +116,6 @@ pub struct Timings {
     pub predict: Duration,
     /// Finding the pose.
     pub pose: Duration,
-}
-
-/// Whether nobody has clicked or decided on a frame: those are answered, all others stay as they are.
-#[must_use]
-pub fn is_open(frame: &Frame) -> bool {
-    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
 }
 
 #[cfg(test)]

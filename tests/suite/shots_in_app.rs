@@ -1,4 +1,5 @@
 //! Shots of a video in the application: found when it is imported, changed cut by cut, each change one step of undo.
+#![cfg(feature = "opencv")]
 
 use touchline::app::session::Mode;
 use touchline::app::{Action, App, Command, Effect, FoundShots, Opened, Settings, ShotSearch, VideoAction};

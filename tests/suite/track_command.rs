@@ -1,9 +1,12 @@
-//! `touchline track` on drawn clips with exact cameras.
+//! Cameras carried through drawn clips with exact cameras: by `touchline track` and in the application.
 #![cfg(feature = "opencv")]
 
+use crate::headless::Headless;
 use crate::program::touchline;
 use std::fs;
 use std::path::Path;
+use touchline::app::guidance::next_step;
+use touchline::app::{Action, App, Command};
 use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::geometry::ImagePoint;
 
@@ -118,4 +121,42 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
     assert!(ran.stderr.contains("none of its 30 frames has a camera to carry on"), "{}", ran.stderr);
     let wrong = touchline(&folder, "track ask.json -o never.json --frames 9..3");
     assert_eq!((wrong.code, wrong.stderr.trim_end().lines().count()), (2, 1), "{}", wrong.stderr);
+}
+
+/// Frames with a tracked camera.
+fn tracked(app: &App) -> usize {
+    let source = |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.source);
+    app.open().unwrap().document.frames.iter().filter(|frame| source(frame) == Some(SolutionSource::Tracking)).count()
+}
+
+#[test]
+fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    fs::copy(folder.join("ask.json"), folder.join("project.json")).unwrap();
+    let mut headless = Headless::new();
+    headless.act(Action::Open(folder));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless.act(Action::Command(Command::Track));
+    assert_eq!(next_step(&headless.app).offers, [("Stop", Command::StopTracking)]);
+    assert!(headless.app.why_not(Command::Track).is_some(), "one at a time");
+    headless.act(Action::Command(Command::StopTracking));
+    assert!(headless.app.why_not(Command::StopTracking).is_some() && tracked(&headless.app) == 0);
+
+    headless.act(Action::Command(Command::Track));
+    headless.wait_until("the cameras", |app| tracked(app) == 28);
+    let document = (*headless.app.open().unwrap().document).clone();
+    for index in 1..29 {
+        let off_px = worst_px(&document, &truth, index);
+        assert!(off_px < 1.5, "frame {index}: {off_px} px");
+    }
+    // They stand beside what people did: accepting one is a step of undo, after which it is a suggestion again.
+    headless.act(Action::GoTo(5));
+    headless.wait_for_picture();
+    headless.act(Action::Command(Command::AcceptAndStay));
+    assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Reference);
+    headless.act(Action::Command(Command::Undo));
+    assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Suggested);
+    assert_eq!(tracked(&headless.app), 28);
 }

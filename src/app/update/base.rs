@@ -3,8 +3,8 @@
 use super::App;
 use super::cameras::counted;
 use crate::app::Command;
-use crate::app::action::Effect;
 use crate::app::base::{BaseWork, EstimateFailure, Estimating};
+use crate::app::effect::Effect;
 use crate::app::session::{Level, SidePanel};
 use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, LANDMARKS_ALONE, describe_size, next_for_base};
 use crate::document::{Click, Frame, Step, Target};

@@ -2,9 +2,9 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::action::Effect;
 use crate::app::base::BaseWork;
 use crate::app::bulk::{BulkFailure, BulkOrder, BulkWork, IN_BACKGROUND};
+use crate::app::effect::Effect;
 use crate::app::session::Level;
 use crate::calibrate::{BulkChange, BulkError, BulkProgress, BulkSolve, BulkSolved};
 use crate::document::Step;

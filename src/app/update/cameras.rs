@@ -3,8 +3,8 @@
 use super::App;
 use crate::app::CameraChoice;
 use crate::app::Command;
-use crate::app::action::Effect;
 use crate::app::camera_watch::{AT_ONCE, CameraWatch, WatchPanicked};
+use crate::app::effect::Effect;
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
 use crate::calibrate::{AssignedFrames, BulkChange, CameraChange, NewCamera, camera_change};

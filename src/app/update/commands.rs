@@ -2,7 +2,7 @@
 
 use super::App;
 use super::gold::IN_ROUND;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::unclicked::UnclickedWork;
 use crate::app::{Chord, Command, CommandKind, Comparison};
@@ -110,6 +110,8 @@ impl App {
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::Snap => self.why_not_snap(),
+            C::Track => self.why_not_track(),
+            C::StopTracking if self.session.tracking.is_none() => Some("No cameras are being carried."),
             C::FindCamera => self.why_not_find_camera(),
             C::StopFindCamera if matches!(self.session.unclicked, UnclickedWork::Idle) => {
                 Some("No camera is being looked for.")
@@ -232,6 +234,8 @@ impl App {
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
             C::Snap => self.snap(false),
+            C::Track => self.track(),
+            C::StopTracking => self.stop_tracking(),
             C::SearchLines => self.snap(true),
             C::StopSearch => self.stop_search(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),

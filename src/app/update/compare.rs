@@ -1,7 +1,7 @@
 //! The open document beside another annotator's.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::{Compared, Comparison};
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -3,8 +3,9 @@
 use super::App;
 use super::Current;
 use crate::app::OpenProject;
-use crate::app::action::{Effect, Opened};
+use crate::app::action::Opened;
 use crate::app::camera_watch::Watched;
+use crate::app::effect::Effect;
 use crate::app::session::{Leaving, Level, Question, Saving, Session};
 use std::path::PathBuf;
 

@@ -1,7 +1,7 @@
 //! Closing the window or opening something else while edits are only in memory: nothing goes unasked.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Leaving, Mode, Saving};
 
 impl App {

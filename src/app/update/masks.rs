@@ -1,8 +1,8 @@
 //! Masks: boxes whose pixels give no features, drawn by hand or found burned into the pictures.
 
 use super::App;
-use crate::app::action::Effect;
 use crate::app::choices::{MaskList, MaskScope, Scope};
+use crate::app::effect::Effect;
 use crate::app::session::{Level, SidePanel};
 use crate::app::{BurntInSearch, Command};
 use crate::document::{Document, Extra, Frame, MaskSource, RangedMask, Step};

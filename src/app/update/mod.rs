@@ -22,14 +22,16 @@ mod proposals;
 mod quality;
 mod review;
 mod shots;
+mod tracking;
 mod trainer;
 mod unclicked;
 
 pub use commands::MAX_SCALE;
 
-use super::action::{Action, Effect};
+use super::action::Action;
 use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
+use super::effect::Effect;
 use super::line_checks::LineChecks;
 use super::point_snaps::PointSnaps;
 use super::quality::Quality;
@@ -64,6 +66,8 @@ pub struct App {
     bulk_tickets: u64,
     /// How often a camera was looked for without a click.
     unclicked_tickets: u64,
+    /// The number of the last order to carry cameras.
+    track_tickets: u64,
     /// How many searches for cuts there were.
     shot_tickets: u64,
     effects: Vec<Effect>,
@@ -118,6 +122,7 @@ impl App {
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.apply(action);
         self.finish_find_camera();
+        self.finish_tracking();
         self.finish_bulk();
         self.finish_shot_search();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
@@ -204,6 +209,7 @@ impl App {
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::FindCameraProgress { ticket, progress } => self.find_camera_progress(ticket, progress),
+            Action::Track(action) => self.tracking(action),
             Action::CameraSearched { ticket, answer } => self.camera_searched(ticket, answer),
             Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
             Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),

@@ -1,8 +1,8 @@
 //! The painted lines: a frame snapped to them, cameras judged by them.
 
 use super::App;
-use crate::app::action::Effect;
 use crate::app::camera_watch::WatchPanicked;
+use crate::app::effect::Effect;
 use crate::app::line_checks::PaintSays;
 use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
 use crate::app::session::{Level, Mode, Snapping};

@@ -1,7 +1,7 @@
 //! Points moved onto the paint that they name, as part of the step that placed them.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::paint_orders::{PointSnapOrder, SnapFailure};
 use crate::app::session::{Level, Mode};
 use crate::document::{Frame, FrameStatus, SolutionSource};

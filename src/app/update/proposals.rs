@@ -1,7 +1,7 @@
 //! Proposals of the forest, and which of them are outdated.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::session::{Level, Saving};
 use crate::calibrate::moved_frames;
 use crate::proposals::{NoProposal, Proposal};

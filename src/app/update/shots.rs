@@ -1,7 +1,7 @@
 //! The shots of a video: found in the background, changed cut by cut.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::session::Level;
 use crate::app::shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch, file_of, without_shots};
 use crate::app::video::{RunningSearch, VideoAction};

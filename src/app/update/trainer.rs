@@ -1,7 +1,7 @@
 //! Keeping the background trainer informed.
 
 use super::App;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::trainer::{TrainerOrder, TrainerState, TrainerStatus};
 
 impl App {

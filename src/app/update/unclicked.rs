@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::action::Effect;
+use crate::app::effect::Effect;
 use crate::app::session::{Level, Mode, SidePanel};
 use crate::app::unclicked::{
     FEWEST, Searching, TwoCameras, UnclickedFailure, UnclickedOrder, UnclickedWork, describe_abstention, describe_found,

@@ -5,7 +5,7 @@ use super::error::TrackClipError;
 use super::frames::ClipFrames;
 use super::paint::{Painted, painted};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{DocumentAt, Frame, FrameStatus};
+use crate::document::{DocumentAt, FrameStatus};
 use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::{Picture, ReadFrames};
@@ -198,7 +198,7 @@ pub fn track_clip(
         let Some((place, document_frame)) = of_clip.place.and_then(|place| Some((place, of_document(place)?))) else {
             continue;
         };
-        if !is_open(document_frame) {
+        if !document_frame.is_open() {
             let anchor = known.iter().find(|(anchor, _)| anchor.frame == frame).filter(|_| options.smooth);
             tracked.references.extend(anchor.zip(smoothed[frame]).map(|((anchor, _), smoothed)| MovedReference {
                 place,
@@ -227,11 +227,6 @@ pub fn track_clip(
         });
     }
     Ok(tracked)
-}
-
-/// Whether nobody has clicked or decided on a frame.
-fn is_open(frame: &Frame) -> bool {
-    frame.clicks.is_empty() && matches!(frame.status, FrameStatus::New | FrameStatus::Suggested)
 }
 
 /// An overlay that is off by no more is right, px at 1920 px width.

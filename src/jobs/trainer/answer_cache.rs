@@ -1,7 +1,7 @@
 //! The forest's answers so far, so that no frame is asked for twice without a reason.
 
 use crate::document::{Document, Frame, FrameId, SolutionSource};
-use crate::proposals::{Asked, NoProposal, Proposal, SURE, is_open};
+use crate::proposals::{Asked, NoProposal, Proposal, SURE};
 use crate::relocalize::ForestModel;
 use std::collections::BTreeMap;
 
@@ -48,9 +48,9 @@ impl AnswerCache {
         self.entries.retain(|id, entry| {
             let Some(frame) = document.frames.by_id(id) else { return false };
             let held = is_by_forest(frame);
-            let lost = entry.recorded && !held && is_open(frame);
+            let lost = entry.recorded && !held && frame.is_open();
             entry.recorded |= held;
-            let is_edited = is_open(frame) && entry.asked.revision != frame.revision;
+            let is_edited = frame.is_open() && entry.asked.revision != frame.revision;
             !lost && !is_edited && entry.asked.is_still(document, frame)
         });
         for frame in &document.frames {
@@ -58,7 +58,7 @@ impl AnswerCache {
             let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
             if is_by_forest(frame)
                 && frame.ptz.is_some()
-                && is_open(frame)
+                && frame.is_open()
                 && let Some(confidence) = confidence
             {
                 self.entries.entry(frame.id.clone()).or_insert_with(|| Entry {
@@ -74,7 +74,7 @@ impl AnswerCache {
     /// Whether a forest is to be asked for a frame: not where an earlier one was sure, in the same way.
     pub(super) fn wants(&self, document: &Document, index: usize, model: &ForestModel, asking: Asking) -> bool {
         let Some(frame) = document.frames.get(index) else { return false };
-        if !is_open(frame) || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
+        if !frame.is_open() || is_by_others(frame) || model.camera(frame.camera.as_str()).is_none() {
             return false;
         }
         let Some(entry) = self.entries.get(&frame.id) else { return true };
@@ -122,7 +122,7 @@ impl AnswerCache {
     }
 
     fn open<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = &'a Entry> {
-        let is_open = |id: &FrameId| document.frames.by_id(id).is_some_and(|frame| is_open(frame));
+        let is_open = |id: &FrameId| document.frames.by_id(id).is_some_and(|frame| frame.is_open());
         self.entries.iter().filter(move |(id, _)| is_open(id)).map(|(_, entry)| entry)
     }
 }

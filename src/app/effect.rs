@@ -1,0 +1,141 @@
+//! Effects, which the outside carries out.
+
+use super::bulk::BulkOrder;
+use super::paint_orders::{LineCheckOrder, PointSnapOrder, SnapOrder};
+use super::session::Question;
+use super::tracking::TrackOrder;
+use super::unclicked::UnclickedOrder;
+use super::{BurntInSearch, CameraWatch, ShotSearch, TrainerOrder};
+use crate::document::{CameraId, Document, Edit, History};
+use std::path::PathBuf;
+
+/// What the outside has to do; the shell passes it to `jobs` or to the window system.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Effect {
+    /// Read a document, folder or video and report `Action::Opened`.
+    Open(PathBuf),
+    /// Append an edit to the journal.
+    Journal {
+        /// What changed.
+        edit: Edit,
+        /// The document's revision with it.
+        revision: u64,
+    },
+    /// Give the saver the whole document in place of what it knows.
+    JournalWhole {
+        /// The document.
+        document: Box<Document>,
+        /// What can be undone and redone in it.
+        history: Box<History<Document>>,
+        /// Its revision.
+        revision: u64,
+    },
+    /// Write the document: the saver has every edit already.
+    Save,
+    /// Write the document although another program changed the file; that version is set aside.
+    SaveOver,
+    /// Report what another program made of the document: `Action::Outside`.
+    ReadOutside,
+    /// Let go of the document, and open it as it is on disk.
+    Reopen(PathBuf),
+    /// Read edits that were set aside and report `Action::OrphanRead`.
+    ReadOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Write them as a document and report `Action::OrphanSaved`.
+    SaveOrphan {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Give their file another name and report `Action::OrphanPutAway`.
+    PutOrphanAway {
+        /// Their file.
+        orphan: PathBuf,
+    },
+    /// Write a copy of the project into a folder.
+    SaveCopy {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        from: PathBuf,
+        /// Where.
+        folder: PathBuf,
+    },
+    /// Write the dataset.
+    Export {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        from: PathBuf,
+        /// Where.
+        file: PathBuf,
+    },
+    /// Give up what is being opened.
+    CancelOpening,
+    /// Open a fresh copy of the demo match.
+    OpenDemo,
+    /// Estimate the base of a camera and report `Action::BaseEstimated`.
+    EstimateBase {
+        /// The field's size is fitted as well.
+        with_size: bool,
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Which camera.
+        camera: CameraId,
+    },
+    /// Give up what is being estimated.
+    CancelEstimate,
+    /// Find a camera without a click, report `Action::FindCameraProgress` on the way and `Action::CameraSearched` in the end.
+    FindCamera(Box<UnclickedOrder>),
+    /// Nobody waits any more for a camera without a click.
+    CancelFindCamera,
+    /// Carry known cameras through a clip, report `TrackAction::Progress` on the way and `TrackAction::Done` in the end.
+    Track(Box<TrackOrder>),
+    /// Nobody waits any more for the cameras of a clip.
+    CancelTrack,
+    /// Work a change out, report `Action::BulkProgress` on the way and `Action::BulkSolved` in the end.
+    SolveBulk(Box<BulkOrder>),
+    /// Give up the change that is being worked out.
+    CancelBulk,
+    /// Look whether a camera fits all of its frames and report `Action::CameraWatched`.
+    WatchCamera(Box<CameraWatch>),
+    /// Pull a frame's camera onto the painted lines, or search it by them; report `Action::SnapProgress` on the way and
+    /// `Action::Snapped` in the end.
+    Snap(Box<SnapOrder>),
+    /// Nobody waits any more for a snap or a search.
+    CancelSnap,
+    /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
+    SnapPoints(Box<PointSnapOrder>),
+    /// Judge cameras by the painted lines and report `Action::LinesChecked`.
+    CheckLines(Box<LineCheckOrder>),
+    /// Look for the cuts of a video and report `VideoAction::ShotsFound`.
+    FindShots(Box<ShotSearch>),
+    /// Give up that search.
+    CancelShots,
+    /// Look for burned-in graphics and report `Action::BurntIn`.
+    FindBurntIn(Box<BurntInSearch>),
+    /// Tell the background trainer something.
+    Trainer(TrainerOrder),
+    /// Read the first camera with a base from a document and report `Action::CameraLoaded`.
+    LoadCamera(PathBuf),
+    /// Compare the document with another annotator's and report `Action::Compared`.
+    Compare {
+        /// The document.
+        document: Document,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Its revision.
+        revision: u64,
+        /// The other one's file.
+        with: PathBuf,
+    },
+    /// Ask for a path.
+    Ask(Question),
+    /// Write the settings.
+    SaveSettings,
+    /// Everything is on disk: close the window.
+    Close,
+}
