@@ -98,7 +98,7 @@ impl MaskScope {
 /// What time is counted in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TimeAxis {
-    /// The frame's number in the document, from 1.
+    /// The frame's position in the document, from 0.
     #[default]
     Frame,
     /// Seconds of the video.

@@ -35,6 +35,12 @@ pub struct OpenProject {
 }
 
 impl OpenProject {
+    /// The number of the frame at a position, as people see it: [`Frame::number_at`].
+    #[must_use]
+    pub fn frame_number(&self, position: usize) -> u64 {
+        self.frame(position).map_or(position as u64, |frame| frame.number_at(position))
+    }
+
     /// A document to which nothing has been done yet, its file and its folder, and why it can only be looked at, if so.
     #[must_use]
     pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {

@@ -265,6 +265,12 @@ impl Frame {
         self.image.as_ref().map(|image| folder.join(image))
     }
 
+    /// Its number as people see it, at a position of the document: that of its video's frame, else its position; both from 0.
+    #[must_use]
+    pub fn number_at(&self, position: usize) -> u64 {
+        self.video.as_ref().map_or(position as u64, |video| video.frame_index)
+    }
+
     /// Where its pixels come from, given the document's folder: its image file, else its video's frame.
     #[must_use]
     pub fn picture_source(&self, folder: &Path) -> Option<FrameRef> {

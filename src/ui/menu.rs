@@ -142,8 +142,9 @@ fn place(app: &App, ui: &mut Ui) {
         .on_hover_text(open.file.display().to_string());
     let count = open.document.frames.len();
     if let Some(frame) = app.frame() {
-        ui.label(RichText::new(format!("{} / {count}", app.session.frame + 1)).color(theme::TEXT))
-            .on_hover_text(format!("Frame {} of {count}: {}", app.session.frame + 1, frame.name()));
+        let number = frame.number_at(app.session.frame);
+        ui.label(RichText::new(format!("frame {number}")).color(theme::TEXT))
+            .on_hover_text(format!("Frame {number} of {count}, counted from 0: {}", frame.name()));
         if let Some(clip) = &frame.clip {
             ui.label(RichText::new(format!("shot {clip}")).color(theme::WEAK)).on_hover_text("The frame's shot");
         }

@@ -38,7 +38,7 @@ fn undo(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(step) = open.history.next_undo() else { return };
     let position = step.frame.as_ref().and_then(|id| open.document.frames.position_of(id));
     let elsewhere = position.filter(|position| *position != panel.app.session.frame);
-    let place = elsewhere.map(|position| format!(" (frame {})", position + 1)).unwrap_or_default();
+    let place = elsewhere.map(|position| format!(" (frame {})", open.frame_number(position))).unwrap_or_default();
     let button = Button::new(RichText::new(format!("Undo: {}{place}", step.name)).color(theme::WEAK)).frame(false);
     if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(Command::Undo)).clicked() {
         panel.actions.push(Action::Command(Command::Undo));

@@ -29,8 +29,8 @@ fn select(window: &mut Window, frame: usize, modifiers: Modifiers) {
 
 fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     let mut window = Window::open(5, SIZE, 1.0);
-    select(&mut window, 3, Modifiers::SHIFT);
-    select(&mut window, 5, Modifiers::COMMAND);
+    select(&mut window, 2, Modifiers::SHIFT);
+    select(&mut window, 4, Modifiers::COMMAND);
     let selected: Vec<usize> = window.app().session.frames_selected.iter().copied().collect();
     assert_eq!((selected, window.app().session.frame), (vec![0, 1, 2, 4], 0));
     camera_panel(&mut window);
@@ -50,7 +50,7 @@ fn frames_selected_on_the_filmstrip_are_given_to_a_new_camera() {
     let cameras: Vec<&str> = open.document.frames.iter().map(|frame| frame.camera.as_str()).collect();
     assert_eq!(cameras, ["high behind", "high behind", "high behind", "main", "high behind"]);
     assert!(window.app().session.dialog.is_none() && window.app().session.frames_selected.is_empty());
-    select(&mut window, 4, Modifiers::NONE);
+    select(&mut window, 3, Modifiers::NONE);
     assert_eq!(window.app().session.frame, 3, "a plain click goes there and selects nothing");
 }
 

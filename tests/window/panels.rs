@@ -175,7 +175,7 @@ fn frames_are_gone_to_and_rejected_by_keys() {
 
 fn the_filmstrip_goes_to_frames_and_filters_them() {
     let mut window = Window::open(30, SIZE, 1.0);
-    window.harness.get_by_label("Frame 3, 0002.png, New").click();
+    window.harness.get_by_label("Frame 2, 0002.png, New").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 2);
     let laid_out = window.harness.query_all_by_label_contains(".png, New").count();
@@ -184,7 +184,7 @@ fn the_filmstrip_goes_to_frames_and_filters_them() {
     chord(&mut window, Modifiers::SHIFT, Key::Period);
     chord(&mut window, Modifiers::SHIFT, Key::Period);
     window.harness.run_steps(3);
-    window.harness.get_by_label("Frame 23, 0022.png, New");
+    window.harness.get_by_label("Frame 22, 0022.png, New");
     window.key(Key::X);
     window.type_text("1");
     window.harness.get_by_label("Frames shown").click();
@@ -198,7 +198,7 @@ fn the_filmstrip_goes_to_frames_and_filters_them() {
 fn the_shown_frame_stays_in_the_filmstrip_however_it_came_there() {
     let mut window = Window::open(80, SIZE, 1.0);
     let in_view = |window: &Window, frame: usize| {
-        let label = format!("Frame {}, {:04}.png, New", frame + 1, frame);
+        let label = format!("Frame {frame}, {frame:04}.png, New");
         let found = window.harness.query_by_label(&label).map(|node| node.rect());
         found.is_some_and(|rect| rect.left() >= 116.0 && rect.right() <= 980.0)
     };

@@ -24,7 +24,7 @@ fn the_page_takes_the_window_and_a_click_on_a_point_leads_to_its_frame() {
     let last = plots.right_top() + egui::vec2(-6.0, 8.0);
     window.harness.hover_at(last);
     window.harness.run_steps(2);
-    window.harness.get_by_label_contains("0008.png, frame 9: pan -6.00°");
+    window.harness.get_by_label_contains("0008.png, frame 8: pan -6.00°");
     window.press(last);
     window.release(last);
     assert_eq!(window.app().session.frame, 8);

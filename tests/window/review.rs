@@ -29,7 +29,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     assert_eq!(window.app().session.panel, SidePanel::Review);
-    window.harness.get_by_label_contains("Suggestion, frame 2, 0001.png, 99 %").click();
+    window.harness.get_by_label_contains("Suggestion, frame 1, 0001.png, 99 %").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 1);
     window.key(Key::Enter);
@@ -55,7 +55,7 @@ fn under_the_pointer_no_row_moves() {
     let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93), None], SIZE);
     window.key(Key::F4);
     let top = |window: &Window, label: &str| window.harness.get_by_label_contains(label).rect().top();
-    let labels = ["frame 1, 0000.png", "frame 3, 0002.png", "frame 2, 0001.png"];
+    let labels = ["frame 0, 0000.png", "frame 2, 0002.png", "frame 1, 0001.png"];
     let before = labels.map(|label| top(&window, label));
     assert!(before.is_sorted());
     let first = window.harness.get_by_label_contains(labels[0]).rect();
@@ -67,12 +67,12 @@ fn under_the_pointer_no_row_moves() {
     window.propose(3, 0.97);
     window.propose(1, 0.98);
     assert_eq!(labels.map(|label| top(&window, label)), before, "accepted, proposed, proposed anew");
-    window.harness.get_by_label_contains("No longer a suggestion, frame 1");
+    window.harness.get_by_label_contains("No longer a suggestion, frame 0");
     window.harness.get_by_label("1 new, sorted in when the pointer leaves");
-    assert!(top(&window, "frame 4, 0003.png") > before[2]);
+    assert!(top(&window, "frame 3, 0003.png") > before[2]);
     window.harness.hover_at(egui::pos2(400.0, 300.0));
     window.harness.run_steps(3);
-    let after = ["frame 3, 0002.png", "frame 4, 0003.png", "frame 2, 0001.png"].map(|label| top(&window, label));
+    let after = ["frame 2, 0002.png", "frame 3, 0003.png", "frame 1, 0001.png"].map(|label| top(&window, label));
     assert!(after.is_sorted() && window.harness.query_by_label_contains("No longer a suggestion").is_none());
     assert_eq!(after[0], before[0]);
 }
@@ -82,7 +82,7 @@ fn the_panel_and_the_filmstrip_look_like_this() {
     confidences.extend([None; 5]);
     let mut window = Window::open_suggested(&confidences, SIZE);
     window.key(Key::F4);
-    window.harness.get_by_label("5 frames without an answer, 4 to 8");
+    window.harness.get_by_label("5 frames without an answer, 3 to 7");
     let panel = egui::Rect::from_min_max(egui::pos2(980.0, 24.0), egui::pos2(1280.0, 700.0));
     // The suggestions are checked against the painted lines in the background, which marks the thumbnails.
     let is_checked = |shell: &Shell| (0..3).all(|frame| shell.app().paint_says(frame).is_some());
@@ -111,12 +111,12 @@ fn several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back() {
     window
         .harness
         .get_by_label("2 suggestions, probably at most 1 of them wrong. The most doubtful come first, from 97 % on.");
-    window.harness.get_by_label("Look at frame 3, 97 %");
-    let tick = window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 3");
+    window.harness.get_by_label("Look at frame 2, 97 %");
+    let tick = window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 2");
     tick.click();
     window.harness.run_steps(2);
     window.harness.get_by_label_contains("1 suggestion, all probably right.");
-    window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 3").click();
+    window.harness.get_by_role_and_label(Role::CheckBox, "Accept frame 2").click();
     window.harness.run_steps(2);
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);

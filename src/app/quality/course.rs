@@ -130,7 +130,7 @@ impl Course {
         let has_video_time = has_video_time(&frames);
         let axis = if has_video_time { axis } else { TimeAxis::Frame };
         let at = |index: usize, frame: &Frame| match axis {
-            TimeAxis::Frame => index as f64 + 1.0,
+            TimeAxis::Frame => index as f64,
             TimeAxis::Video => frame.video.as_ref().and_then(|video| video.pts_s).unwrap_or(0.0),
         };
         let mut timed: Vec<(f64, usize, &Frame)> =
@@ -190,7 +190,7 @@ impl Course {
     #[must_use]
     pub fn at_of(&self, frame: usize) -> Option<f64> {
         match self.axis {
-            TimeAxis::Frame => Some(frame as f64 + 1.0),
+            TimeAxis::Frame => Some(frame as f64),
             TimeAxis::Video => self.points.iter().find(|point| point.frame == frame).map(|point| point.at),
         }
     }
@@ -281,7 +281,7 @@ mod tests {
         document.frames[1].status = FrameStatus::Rejected;
         document.frames[7].status = FrameStatus::Reference;
         let found = course(&document, TimeAxis::Frame);
-        assert_eq!(found.cuts, [6.5]);
+        assert_eq!(found.cuts, [5.5]);
         let shots: Vec<usize> = found.points.iter().map(|point| point.shot).collect();
         assert_eq!(shots, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
         assert_eq!((found.count(PointKind::Reference), found.count(PointKind::Suggested)), (1, 9));
@@ -299,7 +299,7 @@ mod tests {
         document.frames[4].video = Some(VideoFrame::new("m.mp4", 4, None));
         let numbers = course(&document, TimeAxis::Video);
         assert_eq!((numbers.axis, numbers.has_video_time), (TimeAxis::Frame, false));
-        assert_eq!(numbers.points[11].at, 12.0);
+        assert_eq!(numbers.points[11].at, 11.0);
         assert_eq!(
             Course::of(&document, &Disagreements::of(&document), &"other".into(), TimeAxis::Frame),
             Course::default()

@@ -73,7 +73,7 @@ impl App {
     /// Makes a new camera for the frames that the shown one's camera no longer fits: one step of undo.
     pub(super) fn new_camera_from_change(&mut self) {
         let (Some(change), Some(open)) = (self.camera_change(), &self.open) else { return };
-        let step = Step::on_document(format!("New camera from frame {}", change.frame + 1));
+        let step = Step::on_document(format!("New camera from frame {}", open.frame_number(change.frame)));
         let given = change.assigned(&open.document);
         self.change_in_bulk(step, BulkChange::Assign(Box::new(given)));
     }

@@ -71,7 +71,8 @@ pub struct TrackedFrame {
     pub uncertainty: Uncertainty,
     /// How probable it is that its overlay is right within 10 px at 1920 px width.
     pub confidence: f64,
-    /// How far apart the cameras carried here from before and from after are, px; none where it was reached from one side.
+    /// How far apart the cameras carried here from before and from after are, px; none where it was reached from one side, or
+    /// where the painted lines decide.
     pub apart_px: Option<f64>,
     /// Whether its painted lines contradict.
     pub contradicted: bool,
@@ -215,7 +216,7 @@ pub fn track_clip(
             tracked.missed.push(place);
             continue;
         };
-        let apart_px = carried.apart_px[frame];
+        let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != Paint::Agrees);
         tracked.frames.push(TrackedFrame {
             place,
             ptz: camera.ptz(),

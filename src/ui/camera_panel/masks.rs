@@ -43,13 +43,11 @@ struct Row<'a> {
 
 /// Which frames a mask with a range covers, and whether it was found.
 fn covers(mask: &RangedMask) -> String {
-    // A person counts frames from 1.
-    let number = |frame: u64| (frame + 1).to_string();
     let frames = match (mask.from, mask.to) {
         (None, None) => "every frame".to_owned(),
-        (Some(from), None) => format!("from {}", number(from)),
-        (None, Some(to)) => format!("up to {}", number(to)),
-        (Some(from), Some(to)) => format!("{}–{}", number(from), number(to)),
+        (Some(from), None) => format!("from {from}"),
+        (None, Some(to)) => format!("up to {to}"),
+        (Some(from), Some(to)) => format!("{from}–{to}"),
     };
     if mask.source == MaskSource::Found { format!("{frames}, found") } else { frames }
 }

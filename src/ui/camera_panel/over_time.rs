@@ -63,7 +63,9 @@ fn points(panel: &Panel<'_>, camera: &Camera) -> Vec<Point> {
 fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::click());
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
-    let description = format!("Fit of {} frames over time, {} to {}", points.len(), first.frame + 1, last.frame + 1);
+    let number = |frame: usize| panel.app.open().map_or(frame as u64, |open| open.frame_number(frame));
+    let (from, to) = (number(first.frame), number(last.frame));
+    let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, CornerRadius::same(4), theme::BACKDROP);
@@ -94,8 +96,8 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         painter.circle_filled(at(point), radius, colour);
     }
     let below = rect.bottom() - 1.0;
-    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, first.frame + 1, small(), theme::WEAK);
-    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, last.frame + 1, small(), theme::WEAK);
+    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, from, small(), theme::WEAK);
+    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, to, small(), theme::WEAK);
 
     let nearest = |pointer: Pos2| {
         points.iter().min_by(|a, b| {

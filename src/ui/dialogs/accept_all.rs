@@ -112,9 +112,9 @@ fn grid(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept) {
 
 fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: Rect) {
     let Some(open) = panel.app.open() else { return };
+    let number = open.frame_number(index);
     let response = ui.interact(place, Id::unique(("accept all cell", index)), Sense::click());
-    response
-        .widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Look at frame {}, {confidence}", index + 1)));
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, true, format!("Look at frame {number}, {confidence}")));
     let picture = Rect::from_min_size(place.min, PICTURE);
     miniature::paint(panel, ui.painter(), open, index, picture);
     if response.hovered() || response.has_focus() {
@@ -123,7 +123,7 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let painter = ui.painter();
-    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), theme::WEAK);
+    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, number, small.clone(), theme::WEAK);
     painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, theme::TEXT);
     if response.on_hover_text("Click to look at it first.").clicked() {
         panel.actions.push(Action::CloseDialog);
@@ -134,11 +134,12 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
 /// Whether a suggestion is accepted with the others.
 fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Rect) {
     let mut ticked = before;
+    let number = panel.app.open().map_or(index as u64, |open| open.frame_number(index));
     let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
     ui.painter().rect_filled(place, 3.0, theme::PANEL);
     // A child of its own: the rows stay where they are.
     let response = ui.new_child(UiBuilder::new().max_rect(place)).add(Checkbox::without_text(&mut ticked));
-    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {}", index + 1)));
+    response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {number}")));
     response.on_hover_text("Accept it with the others.");
     if ticked != before {
         panel.actions.push(Action::TickSuggestion { frame: index, ticked });

@@ -13,7 +13,9 @@ const SHEET: f32 = 3.0;
 /// Shows the cell; a click goes to the frame in the middle, which unfolds them.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count: usize, place: Rect) {
     let response = ui.interact(place, Id::unique(("filmstrip fold", first)), Sense::click());
-    let said = format!("{count} frames without an answer, {} to {}", first + 1, last + 1);
+    let Some(open) = panel.app.open() else { return };
+    let (from, to) = (open.frame_number(first), open.frame_number(last));
+    let said = format!("{count} frames without an answer, {from} to {to}");
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &said));
     let middle = first.midpoint(last);
     let painter = ui.painter();
@@ -24,9 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
         painter.rect_filled(shape, CornerRadius::same(3), theme::RAISED);
         painter.rect_stroke(shape, CornerRadius::same(3), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
     }
-    if let Some(open) = panel.app.open()
-        && let Some(texture) = panel.pictures.thumbnail(open, middle)
-    {
+    if let Some(texture) = panel.pictures.thumbnail(open, middle) {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), top.shrink(1.0), whole, Color32::from_gray(70));
     }
@@ -34,7 +34,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
     let below = top.center() + vec2(0.0, 16.0);
     painter.text(below, Align2::CENTER_CENTER, "no answer", FontId::proportional(11.0), theme::TEXT);
     let line = place.bottom() - CAPTION / 2.0;
-    let numbers = format!("{}–{}", first + 1, last + 1);
+    let numbers = format!("{from}–{to}");
     painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, numbers, FontId::proportional(11.0), theme::WEAK);
     if response.hovered() || response.has_focus() {
         painter.rect_stroke(top.expand(1.0), CornerRadius::same(4), Stroke::new(1.0, theme::WEAK), StrokeKind::Outside);

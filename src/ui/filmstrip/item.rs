@@ -41,7 +41,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
     response.widget_info(|| {
         let selected = if app.session.frames_selected.contains(&index) { ", selected" } else { "" };
         let status = status_label(frame.status);
-        let label = format!("Frame {}, {}, {status}{selected}", index + 1, file_name(&frame.name()));
+        let label = format!("Frame {}, {}, {status}{selected}", frame.number_at(index), file_name(&frame.name()));
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     paint(panel, ui, &Item { open, index, frame, place, hovered: response.hovered() });
@@ -85,7 +85,7 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     let small = FontId::proportional(11.0);
     let current = index == panel.app.session.frame;
     let number = if current { theme::STRONG } else { theme::WEAK };
-    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, index + 1, small.clone(), number);
+    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, frame.number_at(index), small.clone(), number);
     let mark = match confidence(frame) {
         // Whole per cent, as a decimal would touch the next frame's number.
         Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), look.letter),
@@ -142,7 +142,12 @@ fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintS
     response.on_hover_ui(|ui| {
         ui.label(egui::RichText::new(file_name(&frame.name())).color(theme::STRONG));
         let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
-        ui.label(format!("Frame {} · {}{}", index + 1, status_label(frame.status), reason.unwrap_or_default()));
+        ui.label(format!(
+            "Frame {} · {}{}",
+            frame.number_at(index),
+            status_label(frame.status),
+            reason.unwrap_or_default()
+        ));
         if let Some(confidence) = confidence(frame) {
             ui.label(format!("Confidence {}", percent(confidence)));
         }

@@ -305,7 +305,7 @@ fn describe_point(point: &CoursePoint, frame: &Frame, axis: TimeAxis) -> String 
     let right = confidence.map(|confidence| format!(", confidence {}", percent(confidence))).unwrap_or_default();
     let apart = point.apart_px.filter(|px| *px >= 1.0);
     let apart = apart.map(|px| format!(", {px:.0} px out of line with its neighbours")).unwrap_or_default();
-    let (name, number) = (file_name(&frame.name()), point.frame + 1);
+    let (name, number) = (file_name(&frame.name()), frame.number_at(point.frame));
     format!(
         "{name}, frame {number}{shot}{time}: pan {pan:.2}, tilt {tilt:.2}°, focal length {focal:.0} px{right}{apart}"
     )
@@ -326,7 +326,10 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
         for point in course.standing_out.iter().take(NAMED).map(|&place| &course.points[place]) {
             let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else { continue };
             let says = format!("{} {:.0} px", file_name(&frame.name()), point.apart_px.unwrap_or(0.0));
-            if ui.add(Button::new(says).small()).on_hover_text(format!("Look at frame {}.", point.frame + 1)).clicked()
+            if ui
+                .add(Button::new(says).small())
+                .on_hover_text(format!("Look at frame {}.", frame.number_at(point.frame)))
+                .clicked()
             {
                 panel.actions.push(Action::LookAt { frame: point.frame, click: None });
             }

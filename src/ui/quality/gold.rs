@@ -37,7 +37,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 let under = pointed.and_then(|(index, clicked)| Some((own.offsets.get(index)?, clicked)));
                 if let Some((repeat, clicked)) = under {
                     let label = app.label(&Target::Landmark(repeat.landmark.clone()));
-                    let text = format!("Frame {}: {label}, {:.1} px", repeat.frame + 1, repeat.offset_px.norm());
+                    let number = app.open().map_or(repeat.frame as u64, |open| open.frame_number(repeat.frame));
+                    let text = format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
                     ui.label(RichText::new(text).color(theme::STRONG));
                     if clicked {
                         panel.actions.push(Action::LookAt { frame: repeat.frame, click: repeat.click });

@@ -145,7 +145,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         let apart = neighbours.as_ref().map(|text| format!(", {text}")).unwrap_or_default();
         let what = if row.gone { "No longer a suggestion" } else { "Suggestion" };
         let lines = paint.map(|says| format!(", {}", says.in_brief())).unwrap_or_default();
-        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}", row.frame + 1);
+        let label = format!("{what}, frame {}, {name}, {confidence}{apart}{lines}", open.frame_number(row.frame));
         WidgetInfo::selected(Role::Button, true, current, label)
     });
     let painter = ui.painter();
@@ -173,7 +173,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         painter,
         pos2(left, first_line),
         said.left().min(right - 38.0) - 8.0 - left,
-        format!("{}  {name}", row.frame + 1),
+        format!("{}  {name}", open.frame_number(row.frame)),
         plain,
     );
     if !row.gone {
