@@ -7,8 +7,10 @@ use std::fs;
 use std::path::Path;
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command};
-use touchline::document::{Document, Frame, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
-use touchline::geometry::ImagePoint;
+use touchline::document::{
+    Document, Frame, FrameStatus, Solution, SolutionSource, document_from_bytes, document_to_string,
+};
+use touchline::geometry::{ImagePoint, Mat3, Vec3};
 
 fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
@@ -34,6 +36,8 @@ fn drawn_clip(folder: &Path) -> Document {
         frame.solution = None;
         if index == 0 || index == last {
             frame.status = FrameStatus::Reference;
+            let covariance = Some(Mat3::from_diagonal(&Vec3::new(1e-4, 1e-4, 0.25)));
+            frame.solution = Some(Solution { covariance, ..Solution::default() });
         } else {
             (frame.status, frame.ptz) = (FrameStatus::New, None);
         }

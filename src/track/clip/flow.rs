@@ -25,7 +25,7 @@ const ROWS: i32 = 5;
 const COLUMNS: i32 = 8;
 
 /// Followed there and back, a point may lie this far from where it was, px.
-const THERE_AND_BACK_PX: f32 = 0.4;
+const THERE_AND_BACK_PX: f32 = 1.0;
 
 /// A picture made ready to be followed from or into.
 pub(super) struct FlowPicture {

@@ -105,7 +105,8 @@ impl PointFollower {
         let factor = picture.size().width.div_ceil(self.options.max_width).max(1);
         let full_px = f64::from(factor);
         let masks: Vec<PixelBox> = masks.iter().map(|mask| mask.scaled(1.0 / full_px)).collect();
-        let grey = crate::media::grey_reduced(picture, factor);
+        let mut grey = crate::media::grey_reduced(picture, factor);
+        even_out(&mut grey);
         let picture = FlowPicture::of(&grey)?;
         let frame = self.tracks.frames;
         self.tracks.frames += 1;
@@ -154,6 +155,33 @@ impl Last {
             Some(Alive { at, moved, left: point.left - 1, ..*point })
         };
         Ok(self.alive.iter().zip(found).filter_map(next).collect())
+    }
+}
+
+/// The mean and the scatter that every picture is given: flow takes it that a point keeps its brightness, and a camera that opens
+/// its iris changes that of all.
+#[cfg(feature = "opencv")]
+const LEVEL: f64 = 110.0;
+#[cfg(feature = "opencv")]
+const CONTRAST: f64 = 45.0;
+
+/// Gives a picture the usual mean and scatter.
+#[cfg(feature = "opencv")]
+fn even_out(grey: &mut crate::media::GreyPicture) {
+    let count = grey.values.len().max(1) as f64;
+    let mut numbers = [0_u32; 256];
+    for value in &grey.values {
+        numbers[usize::from(*value)] += 1;
+    }
+    let weighted = |of: &dyn Fn(f64) -> f64| {
+        numbers.iter().enumerate().map(|(value, number)| of(value as f64) * f64::from(*number)).sum::<f64>() / count
+    };
+    let mean = weighted(&|value| value);
+    let scatter = weighted(&|value| (value - mean).powi(2)).sqrt().max(1.0);
+    let level = |value: usize| ((value as f64 - mean) * (CONTRAST / scatter) + LEVEL).round().clamp(0.0, 255.0) as u8;
+    let levels: [u8; 256] = std::array::from_fn(level);
+    for value in &mut grey.values {
+        *value = levels[usize::from(*value)];
     }
 }
 
