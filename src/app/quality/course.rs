@@ -285,7 +285,7 @@ mod tests {
         let shots: Vec<usize> = found.points.iter().map(|point| point.shot).collect();
         assert_eq!(shots, [0, 0, 0, 0, 1, 1, 1, 1, 1, 1]);
         assert_eq!((found.count(PointKind::Reference), found.count(PointKind::Suggested)), (1, 9));
-        assert_eq!(found.whole, Some([1.0, 12.0]), "frames without a camera have their place in time, too");
+        assert_eq!(found.whole, Some([0.0, 11.0]), "frames without a camera have their place in time, too");
         assert_eq!(found.within([3.0, 5.0]).len(), 3);
         assert_eq!(found.within([5.2, 5.1]).len(), 0);
     }
