@@ -1,6 +1,6 @@
 //! Actions, which change state.
 
-use super::base::EstimateFailure;
+use super::base::{EstimateFailure, EstimateProgress};
 use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
@@ -18,7 +18,6 @@ use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
 use crate::scene::OverlayStyle;
-use crate::solve::base::BaseProgress;
 use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
@@ -240,7 +239,7 @@ pub enum Action {
     Features(Box<UsedFeatures>),
 
     /// How far the estimation of a base has come.
-    BaseProgress(BaseProgress),
+    BaseProgress(EstimateProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
     /// How far the search for a camera without a click has come.

@@ -1,7 +1,7 @@
 //! Estimating a camera's base: what the frames give so far, the estimation under way, the result.
 
 use super::OpenProject;
-use crate::calibrate::{BaseEstimationError, EstimatedBase, calibrate};
+use crate::calibrate::{BaseEstimationError, BaseOnPaintError, EstimatedBase, calibrate};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::solve::base::BaseProgress;
@@ -13,7 +13,10 @@ use thiserror::Error;
 pub enum EstimateFailure {
     /// The frames give none, or it was given up.
     #[error(transparent)]
-    Impossible(BaseEstimationError),
+    Impossible(#[from] BaseEstimationError),
+    /// The frames and their painted lines give none.
+    #[error(transparent)]
+    OnPaint(#[from] BaseOnPaintError),
     /// An internal error.
     #[error("internal error (please report it): {message}")]
     Panicked {
@@ -42,14 +45,57 @@ pub struct Estimating {
     /// From what, in words.
     pub from: String,
     /// How far it has come; none before it says so.
-    pub progress: Option<BaseProgress>,
+    pub progress: Option<EstimateProgress>,
+}
+
+/// How far the estimation of a base has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EstimateProgress {
+    /// Adjustments to points, or to points and paint.
+    Adjusting(BaseProgress),
+    /// Pictures whose painted lines were looked at.
+    Looking {
+        /// So far.
+        pictures: usize,
+    },
+}
+
+impl EstimateProgress {
+    /// Whether this was told later than another.
+    #[must_use]
+    pub const fn is_later_than(self, other: Self) -> bool {
+        match (self, other) {
+            (Self::Adjusting(this), Self::Adjusting(other)) => this.done > other.done,
+            (Self::Looking { pictures }, Self::Looking { pictures: before }) => pictures > before,
+            _ => true,
+        }
+    }
+
+    /// In a few words: "12 of 40 adjustments".
+    #[must_use]
+    pub fn describe(self) -> String {
+        match self {
+            Self::Adjusting(BaseProgress { done, total }) => format!("{done} of {total} adjustments"),
+            Self::Looking { pictures: 1 } => "1 picture looked at".to_owned(),
+            Self::Looking { pictures } => format!("{pictures} pictures looked at"),
+        }
+    }
+
+    /// The share that is done, where it is known.
+    #[must_use]
+    pub fn share(self) -> Option<f32> {
+        match self {
+            Self::Adjusting(BaseProgress { done, total }) => Some(done as f32 / total.max(1) as f32),
+            Self::Looking { .. } => None,
+        }
+    }
 }
 
 impl Estimating {
     /// What is being done, in one sentence.
     #[must_use]
     pub fn describe(&self) -> String {
-        let far = self.progress.map(|BaseProgress { done, total }| format!(": {done} of {total} adjustments"));
+        let far = self.progress.map(|progress| format!(": {}", progress.describe()));
         format!("Estimating the base from {}{}…", self.from, far.unwrap_or_default())
     }
 }

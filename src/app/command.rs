@@ -102,6 +102,7 @@ pub enum Command {
     /// The other one.
     TryOtherCamera,
     EstimateBase,
+    BaseOnPaint,
     UseEstimatedBase,
     DropEstimatedBase,
     StopSolving,
@@ -244,7 +245,7 @@ rows! {
     Track, "track", Frame, "Carry cameras through the shot", "Give every frame of this shot its camera from those that are known: points are followed from frame to frame, and all frames are adjusted together, held to the painted lines. The results are suggestions, as the forest's are.", ["T"];
     StopTracking, "stop_tracking", Frame, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
-    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner or crossing that it names, where that is certain. Alt at the release keeps it where it is.", [];
+    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner, crossing or spot that it names, where that is certain. Alt at the release keeps it where it is.", [];
     SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "What the forest proposes is pulled onto the painted lines before you review it, where they decide; elsewhere it stays as proposed. Switching it over asks the forest again.", [];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
@@ -268,6 +269,7 @@ rows! {
     TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Take the first of two cameras that explain the paint alike. One step of undo.", [];
     TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Take the other of two cameras that explain the paint alike. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
+    BaseOnPaint, "base_on_paint", Camera, "Use the painted lines for the base", "The base is also fitted to the painted lines in the frames' pictures, and each frame is then pulled onto its lines. Takes longer: every picture is looked at twice.", [];
     ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame of this camera whose points would tell most about its base: it looks where no frame with four landmarks does.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
@@ -350,6 +352,7 @@ impl Command {
             | Self::PauseTrainer
             | Self::SnapPoints
             | Self::SnapSuggestions
+            | Self::BaseOnPaint
             | Self::Palette
             | Self::Keys
             | Self::About => CommandKind::Application,

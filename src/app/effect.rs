@@ -79,6 +79,8 @@ pub enum Effect {
     EstimateBase {
         /// The field's size is fitted as well.
         with_size: bool,
+        /// The painted lines of the pictures take part.
+        with_paint: bool,
         /// The document.
         document: Document,
         /// The folder that its relative paths start from.

@@ -1,11 +1,11 @@
 //! What the painted lines of the open document's pictures are asked in the background.
 
-use crate::calibrate::{FindFrameError, SnapFrameError, check_frame, find_frame, snap_clicks, snap_frame};
+use crate::calibrate::{OnPaintError, SnapFrameError, camera_on_paint, check_frame, snap_clicks};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Document, FrameId};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::paint::{FindOptions, LineCheck, SnapOptions, Snapped, SnappedPoint, WatchFind};
+use crate::paint::{FindOptions, LineCheck, Snapped, SnappedPoint, WatchFind};
 use crate::proposals::{PictureError, read_picture};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -46,10 +46,7 @@ pub enum SnapFailure {
     Picture(#[from] PictureError),
     /// The paint does not decide.
     #[error(transparent)]
-    Frame(#[from] SnapFrameError),
-    /// The paint alone does not give a camera.
-    #[error(transparent)]
-    Find(#[from] FindFrameError),
+    Paint(#[from] OnPaintError),
     /// An internal error of this program.
     #[error("internal error (please report it): {message}")]
     Panicked {
@@ -68,15 +65,10 @@ impl SnapOrder {
         reader: &mut dyn ReadFrames,
         watch: WatchFind<'_>,
     ) -> Result<Box<SnappedFrame>, SnapFailure> {
-        let frame = self.document.frames.get(self.frame).ok_or(SnapFrameError::Unsolved)?;
+        let frame = self.document.frames.get(self.frame).ok_or(OnPaintError::Snap(SnapFrameError::Unsolved))?;
         let picture = read_picture(reader, frame, &self.folder)?;
-        if self.from_nothing {
-            let options = FindOptions::default();
-            let (base, found) = find_frame(&self.document, frame, &self.field, &picture, &options, watch)?;
-            return Ok(Box::new(SnappedFrame { base, snapped: found.snapped }));
-        }
-        let options = SnapOptions::default();
-        let (base, snapped) = snap_frame(&self.document, frame, &self.field, &picture, &options)?;
+        let how = (&FindOptions::default(), self.from_nothing);
+        let (base, snapped) = camera_on_paint(&self.document, frame, &self.field, &picture, how, watch)?;
         Ok(Box::new(SnappedFrame { base, snapped }))
     }
 }

@@ -23,8 +23,10 @@ pub struct Settings {
     pub field_map: bool,
     /// The inspector's details are unfolded.
     pub details: bool,
-    /// A point that is placed or dropped goes to the painted corner or crossing that it names.
+    /// A point that is placed or dropped goes to the painted corner, crossing or spot that it names.
     pub snap_points: bool,
+    /// The base of a camera is estimated from the painted lines of its frames as well.
+    pub base_on_paint: bool,
     /// What the forest proposes is snapped to the painted lines before it is shown, where they decide.
     pub snap_suggestions: bool,
     /// The note that drawing runs on the processor has been shown for this adapter.
@@ -40,6 +42,7 @@ impl Default for Settings {
             field_map: true,
             details: false,
             snap_points: true,
+            base_on_paint: false,
             snap_suggestions: false,
             told_about_adapter: String::new(),
         }

@@ -2,7 +2,7 @@
 
 use super::base_readiness::LANDMARKS_ALONE;
 use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, solve_frames};
-use super::{CalibrationError, observations};
+use super::{CalibrationError, OnPaint, observations};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};
@@ -15,6 +15,7 @@ use crate::solve::{FrameSolution, ObservationError, Verdict, WarningCode};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why a base cannot be estimated.
@@ -72,6 +73,8 @@ pub struct EstimatedBase {
     pub landmarks: Vec<LandmarkFit>,
     /// The field's size, where it was fitted as well; empty: as assumed.
     pub sizes: Vec<FittedSize>,
+    /// What the painted lines said, where they took part.
+    pub on_paint: Option<Arc<OnPaint>>,
 }
 
 /// How well the clicks on one landmark fit, over all frames.
@@ -187,7 +190,7 @@ impl BaseProblem {
         }
         let landmarks = self.landmark_fits(document, &estimate);
         let (camera, frames) = (self.camera.clone(), self.frames.clone());
-        EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new() }
+        EstimatedBase { camera, frames, estimate, landmarks, sizes: Vec::new(), on_paint: None }
     }
 
     fn landmark_fits(&self, document: &Document, estimate: &BaseEstimate) -> Vec<LandmarkFit> {
@@ -324,6 +327,9 @@ impl EstimatedBase {
             }
         }
         solve_frames(document, &clicked, ShownFields::Camera(&field), record_or_drop, watch)?;
+        if let Some(on_paint) = &self.on_paint {
+            on_paint.write_frames(document, places);
+        }
         self.mark_disputes_in(document, places);
         Ok(())
     }

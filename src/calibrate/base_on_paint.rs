@@ -20,6 +20,7 @@ use crate::solve::base::{
 };
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Frames whose pictures are looked at, at most: spread over all that have a camera.
@@ -61,7 +62,14 @@ pub enum BaseOnPaintError {
 pub struct BaseOnPaint {
     /// The base, and the frames that gave it; their cameras are where clicks and paint together put them.
     pub estimated: EstimatedBase,
-    /// Frames of them whose paint took part.
+    /// What the paint said.
+    pub seen: PaintSeen,
+}
+
+/// What painted lines said about a base.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaintSeen {
+    /// Frames whose paint took part.
     pub frames: usize,
     /// Places of paint that took part.
     pub places: usize,
@@ -72,6 +80,15 @@ pub struct BaseOnPaint {
     pub before: OnPaintErrors,
     /// The same for the new base, found without the frame.
     pub after: OnPaintErrors,
+}
+
+/// What painted lines said about a base, and the frames that were pulled onto them with it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnPaint {
+    /// What they said.
+    pub seen: PaintSeen,
+    /// The frames on their paint, as they were when the base was estimated.
+    pub pulled: Vec<Frame>,
 }
 
 /// Errors at what was held out.
@@ -91,8 +108,37 @@ impl BaseOnPaint {
     /// already, and its frames are solved from their clicks: a frame that cannot be pulled stays so; without clicks it gets the
     /// camera of the adjustment.
     pub fn write_frames(&self, document: &mut Document, field: &FieldModel, pictures: PictureOf<'_>) -> usize {
+        let (pulled, snapped) = self.pulled(document, field, pictures);
+        for (index, frame) in pulled {
+            *document.frames[index] = frame;
+        }
+        snapped
+    }
+
+    /// The estimate together with the frames pulled onto their paint: to be written where the pictures are not at hand. `document`
+    /// is the one that it was estimated from.
+    ///
+    /// # Errors
+    /// The camera's field is not valid with the crown.
+    pub fn with_pulled_frames(
+        self,
+        document: DocumentAt<'_>,
+        pictures: PictureOf<'_>,
+    ) -> Result<EstimatedBase, BaseEstimationError> {
+        let mut solved = document.document.clone();
+        self.estimated.write_to(&mut solved, document.folder)?;
+        let camera = solved.camera(&self.estimated.camera);
+        let field = camera.and_then(|camera| camera.field.as_ref()).unwrap_or(&solved.field);
+        let field = solved.at(document.folder).model_of(field)?;
+        let (pulled, _) = self.pulled(&solved, &field, pictures);
+        let pulled = pulled.into_iter().map(|(_, frame)| frame).collect();
+        Ok(EstimatedBase { on_paint: Some(Arc::new(OnPaint { seen: self.seen, pulled })), ..self.estimated })
+    }
+
+    /// The frames that the paint or the adjustment changes, by their places, and how many of them the paint does.
+    fn pulled(&self, document: &Document, field: &FieldModel, pictures: PictureOf<'_>) -> (Vec<(usize, Frame)>, usize) {
         let estimate = &self.estimated.estimate;
-        let mut snapped = 0;
+        let (mut frames, mut snapped) = (Vec::new(), 0);
         for (&index, fit) in self.estimated.frames.iter().zip(&estimate.frames) {
             let (Some(frame), Some(fit)) = (document.frames.get(index), fit) else { continue };
             let mut adjusted = Frame::clone(frame);
@@ -107,9 +153,40 @@ impl BaseOnPaint {
             } else if is_by_clicks(frame) {
                 continue;
             }
-            *document.frames[index] = adjusted;
+            frames.push((index, adjusted));
         }
-        snapped
+        (frames, snapped)
+    }
+}
+
+impl PaintSeen {
+    /// How far paint that took no part lies off the lines, and before, in a sentence after a space; empty where none was held out.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let Some(after) = self.after.paint else { return String::new() };
+        let before =
+            self.before.paint.map_or_else(String::new, |before| format!(" ({:.2} px before)", before.median_px));
+        format!(" Painted lines not used lie {:.2} px off{before}.", after.median_px)
+    }
+}
+
+impl OnPaint {
+    /// Writes the pulled frames, those of them that lie at some places (ascending): but for frames whose clicks, camera or use
+    /// have changed since.
+    pub(super) fn write_frames(&self, document: &mut Document, places: &[usize]) {
+        for pulled in &self.pulled {
+            let Some(index) = document.frames.position_of(&pulled.id) else { continue };
+            let frame = &document.frames[index];
+            let is_as_then = frame.clicks == pulled.clicks
+                && frame.camera == pulled.camera
+                && frame.status == pulled.status
+                && frame.use_for_base == pulled.use_for_base;
+            if is_as_then && places.binary_search(&index).is_ok() {
+                let frame = &mut document.frames[index];
+                frame.ptz.clone_from(&pulled.ptz);
+                frame.solution.clone_from(&pulled.solution);
+            }
+        }
     }
 }
 
@@ -166,7 +243,7 @@ pub fn estimate_on_paint(
     let estimated = EstimatedBase { sizes, ..problem.estimated(&document, estimate) };
     let Seen { frames, places, lines, .. } = seen;
     let before = OnPaintErrors { paint, clicks: at_clicks };
-    Ok(BaseOnPaint { estimated, frames, places, lines: lines.len(), before, after })
+    Ok(BaseOnPaint { estimated, seen: PaintSeen { frames, places, lines: lines.len(), before, after } })
 }
 
 /// The same clicks and paint on a field of another size.

@@ -28,7 +28,9 @@ mod which_camera;
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
-pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, OnPaintErrors, PictureOf, estimate_on_paint};
+pub use base_on_paint::{
+    BaseOnPaint, BaseOnPaintError, OnPaint, OnPaintErrors, PaintSeen, PictureOf, estimate_on_paint,
+};
 pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{
@@ -49,8 +51,8 @@ pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use paint::{
-    FindFrameError, SnapFrameError, check_frame, find_frame, record_found_by_paint, record_line_check,
-    record_not_found_by_paint, record_refusal, record_snapped, snap_clicks, snap_frame,
+    FindFrameError, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame, record_found_by_paint,
+    record_line_check, record_on_paint, record_snapped, snap_clicks, snap_frame,
 };
 pub(crate) use size_fit::describe_size;
 pub use solve_all::{SolveOutcome, solve_document};

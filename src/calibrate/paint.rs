@@ -104,6 +104,48 @@ pub fn find_frame(
     Ok((base, find_camera(&ground, field, &base, &clicks, options, watch)?))
 }
 
+/// Why a frame's camera is not put onto the paint.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum OnPaintError {
+    /// Its camera is not pulled onto it.
+    #[error(transparent)]
+    Snap(#[from] SnapFrameError),
+    /// It has none, and none is found.
+    #[error(transparent)]
+    Find(#[from] FindFrameError),
+}
+
+/// A frame's camera on the paint of its picture: the camera that it has is pulled onto it ([`snap_frame`]), or, `from_nothing`, one
+/// is searched for ([`find_frame`]).
+///
+/// # Errors
+/// Those of the one or the other.
+pub fn camera_on_paint(
+    document: &Document,
+    frame: &Frame,
+    field: &FieldModel,
+    picture: &Picture,
+    (options, from_nothing): (&FindOptions, bool),
+    watch: WatchFind<'_>,
+) -> Result<(CameraBase, Snapped), OnPaintError> {
+    if from_nothing {
+        let (base, found) = find_frame(document, frame, field, picture, options, watch)?;
+        Ok((base, found.snapped))
+    } else {
+        Ok(snap_frame(document, frame, field, picture, &options.snap)?)
+    }
+}
+
+/// Writes into a frame what came of [`camera_on_paint`]: the camera, or why there is none.
+pub fn record_on_paint(frame: &mut Frame, found: &Result<(CameraBase, Snapped), OnPaintError>, from_nothing: bool) {
+    match found {
+        Ok((base, found)) if from_nothing => record_found_by_paint(frame, base, found),
+        Ok((base, snapped)) => record_snapped(frame, base, snapped),
+        Err(OnPaintError::Snap(reason)) => record_refusal(frame, reason),
+        Err(OnPaintError::Find(reason)) => record_not_found_by_paint(frame, reason),
+    }
+}
+
 /// Writes a found camera into its frame, which becomes a suggestion if nobody has looked at it.
 pub fn record_found_by_paint(frame: &mut Frame, base: &CameraBase, found: &Snapped) {
     record_snapped(frame, base, found);
@@ -177,12 +219,12 @@ fn record_ptz(frame: &mut Frame, ptz: Ptz, lens: Radial) {
 }
 
 /// Writes into a frame why its camera was not pulled onto the paint; the camera stays.
-pub fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
+fn record_refusal(frame: &mut Frame, reason: &SnapFrameError) {
     warn_once(frame, NOT_SNAPPED, format!("not snapped to the painted lines: {reason}"));
 }
 
 /// Writes into a frame why no camera was found for it.
-pub fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
+fn record_not_found_by_paint(frame: &mut Frame, reason: &FindFrameError) {
     warn_once(frame, NOT_FOUND, format!("not found by the painted lines: {reason}"));
 }
 

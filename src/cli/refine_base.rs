@@ -221,10 +221,10 @@ impl<'a> Pictures<'a> {
 
 /// How far clicks and paint lie off the lines, before and after.
 fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
-    let name = found.estimated.camera.as_str();
+    let (name, seen) = (found.estimated.camera.as_str(), &found.seen);
     messages.note(&format!(
         "{name}: painted lines: {} places on {} lines in {} frames",
-        found.places, found.lines, found.frames
+        seen.places, seen.lines, seen.frames
     ));
     let errors = |errors: Option<HeldOutErrors>| {
         errors.map_or_else(
@@ -233,7 +233,7 @@ fn report_on_paint(found: &BaseOnPaint, messages: Messages) {
         )
     };
     for (what, before, after) in
-        [("paint", found.before.paint, found.after.paint), ("clicks", found.before.clicks, found.after.clicks)]
+        [("paint", seen.before.paint, seen.after.paint), ("clicks", seen.before.clicks, seen.after.clicks)]
     {
         messages.note(&format!("{name}: {what} held out: {}; before {}", errors(after), errors(before)));
     }

@@ -3,12 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{
-    find_frame, record_found_by_paint, record_not_found_by_paint, record_refusal, record_snapped, snap_frame,
-};
-use crate::document::{Document, Fields, FrameStatus};
-use crate::field::FieldModel;
-use crate::media::{FrameReader, Picture};
+use crate::calibrate::{camera_on_paint, record_on_paint};
+use crate::document::{Fields, FrameStatus};
+use crate::media::FrameReader;
 use crate::paint::{FindOptions, SnapOptions};
 use crate::proposals::read_picture;
 use std::ops::ControlFlow;
@@ -48,7 +45,9 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let Loaded { location, mut document } = args.document.load(messages)?;
     let before = document.clone();
     let fields = Fields::of(document.at(location.folder()))?;
-    let options = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
+    let snap = SnapOptions { reach_px: args.reach, own_k1: args.k1, ..SnapOptions::default() };
+    let options = FindOptions { snap, ..FindOptions::default() };
+    let watch = |_| ControlFlow::Continue(());
     let mut reader = FrameReader::new();
     let bar = messages.progress(document.frames.len(), "Snapping");
     let mut counts = Counts::default();
@@ -70,17 +69,14 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
             }
         };
         let field = fields.of_frame(&document, frame);
-        let ended = if is_solved {
-            snap_one(&mut document, index, field, &picture, &options)
-        } else {
-            find_one(&mut document, index, field, &picture, &options)
-        };
-        match ended {
-            Ok(()) if is_solved => counts.snapped += 1,
-            Ok(()) => counts.found += 1,
+        let found = camera_on_paint(&document, frame, field, &picture, (&options, !is_solved), &watch);
+        record_on_paint(&mut document.frames[index], &found, !is_solved);
+        match found {
+            Ok(_) if is_solved => counts.snapped += 1,
+            Ok(_) => counts.found += 1,
             Err(reason) => {
                 counts.failed += 1;
-                messages.frame_failed(&name, &reason);
+                messages.frame_failed(&name, &reason.to_string());
             }
         }
     }
@@ -102,45 +98,4 @@ struct Counts {
     found: usize,
     failed: usize,
     passed: usize,
-}
-
-/// Snaps a frame and writes into it what came of it.
-fn snap_one(
-    document: &mut Document,
-    index: usize,
-    field: &FieldModel,
-    picture: &Picture,
-    options: &SnapOptions,
-) -> Result<(), String> {
-    match snap_frame(document, &document.frames[index], field, picture, options) {
-        Ok((base, snapped)) => {
-            record_snapped(&mut document.frames[index], &base, &snapped);
-            Ok(())
-        }
-        Err(reason) => {
-            record_refusal(&mut document.frames[index], &reason);
-            Err(reason.to_string())
-        }
-    }
-}
-
-/// Finds the camera of a frame that has none and writes into it what came of it.
-fn find_one(
-    document: &mut Document,
-    index: usize,
-    field: &FieldModel,
-    picture: &Picture,
-    options: &SnapOptions,
-) -> Result<(), String> {
-    let options = FindOptions { snap: *options, ..FindOptions::default() };
-    match find_frame(document, &document.frames[index], field, picture, &options, &|_| ControlFlow::Continue(())) {
-        Ok((base, found)) => {
-            record_found_by_paint(&mut document.frames[index], &base, &found.snapped);
-            Ok(())
-        }
-        Err(reason) => {
-            record_not_found_by_paint(&mut document.frames[index], &reason);
-            Err(reason.to_string())
-        }
-    }
 }

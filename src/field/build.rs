@@ -72,13 +72,24 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
         .landmarks
         .iter()
         .map(|part| {
+            let name = format!("landmark {:?}", part.id);
+            let nominal_m = builder.point(&format!("{name}, at"), &part.at)?;
+            let spot = part.spot_diameter_m.as_ref();
+            let spot =
+                spot.map(|diameter| builder.positive(&format!("{name}, spot_diameter_m"), diameter)).transpose()?;
+            if spot.is_some() && nominal_m.z != 0.0 {
+                return Err(
+                    builder.invalid(&name, "it has a spot_diameter_m, but does not lie on the ground".to_owned())
+                );
+            }
             Ok(Landmark {
                 id: part.id.as_str().into(),
                 label: part.label.clone(),
                 code: part.code.clone(),
-                nominal_m: builder.point(&format!("landmark {:?}, at", part.id), &part.at)?,
+                nominal_m,
                 click_sigma_px: part.click_sigma_px,
                 place_sigma_px: (1.0 - CLICKING_SHARE).sqrt() * part.click_sigma_px,
+                spot_diameter_m: spot,
             })
         })
         .collect::<Result<_, FieldError>>()?;

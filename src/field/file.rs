@@ -72,6 +72,7 @@ pub struct LandmarkFile {
     pub code: String,
     pub at: Vec<Formula>,
     pub click_sigma_px: Option<f64>,
+    pub spot_diameter_m: Option<Formula>,
 }
 
 #[derive(serde::Deserialize)]

@@ -66,6 +66,8 @@ pub struct Landmark {
     /// The part of it that is the place's and not the clicking's: paint is wide, and grounds are not painted to the centimetre.
     /// It stays however exactly a point is placed. 1-σ, px at 1920 px width.
     pub place_sigma_px: f64,
+    /// The diameter of the spot that is painted around it, m; none where there is none.
+    pub spot_diameter_m: Option<f64>,
 }
 
 /// The share of a template's click noise `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own

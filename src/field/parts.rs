@@ -10,6 +10,7 @@ pub struct LandmarkPart {
     pub code: String,
     pub at: PointPart,
     pub click_sigma_px: f64,
+    pub spot_diameter_m: Option<Scoped>,
 }
 
 /// A line whose place is still an expression.

@@ -190,7 +190,9 @@ impl Reader<'_> {
                 return Err(self.invalid(&part, format!("click_sigma_px = {click_sigma_px} is outside 0 to 100")));
             }
             let at = self.coordinates(&format!("{part}, at"), &variant, &file.at)?;
-            into.push(LandmarkPart { id, label, code, at, click_sigma_px });
+            let spot = file.spot_diameter_m.as_ref();
+            let spot = spot.map(|diameter| self.scoped(&format!("{part}, spot_diameter_m"), diameter, &variant));
+            into.push(LandmarkPart { id, label, code, at, click_sigma_px, spot_diameter_m: spot.transpose()? });
         }
         self.not_too_many("landmarks", into.len())
     }

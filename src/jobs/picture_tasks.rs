@@ -2,14 +2,17 @@
 
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
+use crate::app::base::EstimateFailure;
 use crate::app::unclicked::UnclickedOrder;
 use crate::app::{
     Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, TrackAction, TrackOrder, VideoAction,
 };
-use crate::calibrate::{ClipProgress, WatchUnclicked};
+use crate::calibrate::{ClipProgress, EstimatedBase, WatchUnclicked, estimate_on_paint};
+use crate::document::{CameraId, DocumentAt, Frame};
 use crate::media::FrameReader;
 use crate::paint::WatchFind;
-use crate::proposals::{FeatureStore, WorkFolder};
+use crate::proposals::{FeatureStore, WorkFolder, read_picture};
+use crate::solve::base::{BaseOptions, WatchBase};
 use std::ops::ControlFlow;
 
 /// Progress is told each time this many frames have been looked at.
@@ -43,6 +46,26 @@ pub(super) fn shots_found(
         ControlFlow::Continue(())
     });
     Action::Video(VideoAction::ShotsFound { ticket, found })
+}
+
+/// Estimates a camera's base, and its field's size if that is wanted, from clicks and painted lines. `looked_at` is told how many
+/// pictures have been looked at.
+pub(super) fn base_with_paint(
+    document: DocumentAt<'_>,
+    (camera, with_size): (&CameraId, bool),
+    pictures: SharedPictures,
+    watch: WatchBase<'_>,
+    looked_at: &dyn Fn(usize) -> ControlFlow<()>,
+) -> Result<Box<EstimatedBase>, EstimateFailure> {
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    let mut count = 0;
+    let mut pictures = |frame: &Frame| {
+        count += 1;
+        // Without further pictures it ends soon.
+        looked_at(count).is_continue().then(|| read_picture(&mut reader, frame, document.folder).ok()).flatten()
+    };
+    let found = estimate_on_paint(document, camera, &BaseOptions::default(), with_size, &mut pictures, watch)?;
+    Ok(Box::new(found.with_pulled_frames(document, &mut pictures)?))
 }
 
 /// Pulls a frame's camera onto the painted lines, or finds it by them; `watch` is told how far a search has come.

@@ -1,13 +1,15 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{Ready, open_anything};
-use super::picture_tasks::{burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked};
+use super::picture_tasks::{
+    base_with_paint, burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked,
+};
 use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
     TrainerOptions, TrainerReport, Wake, demo,
 };
-use crate::app::base::EstimateFailure;
+use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::session::Level;
 use crate::app::unclicked::UnclickedFailure;
 use crate::app::{
@@ -122,12 +124,19 @@ impl Runner {
                 self.open("open again", move || Ok(path));
             }
             Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
-            Effect::EstimateBase { with_size, document, folder, camera } => {
+            Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
+                let pictures = self.pictures.clone();
                 self.begin("base", Kind::Estimate, move |watch| {
-                    let found = estimate(document.at(&folder), &camera, with_size, &|progress| {
-                        watch.tell(Action::BaseProgress(progress))
-                    });
-                    Ok(Outcome::Action(Action::BaseEstimated(found.map_err(EstimateFailure::Impossible))))
+                    let tell = |progress| watch.tell(Action::BaseProgress(progress));
+                    let adjusting = |progress| tell(EstimateProgress::Adjusting(progress));
+                    let document = document.at(&folder);
+                    let found = if with_paint {
+                        let looking = |pictures| tell(EstimateProgress::Looking { pictures });
+                        base_with_paint(document, (&camera, with_size), pictures, &adjusting, &looking)
+                    } else {
+                        estimate(document, &camera, with_size, &adjusting).map_err(EstimateFailure::Impossible)
+                    };
+                    Ok(Outcome::Action(Action::BaseEstimated(found)))
                 });
             }
             Effect::CancelEstimate => self.give_up(|kind| kind == Kind::Estimate),

@@ -38,8 +38,54 @@ pub fn camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
     PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
 }
 
+/// The basketball court as [`court_truth`] sees it, drawn once for all tests.
+pub static COURT: LazyLock<Picture> = LazyLock::new(|| drawn_as(&court(), &court_truth(), SIZE, court_colour));
+
+/// A flat basketball court.
+pub fn court() -> FieldModel {
+    builtin("basketball_nba").unwrap().model(&BTreeMap::new(), 0.0).unwrap()
+}
+
+/// A camera in the stands of a hall.
+pub fn court_camera(pan_deg: f64, tilt_deg: f64, focal_px: f64) -> PtzCamera {
+    let base = CameraBase::new(Vec3::new(1.0, -24.0, 11.0), BaseAngles::default().base_from_world(), SIZE.centre());
+    PtzCamera::new(base, Ptz::from_degrees(pan_deg, tilt_deg, focal_px))
+}
+
+/// The camera of [`COURT`].
+pub fn court_truth() -> PtzCamera {
+    court_camera(-18.0, -21.0, 1300.0)
+}
+
+/// Light planks, a blue key and blue ground around the court, white lines, a three-point line of the key's blue.
+fn court_colour(field: &FieldModel, at: Vec3) -> [f64; 3] {
+    const BLUE: [f64; 3] = [18.0, 52.0, 140.0];
+    let painted = field.lines.iter().filter(|line| line.painted);
+    let mut hit = painted.filter(|line| line.paint_centre.distance_m(at) <= line.width_m / 2.0);
+    if let Some(line) = hit.next() {
+        return if line.id.as_str().starts_with("three_point") { BLUE } else { [236.0, 238.0, 236.0] };
+    }
+    let key = 0.5 * field.length_m - 5.79;
+    if at.x.abs() > 0.5 * field.length_m || at.y.abs() > 0.5 * field.width_m || (at.x.abs() > key && at.y.abs() < 2.44)
+    {
+        return BLUE;
+    }
+    let plank = 1.0 + 0.02 * f64::from((at.y / 0.4).floor() as i32 % 3);
+    [214.0, 178.0, 132.0].map(|value| value * plank)
+}
+
 /// Turf with the field's paint on it, sky where no ground is seen.
 pub fn drawn(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Picture {
+    drawn_as(field, camera, size, colour)
+}
+
+/// Ground whose colours are given, sky where none is seen.
+fn drawn_as(
+    field: &FieldModel,
+    camera: &PtzCamera,
+    size: ImageSize,
+    colour: impl Fn(&FieldModel, Vec3) -> [f64; 3],
+) -> Picture {
     let mut rgba = Vec::with_capacity(4 * (size.width * size.height) as usize);
     for row in 0..size.height {
         for column in 0..size.width {
@@ -73,7 +119,12 @@ fn ground(field: &FieldModel, camera: &PtzCamera, point: ImagePoint) -> Option<V
 /// How far the edge of the nearest paint is, m; negative within it.
 fn from_paint_m(field: &FieldModel, at: Vec3) -> f64 {
     let (painted, at) = (field.lines.iter().filter(|line| line.painted), Vec3::new(at.x, at.y, 0.0));
-    painted.map(|line| line.paint_centre.distance_m(at) - line.width_m / 2.0).fold(f64::INFINITY, f64::min)
+    let lines = painted.map(|line| line.paint_centre.distance_m(at) - line.width_m / 2.0);
+    let spots = field.landmarks.iter().filter_map(|landmark| {
+        let radius_m = 0.5 * landmark.spot_diameter_m?;
+        Some((landmark.nominal_m - at).norm() - radius_m)
+    });
+    lines.chain(spots).fold(f64::INFINITY, f64::min)
 }
 
 fn colour(field: &FieldModel, at: Vec3) -> [f64; 3] {

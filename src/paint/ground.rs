@@ -1,6 +1,7 @@
 //! A picture made ready for finding paint.
 
 use super::Surface;
+use super::surface::GroundPart;
 use crate::geometry::{ImagePoint, ImageSize, PixelBox};
 use crate::media::{GreyPicture, Picture, grey_reduced};
 
@@ -50,11 +51,16 @@ impl GroundPicture {
     /// Whether the pixel at a point has one of the ground's colours; never outside the picture.
     #[must_use]
     pub fn is_ground(&self, at: ImagePoint) -> bool {
+        self.part(at).is_some()
+    }
+
+    /// Which part of the ground the pixel at a point belongs to; none outside the picture.
+    pub(super) fn part(&self, at: ImagePoint) -> Option<GroundPart> {
         if !(at.x >= 0.0 && at.y >= 0.0) {
-            return false;
+            return None;
         }
-        let pixel = self.picture.pixel(at.x as u32, at.y as u32);
-        pixel.is_some_and(|[red, green, blue, _]| self.surface.holds([red, green, blue]))
+        let [red, green, blue, _] = self.picture.pixel(at.x as u32, at.y as u32)?;
+        self.surface.part([red, green, blue])
     }
 
     /// The boxes that hide it, px.

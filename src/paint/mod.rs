@@ -9,18 +9,20 @@
 //! | [`paint_places`], [`PaintPlace`] | where a picture shows the paint that a camera predicts, for adjusting many frames together |
 //! | [`find_camera`], [`Found`] | a camera found in one picture by its lines alone, its base known |
 //! | [`Strokes`] | painted strokes of a picture, found without any camera |
-//! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner or crossing that it names |
+//! | [`snap_point`], [`SnappedPoint`] | a placed point moved to the painted corner, crossing or spot that it names |
 //!
 //! Everything works on one picture and a known base; nothing is drawn by chance.
 
 mod agreement;
 mod check;
+mod colours;
 mod directions;
 #[cfg(test)]
 mod drawn;
 mod error;
 mod evidence;
 mod find;
+mod floor_ridge;
 mod ground;
 mod ground_area;
 mod lens;
@@ -33,6 +35,7 @@ mod ridge;
 mod search;
 mod sightings;
 mod snap;
+mod spot;
 mod strokes;
 mod surface;
 mod unexplained;

@@ -1,10 +1,11 @@
-//! Click snapping: a placed point moved to the painted corner or crossing that it names, where that is certain.
+//! Click snapping: a placed point moved to the painted corner, crossing or spot that it names, where that is certain.
 //!
 //! The lines that meet at the landmark are looked for around the placed point, in the directions in which a camera sees
 //! them. The camera may be a rough one: only the directions and the widths of the lines are taken from it.
 
 use super::GroundPicture;
 use super::ridge::{Across, Ridge, RidgeFinder};
+use super::spot::snap_spot;
 use crate::camera::PtzCamera;
 use crate::field::{FieldModel, Landmark};
 use crate::geometry::{ImagePoint, Vec2};
@@ -71,7 +72,7 @@ const DIRECTION_SIGMA: f64 = 0.06;
 const RIDGE_SIGMA_PX: f64 = 0.6;
 
 /// 1-σ of what all ridges of a line have in common, px at 1920 px width.
-const LINE_SIGMA_PX: f64 = 0.35;
+pub(super) const LINE_SIGMA_PX: f64 = 0.35;
 
 /// Scales of the robust loss, one for each step, px at 1920 px width.
 const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
@@ -88,8 +89,9 @@ const MOST_LINES: usize = 3;
 /// Shift of the landmark, then turn and offset of each line: paint is not quite straight and not quite where the rule puts it.
 const PARAMETERS: usize = 2 + 2 * MOST_LINES;
 
-/// Moves a placed point to the corner or crossing of painted lines that a landmark names; none where no two of the
-/// landmark's lines are seen near by, where it is open which ones are meant, or where the landmark is no such crossing.
+/// Moves a placed point to the corner or crossing of painted lines, or to the painted spot, that a landmark names; none where
+/// no two of the landmark's lines are seen near by and no spot, where it is open which ones are meant, or where the landmark is
+/// neither.
 ///
 /// `camera` need not be exact: its directions of the lines may be a few degrees off and its places any distance.
 #[must_use]
@@ -101,6 +103,9 @@ pub fn snap_point(
     placed: ImagePoint,
     options: &PointSnapOptions,
 ) -> Option<SnappedPoint> {
+    if landmark.spot_diameter_m.is_some() {
+        return snap_spot(ground, field, camera, landmark, placed, options);
+    }
     let scale = ground.size().scale_from_1920();
     let predicted = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
     let lines = lines_through(field, landmark);
@@ -124,7 +129,7 @@ pub fn snap_point(
 }
 
 /// The painted lines that pass through a landmark or end there.
-fn lines_through(field: &FieldModel, landmark: &Landmark) -> Vec<usize> {
+pub(super) fn lines_through(field: &FieldModel, landmark: &Landmark) -> Vec<usize> {
     let lines = field.lines.iter().enumerate();
     let through = lines.filter(|(_, line)| line.painted && line.curve.distance_m(landmark.nominal_m) <= THROUGH_M);
     through.map(|(index, _)| index).collect()
@@ -365,7 +370,7 @@ mod tests {
 
     #[test]
     fn what_is_no_crossing_or_is_too_far_off_stays() {
-        for landmark in ["centre_mark", "centre_circle_left", "penalty_mark_right", "post_near_right_top"] {
+        for landmark in ["centre_circle_left", "post_near_right_top"] {
             assert_eq!(snapped(&truth(), landmark, Vec2::new(2.0, 1.0)), None, "{landmark}");
         }
         for off_px in [Vec2::new(60.0, 0.0), Vec2::new(0.0, 45.0), Vec2::new(-30.0, 30.0)] {

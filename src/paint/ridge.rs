@@ -1,7 +1,8 @@
-//! Ridges of paint across a predicted line: brighter than the ground on both sides, both edges found, as wide as the paint
+//! Ridges of paint across a predicted line: on turf brighter than the ground on both sides, both edges found, as wide as the paint
 //! should be, ground beside it.
 
 use super::GroundPicture;
+use super::floor_ridge::FloorRidgeFinder;
 use super::profile::Profile;
 use crate::geometry::{ImagePoint, Vec2};
 use crate::markings::LineSample;
@@ -28,7 +29,8 @@ pub struct Ridge {
     pub offset_px: f64,
     /// Its width between the places where half the contrast is reached, px.
     pub width_px: f64,
-    /// How much brighter it is than the brighter of its sides, grey levels.
+    /// How much brighter it is than the brighter of its sides, grey levels; on a floor, how far its colour is from all that its
+    /// sides mix.
     pub contrast: f64,
 }
 
@@ -58,8 +60,19 @@ impl Across {
         (0.6 * self.width_px).max(2.5)
     }
 
+    /// From where to where beside the middle of the paint the ground is that it is compared with, px.
+    pub fn beside_px(&self) -> (f64, f64) {
+        let near_px = 0.5 * self.width_px + GAP_PX;
+        (near_px, near_px + self.band_px())
+    }
+
+    /// How far beyond the reach of a search the picture is read, px.
+    pub fn margin_px(&self) -> f64 {
+        self.beside_px().1 + 1.0
+    }
+
     /// The width of the ridge that the paint makes in the picture, px.
-    fn expected_px(&self) -> f64 {
+    pub fn expected_px(&self) -> f64 {
         self.width_px.hypot(BLUR_PX)
     }
 
@@ -74,6 +87,7 @@ impl Across {
 pub(super) struct RidgeFinder {
     profile: Profile,
     contrast: Vec<f64>,
+    on_floors: FloorRidgeFinder,
 }
 
 impl RidgeFinder {
@@ -87,13 +101,17 @@ impl RidgeFinder {
         step_px: f64,
         found: &mut Vec<Ridge>,
     ) {
-        let half_px = 0.5 * across.width_px;
-        let margin_px = half_px + GAP_PX + across.band_px() + 1.0;
+        if !ground.surface().is_turf() {
+            self.on_floors.find(ground, across, reach_px, step_px, found);
+            return;
+        }
+        let (near_px, far_px) = across.beside_px();
+        let margin_px = across.margin_px();
         self.profile.read(ground.grey(), across.at, across.normal, reach_px + margin_px, step_px);
         let profile = &self.profile;
         let expected_px = across.expected_px();
         let core = profile.places(0.3 * across.width_px);
-        let (near, far) = (profile.places(half_px + GAP_PX), profile.places(half_px + GAP_PX + across.band_px()));
+        let (near, far) = (profile.places(near_px), profile.places(far_px));
         let sides = |index: usize| (profile.mean(index, -far, -near), profile.mean(index, near, far));
         let skipped = profile.places(margin_px - 1.0).max(0) as usize;
         let searched = skipped..profile.len().saturating_sub(skipped);
@@ -136,7 +154,7 @@ impl RidgeFinder {
 }
 
 /// Whether most of what lies beside a ridge has the ground's colours, on every side that belongs to the playing area.
-fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
+pub(super) fn is_on_ground(ground: &GroundPicture, across: &Across, ridge: &Ridge) -> bool {
     let mut sides = [-1.0, 1.0].into_iter().filter(|sign| sign * across.outward <= 0.0);
     sides.all(|sign| {
         let on_ground = COLOUR_PX.into_iter().filter(|beyond_px| {

@@ -2,6 +2,7 @@
 
 use super::GroundPicture;
 use super::ridge::{Across, Ridge, RidgeFinder};
+use super::surface::GroundPart;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::markings::{LineSample, SampleOptions, sample_lines};
@@ -96,14 +97,22 @@ impl Sightings {
     }
 }
 
+/// Narrower lines are hardly seen where an area painted on a floor ends, px.
+const SEEN_AT_BORDERS_PX: f64 = 1.5;
+
 /// Whether the ground lies open on both sides of a predicted line, and no paint on it.
 fn is_bare(ground: &GroundPicture, across: &Across, reach_px: f64) -> bool {
     const STEP_PX: usize = 2;
     let reach = (reach_px + across.width_px).ceil() as i32;
-    let (mut all, mut bare) = (0_u32, 0_u32);
+    let (mut all, mut bare, mut areas) = (0_u32, 0_u32, 0_u32);
     for offset in (-reach..=reach).step_by(STEP_PX) {
         all += 1;
-        bare += u32::from(ground.is_ground(across.point(f64::from(offset))));
+        match ground.part(across.point(f64::from(offset))) {
+            Some(GroundPart::Bare) => bare += 1,
+            Some(GroundPart::Area) => areas += 1,
+            None => {}
+        }
     }
-    f64::from(bare) >= BARE * f64::from(all)
+    let open = if across.width_px >= SEEN_AT_BORDERS_PX { bare + areas } else { bare.max(areas) };
+    f64::from(open) >= BARE * f64::from(all)
 }

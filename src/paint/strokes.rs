@@ -1,4 +1,5 @@
-//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground on both sides.
+//! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground on both sides, or darker where
+//! that is a floor.
 //!
 //! The middle of a stroke is where the blurred brightness, cut across the direction in which it bends most, has its maximum
 //! (Steger, "An unbiased detector of curvilinear structures", PAMI 1998).
@@ -110,10 +111,28 @@ struct RidgePixel {
     normal: Vec2,
 }
 
+/// Whether a stroke is brighter than the ground or darker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tone {
+    Bright,
+    Dark,
+}
+
+impl Tone {
+    /// By which the brightness is multiplied so that strokes are bright.
+    const fn sign(self) -> f32 {
+        match self {
+            Self::Bright => 1.0,
+            Self::Dark => -1.0,
+        }
+    }
+}
+
 /// The middles of all strokes, row by row.
 fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let (width, height) = (ground.size().width as usize, ground.size().height as usize);
     let smooth = blurred(ground.grey());
+    let tones: &[Tone] = if ground.surface().is_turf() { &[Tone::Bright] } else { &[Tone::Bright, Tone::Dark] };
     let mut found = Vec::new();
     for y in 1..height.saturating_sub(1) {
         for x in 1..width.saturating_sub(1) {
@@ -121,10 +140,12 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
                 continue;
             }
             let index = y * width + x;
-            let Some((normal, beside_px)) = bend(&smooth, index, width) else { continue };
-            let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
-            if contrasts(ground.grey(), at, normal) && has_ground_beside(area, at, normal) {
-                found.push(RidgePixel { index, at, normal });
+            for tone in tones {
+                let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else { continue };
+                let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
+                if contrasts(ground.grey(), at, normal, *tone) && has_ground_beside(area, at, normal) {
+                    found.push(RidgePixel { index, at, normal });
+                }
             }
         }
     }
@@ -133,8 +154,9 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
 
 /// The direction across a stroke at a pixel, and how far along it the middle lies, px; none where that is in another pixel
 /// or the picture does not bend like a stroke.
-fn bend(smooth: &[f32], index: usize, width: usize) -> Option<(Vec2, f64)> {
-    let at = |dx: isize, dy: isize| smooth[index.wrapping_add_signed(dy * width as isize + dx)];
+fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2, f64)> {
+    let sign = tone.sign();
+    let at = |dx: isize, dy: isize| sign * smooth[index.wrapping_add_signed(dy * width as isize + dx)];
     let (centre, left, right, above, below) = (at(0, 0), at(-1, 0), at(1, 0), at(0, -1), at(0, 1));
     let (xx, yy) = (left - 2.0 * centre + right, above - 2.0 * centre + below);
     if xx + yy > -MIN_BEND * (1.0 - MAX_BEND_ALONG) {
@@ -155,12 +177,16 @@ fn bend(smooth: &[f32], index: usize, width: usize) -> Option<(Vec2, f64)> {
     within.then(|| (Vec2::new(f64::from(normal_x), f64::from(normal_y)), f64::from(beside)))
 }
 
-/// Whether a place is brighter than the ground on both sides.
-fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> bool {
+/// Whether a place is brighter than the ground on both sides, or darker.
+fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> bool {
     let here = grey.at(at);
     SIDES_PX.into_iter().any(|side_px| {
-        let brighter = grey.at(at.moved(normal * side_px)).max(grey.at(at.moved(normal * -side_px)));
-        here - brighter > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
+        let (one, other) = (grey.at(at.moved(normal * side_px)), grey.at(at.moved(normal * -side_px)));
+        let (stands_out, brighter) = match tone {
+            Tone::Bright => (here - one.max(other), one.max(other)),
+            Tone::Dark => (one.min(other) - here, one.max(other)),
+        };
+        stands_out > MIN_CONTRAST.max(MIN_CONTRAST_SHARE * brighter)
     })
 }
 

@@ -26,21 +26,15 @@ pub(super) struct Paint {
 enum Stroke {
     Straight { from: Vec3, along: Vec3, length_m: f64, half_width_m: f64, over_m: f64 },
     Round { centre: Vec3, radius_m: f64, middle: f64, half_sweep: f64, half_width_m: f64 },
-    Spot { centre: Vec3 },
+    Spot { centre: Vec3, radius_m: f64 },
 }
-
-/// The radius of the centre mark and the penalty marks, m.
-const SPOT_RADIUS_M: f64 = 0.11;
 
 impl Paint {
     pub fn new(field: &FieldModel) -> Self {
-        let spots = field
-            .landmarks
-            .iter()
-            .filter(|landmark| {
-                landmark.id.as_str() == "centre_mark" || landmark.id.as_str().starts_with("penalty_mark_")
-            })
-            .map(|landmark| Stroke::Spot { centre: landmark.nominal_m });
+        let spots = field.landmarks.iter().filter_map(|landmark| {
+            let radius_m = 0.5 * landmark.spot_diameter_m?;
+            Some(Stroke::Spot { centre: landmark.nominal_m, radius_m })
+        });
         let strokes: Vec<Stroke> =
             field.lines.iter().filter(|line| line.painted).map(Stroke::of).chain(spots).collect();
         let corner = [-0.5 * field.length_m - MARGIN_M, -0.5 * field.width_m - MARGIN_M];
@@ -106,7 +100,7 @@ impl Stroke {
             Self::Round { centre, radius_m, half_width_m, .. } => {
                 ((place - centre).xy().norm() - radius_m).abs() - half_width_m
             }
-            Self::Spot { centre } => (place - centre).xy().norm() - SPOT_RADIUS_M,
+            Self::Spot { centre, radius_m } => (place - centre).xy().norm() - radius_m,
         }
     }
 
@@ -139,14 +133,14 @@ impl Stroke {
                 share * strip(from_middle * radius, half_sweep * radius, hit.reach(along))
             }
             // A disc smaller than a pixel is long seen from the side: both extents count.
-            Self::Spot { centre } => {
+            Self::Spot { centre, radius_m } => {
                 let offset = hit.point - centre;
                 let (x, y) = (hit.reach(Vec3::x()), hit.reach(Vec3::y()));
-                if offset.x.abs() > SPOT_RADIUS_M + x || offset.y.abs() > SPOT_RADIUS_M + y {
+                if offset.x.abs() > radius_m + x || offset.y.abs() > radius_m + y {
                     return 0.0;
                 }
-                let half_chord = (SPOT_RADIUS_M.powi(2) - offset.y.clamp(-SPOT_RADIUS_M, SPOT_RADIUS_M).powi(2)).sqrt();
-                strip(offset.y, SPOT_RADIUS_M, y) * strip(offset.x, half_chord.max(0.3 * SPOT_RADIUS_M), x)
+                let half_chord = (radius_m.powi(2) - offset.y.clamp(-radius_m, radius_m).powi(2)).sqrt();
+                strip(offset.y, radius_m, y) * strip(offset.x, half_chord.max(0.3 * radius_m), x)
             }
         }
     }

@@ -91,6 +91,7 @@ fn is_on(app: &App, command: Command) -> bool {
         Command::ShowMasks => app.session.masks,
         Command::ShowFieldMap => app.settings.field_map,
         Command::SnapPoints => app.settings.snap_points,
+        Command::BaseOnPaint => app.settings.base_on_paint,
         Command::SnapSuggestions => app.settings.snap_suggestions,
         Command::HideOverlay => app.session.held.hide_overlay,
         Command::CameraPanel => app.session.panel == SidePanel::Camera,

@@ -3,15 +3,19 @@
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
 use std::fs;
+use std::path::Path;
 use touchline::camera::{Ptz, PtzCamera};
-use touchline::document::document_from_bytes;
+use touchline::document::{Document, document_from_bytes};
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
-use touchline::media::load_image;
-use touchline::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
+use touchline::media::{FrameReader, load_image};
+use touchline::paint::{GroundPicture, LineVerdict, PointSnapOptions, SnapOptions, check_lines, snap, snap_point};
+use touchline::proposals::read_picture;
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back;
+    [Frames] a_court_of_wood_does_so_too;
+    [Frames] points_go_to_painted_spots;
 ];
 
 /// How far apart the overlays of two cameras are on the playing area, px: the median over the picture.
@@ -66,4 +70,89 @@ fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
     assert!(right >= frames.len() - 1, "{right} of {} right cameras are supported", frames.len());
     assert_eq!(wrong, 0, "wrong cameras are supported");
     assert!(back >= frames.len() - 1, "{back} of {} come back", frames.len());
+}
+
+/// The five clicked frames of a basketball video, as a document in a new folder.
+fn clicked_court(place: &Path) -> Document {
+    let text = include_str!("../benches/relocalize/clicks/basketball.json");
+    let video = frames_folder().join("video-basketball/clip.mp4");
+    fs::write(place.join("clicks.json"), text.replace("video-basketball/clip.mp4", &video.to_string_lossy())).unwrap();
+    let ran = touchline(place, "refine-base clicks.json --markings -o base.json");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    document_from_bytes(&fs::read(place.join("base.json")).unwrap()).unwrap()
+}
+
+fn a_court_of_wood_does_so_too() {
+    let place = tempfile::tempdir().unwrap();
+    let document = clicked_court(place.path());
+    let field = document.field.model(place.path()).unwrap();
+    let mut reader = FrameReader::new();
+    let mut back = 0;
+    for frame in &document.frames {
+        let picture = read_picture(&mut reader, frame, place.path()).unwrap();
+        let ground = GroundPicture::new(&picture, &document.masks_of(frame));
+        assert!(!ground.surface().is_turf(), "{}", frame.name());
+        let camera = document.pointed(frame).unwrap();
+        let right = check_lines(&ground, &field, &camera);
+        assert_eq!(right.verdict(), LineVerdict::Supports, "{}: {right:?}", frame.name());
+        assert!(right.offset_px < 1.0, "{}: {right:?}", frame.name());
+        for (pan_px, tilt_px, zoom) in [(60.0, 10.0, 1.0), (-20.0, 25.0, 1.0), (0.0, 0.0, 1.08), (200.0, 0.0, 1.0)] {
+            let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
+            assert_ne!(off.verdict(), LineVerdict::Supports, "{}: {off:?}", frame.name());
+        }
+        let start = turned(&camera, 18.0, -12.0, 1.01).ptz();
+        let found = snap(&ground, &field, camera.base(), start, &[], &SnapOptions::default());
+        let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
+        back += usize::from(
+            found.is_ok_and(|found| apart_px(&field, &camera, &pointed(found.ptz), frame.image_size) < 1.5),
+        );
+    }
+    assert!(back >= 4, "{back} of 5 come back");
+}
+
+/// People's clicks on penalty marks and centre marks: what the paint makes of them lies on the marks of a camera that is fitted
+/// to everything else.
+fn points_go_to_painted_spots() {
+    let (mut before, mut after, mut clicks) = (Vec::new(), Vec::new(), 0);
+    for set in ["scouting-d82e7a", "scouting-08fd33", "scouting-42ba34"] {
+        let place = tempfile::tempdir().unwrap();
+        let from = frames_folder().join(set).join("clicks.json");
+        let ran = touchline(place.path(), &format!("refine-base {} --markings -o base.json", from.display()));
+        assert!(ran.code <= 1, "{}", ran.stderr);
+        let document = document_from_bytes(&fs::read(place.path().join("base.json")).unwrap()).unwrap();
+        let field = document.field.model(place.path()).unwrap();
+        for frame in &document.frames {
+            let (Some(camera), Some(image)) = (document.pointed(frame), frame.image_path(place.path())) else {
+                continue;
+            };
+            let on_spots = frame.clicks.iter().filter_map(|click| {
+                let landmark = field.landmark(click.target.as_ref()?.as_str())?;
+                landmark.spot_diameter_m.map(|_| (landmark, click.image))
+            });
+            let on_spots: Vec<_> = on_spots.collect();
+            if on_spots.is_empty() {
+                continue;
+            }
+            let ground = GroundPicture::new(&load_image(&image).unwrap(), &document.masks_of(frame));
+            for (landmark, placed) in on_spots {
+                clicks += 1;
+                let exact = camera.image_from_world(field.landmark_in_world(landmark)).unwrap();
+                let options = PointSnapOptions::default();
+                if let Some(found) = snap_point(&ground, &field, &camera, landmark, placed, &options) {
+                    before.push(placed.distance_px(exact));
+                    after.push(found.image.distance_px(exact));
+                }
+            }
+        }
+    }
+    let quantile = |values: &mut Vec<f64>, share: f64| {
+        values.sort_by(f64::total_cmp);
+        values[((values.len() - 1) as f64 * share) as usize]
+    };
+    let [was, is] = [&mut before, &mut after].map(|all| (quantile(all, 0.5), quantile(all, 0.9)));
+    println!(
+        "{clicks} clicks on spots, {} moved: {was:.2?} px off before, {is:.2?} px after (median, 90 %)",
+        after.len()
+    );
+    assert!(is.0 < was.0 && is.1 < was.1, "{is:?} px after, {was:?} px before");
 }

@@ -1,6 +1,8 @@
 //! A base from scratch in the application: clicks, the guidance that counts them, the estimate, the decision, undo.
 
 use crate::bench::uncounted;
+use crate::refine_base_command::clicked_match;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
@@ -9,7 +11,7 @@ use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{
-    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, Target, document_to_string,
+    Camera, Click, Document, FieldSize, FieldSpec, Frame, FrameStatus, SolutionSource, Target, document_to_string,
 };
 use touchline::field::{FieldModel, Symmetry, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec3};
@@ -71,6 +73,10 @@ struct Fixture {
 
 impl Fixture {
     fn on(document: Document) -> Self {
+        Self::at(document, "/match/project.json".into())
+    }
+
+    fn at(document: Document, file: PathBuf) -> Self {
         let (wake, woken) = channel();
         // Nobody listens once the test has seen enough.
         let wake = Arc::new(move || {
@@ -78,7 +84,7 @@ impl Fixture {
         });
         let runner = Runner::new(wake, SharedPictures::none());
         let mut fixture = Self { app: App::new(Settings::default()), runner, woken };
-        fixture.act(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        fixture.act(Action::Opened(Box::new(Opened::new(document, file))));
         fixture
     }
 
@@ -146,6 +152,49 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     assert_eq!(document_to_string(&uncounted(fixture.document())).unwrap(), before);
     fixture.command(Command::Redo);
     assert_eq!(fixture.base(), Some(base));
+}
+
+#[test]
+fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
+    let place = tempfile::tempdir().unwrap();
+    let (folder, _, clicked) = clicked_match(place.path());
+    let mut fixture = Fixture::at(clicked, folder.join("project.json"));
+    let before = document_to_string(fixture.document()).unwrap();
+    fixture.command(Command::BaseOnPaint);
+    assert!(fixture.app.settings.base_on_paint);
+    fixture.command(Command::EstimateBase);
+    assert!(matches!(&fixture.app.session.base, BaseWork::Estimating(work) if work.from.contains("painted lines")));
+    fixture.command(Command::DropEstimatedBase);
+    assert!(matches!(fixture.app.session.base, BaseWork::Idle), "it can be stopped");
+    fixture.estimate();
+    let found = fixture.app.session.base.proposed().unwrap().clone();
+    let on_paint = found.on_paint.clone().unwrap();
+    let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
+    assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
+    let told = &fixture.app.session.notices.last().unwrap().text;
+    assert!(told.contains("Painted lines not used lie"), "{told}");
+    assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
+
+    fixture.command(Command::UseEstimatedBase);
+    assert_eq!(fixture.base(), Some(found.estimate.base));
+    let on_lines = |frame: &Frame| frame.solution.as_ref().is_some_and(|s| s.source == Some(SolutionSource::Markings));
+    assert!(fixture.document().frames.iter().all(|frame| on_lines(frame)));
+    fixture.command(Command::Undo);
+    assert_eq!(document_to_string(&uncounted(fixture.document())).unwrap(), before, "one step");
+}
+
+#[test]
+fn a_frame_that_is_edited_after_the_estimate_keeps_its_edit() {
+    let place = tempfile::tempdir().unwrap();
+    let (folder, _, clicked) = clicked_match(place.path());
+    let mut fixture = Fixture::at(clicked, folder.join("project.json"));
+    fixture.command(Command::BaseOnPaint);
+    fixture.estimate();
+    fixture.act(Action::Select(Some(0)));
+    fixture.command(Command::DeleteClick);
+    fixture.command(Command::UseEstimatedBase);
+    let source = |index: usize| fixture.document().frames[index].solution.as_ref().and_then(|solution| solution.source);
+    assert_eq!((source(0), source(1)), (Some(SolutionSource::Clicks), Some(SolutionSource::Markings)));
 }
 
 #[test]

@@ -175,10 +175,9 @@ fn drawn_match(place: &Path) -> (std::path::PathBuf, Document) {
     (folder, truth)
 }
 
-#[test]
-fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
-    let place = tempfile::tempdir().unwrap();
-    let (folder, truth) = drawn_match(place.path());
+/// The same, and the document without cameras and with clicks that scatter.
+pub fn clicked_match(place: &Path) -> (std::path::PathBuf, Document, Document) {
+    let (folder, truth) = drawn_match(place);
     let mut rng = seeded::rng("painted_lines_and_clicks_together");
     let mut clicked = truth.clone();
     for camera in &mut clicked.cameras {
@@ -196,6 +195,13 @@ fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
             }
         }
     }
+    (folder, truth, clicked)
+}
+
+#[test]
+fn painted_lines_and_clicks_together_find_the_camera_and_pull_the_frames() {
+    let place = tempfile::tempdir().unwrap();
+    let (folder, truth, mut clicked) = clicked_match(place.path());
     // The last frame has no picture: its clicks count all the same.
     let last = clicked.frames.len() - 1;
     clicked.frames[last].image = Some("images/none.png".into());

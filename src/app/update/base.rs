@@ -3,14 +3,13 @@
 use super::App;
 use super::cameras::counted;
 use crate::app::Command;
-use crate::app::base::{BaseWork, EstimateFailure, Estimating};
+use crate::app::base::{BaseWork, EstimateFailure, EstimateProgress, Estimating};
 use crate::app::effect::Effect;
 use crate::app::session::{Level, SidePanel};
 use crate::calibrate::{BaseReadiness, BulkChange, EstimatedBase, LANDMARKS_ALONE, describe_size, next_for_base};
 use crate::document::{Click, Frame, Step, Target};
 use crate::field::{FieldModel, Symmetry};
 use crate::solve::Name;
-use crate::solve::base::BaseProgress;
 use std::sync::Arc;
 
 impl App {
@@ -28,13 +27,16 @@ impl App {
             self.session.notify(Level::Info, format!("Not enough points yet. {}", ready.describe()));
             return;
         }
+        let with_paint = self.settings.base_on_paint;
         self.effects.push(Effect::EstimateBase {
             with_size,
+            with_paint,
             document: open.document.clone(),
             folder: open.folder.clone(),
             camera,
         });
-        let from = format!("{} frames, {} clicks", ready.frames, ready.clicks);
+        let paint = if with_paint { ", painted lines" } else { "" };
+        let from = format!("{} frames, {} clicks{paint}", ready.frames, ready.clicks);
         self.session.base = BaseWork::Estimating(Estimating { from, progress: None });
         self.session.panel = SidePanel::Camera;
     }
@@ -67,9 +69,9 @@ impl App {
         }
     }
 
-    pub(super) fn base_progress(&mut self, progress: BaseProgress) {
+    pub(super) fn base_progress(&mut self, progress: EstimateProgress) {
         if let BaseWork::Estimating(estimating) = &mut self.session.base
-            && estimating.progress.is_none_or(|before| before.done < progress.done)
+            && estimating.progress.is_none_or(|before| progress.is_later_than(before))
         {
             estimating.progress = Some(progress);
         }
@@ -152,8 +154,9 @@ fn describe(found: &EstimatedBase) -> String {
     let one_view = estimate.one_view().map_or_else(String::new, |reason| format!(" But {reason}."));
     let sizes: Vec<String> = found.sizes.iter().map(describe_size).collect();
     let sizes = if sizes.is_empty() { String::new() } else { format!(" Field {}.", sizes.join(", ")) };
+    let paint = found.on_paint.as_ref().map_or_else(String::new, |on_paint| on_paint.seen.describe());
     format!(
-        "Base estimated from {}: median error {:.1} px{before}.{sizes}{one_view}",
+        "Base estimated from {}: median error {:.1} px{before}.{paint}{sizes}{one_view}",
         counted(frames),
         estimate.median_px
     )

@@ -255,6 +255,10 @@ impl App {
                 self.settings.snap_points = !self.settings.snap_points;
                 self.effects.push(Effect::SaveSettings);
             }
+            C::BaseOnPaint => {
+                self.settings.base_on_paint = !self.settings.base_on_paint;
+                self.effects.push(Effect::SaveSettings);
+            }
             C::SnapSuggestions => {
                 self.settings.snap_suggestions = !self.settings.snap_suggestions;
                 self.effects.push(Effect::SaveSettings);

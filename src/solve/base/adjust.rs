@@ -28,7 +28,8 @@ pub struct BasePriors {
 }
 
 impl Default for BasePriors {
-    /// Measured: rolls of 0.1 to 0.4° and pitches of up to 1.6° on three matches; on nine, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000, crowns of 0.05 to 0.25 m.
+    /// Measured: rolls of 0.1 to 0.4°, pitches of up to 1.6° and, by their painted lines, principal points 11, 32 and 42 px off the
+    /// middle on three matches; on nine, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000, crowns of 0.05 to 0.25 m.
     fn default() -> Self {
         Self {
             pitch: Angle::from_degrees(1.0),
@@ -36,7 +37,7 @@ impl Default for BasePriors {
             k1: (-0.02, 0.04),
             k1_slope: (0.21, 0.1),
             crown_m: (0.13, 0.07),
-            principal_point_px: 10.0,
+            principal_point_px: 20.0,
         }
     }
 }

@@ -23,7 +23,7 @@ pub struct BaseOptions {
     pub lens: Option<LensModel>,
     /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point.
+    /// Also find the principal point. Where paint takes part that is tried in any case.
     pub principal_point: bool,
     /// How to adjust.
     pub adjust: AdjustOptions,
@@ -188,7 +188,10 @@ pub fn estimate_base_on_paint(
     watch: WatchBase<'_>,
 ) -> Result<BaseEstimate, BaseError> {
     let CameraClicks { field, frames, image_size, principal_point } = *clicks;
-    let models = models(field, principal_point, options);
+    let mut models = models(field, principal_point, options);
+    if start.1.iter().flatten().count() >= MIN_FRAMES {
+        models.extend(off_centre(&models, principal_point));
+    }
     let adjustments = Adjustments::new(watch, models.len() * FOLDS);
     let painted = CameraClicks { frames: painted, ..*clicks };
     let fit = chosen_fit(&painted, &models, start, &options.adjust, &adjustments)?;
@@ -330,6 +333,14 @@ fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions
     let principal_point = options.principal_point.then_some(principal_point);
     let of_crown = |crown| lenses.iter().map(move |&lens| BaseModel { lens, crown, principal_point });
     crowns.into_iter().flat_map(of_crown).collect()
+}
+
+/// Those of some models that have the richest lens, with the principal point free: many painted lines hold it, where clicks do not.
+fn off_centre(models: &[BaseModel], principal_point: ImagePoint) -> Vec<BaseModel> {
+    let free = |model: &BaseModel| model.principal_point.is_some();
+    let lenses = |model: &&BaseModel| model.lens.follows_focal() || models.iter().all(|other| other.lens == model.lens);
+    let centred = models.iter().filter(|model| !free(model)).filter(lenses);
+    centred.map(|model| BaseModel { principal_point: Some(principal_point), ..*model }).collect()
 }
 
 fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {

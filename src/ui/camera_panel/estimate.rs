@@ -1,7 +1,7 @@
 //! Estimating the camera's base: what is needed, the progress, the result.
 
 use super::{evidence, section};
-use crate::app::base::BaseWork;
+use crate::app::base::{BaseWork, EstimateProgress};
 use crate::app::{Action, Command};
 use crate::calibrate::BaseReadiness;
 use crate::calibrate::EstimatedBase;
@@ -15,12 +15,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     match &panel.app.session.base {
         BaseWork::Estimating(work) => {
             ui.add(Label::new(format!("From {}.", work.from)).wrap());
-            let share = work.progress.map_or(0.0, |progress| progress.done as f32 / progress.total.max(1) as f32);
-            let description = work.progress.map_or_else(
-                || "Looking for initial values…".to_owned(),
-                |progress| format!("{} of {} adjustments", progress.done, progress.total),
-            );
-            let bar = ui.add(ProgressBar::new(share).text(description).desired_height(18.0));
+            let share = work.progress.map_or(Some(0.0), EstimateProgress::share);
+            let description =
+                work.progress.map_or_else(|| "Looking for initial values…".to_owned(), EstimateProgress::describe);
+            let bar = ProgressBar::new(share.unwrap_or(1.0)).animate(share.is_none());
+            let bar = ui.add(bar.text(description).desired_height(18.0));
             bar.on_hover_text("Every model of lens and crown is fitted to all groups of points but one, in turn.");
             command(panel, ui, "Stop", Command::DropEstimatedBase);
         }
@@ -51,6 +50,11 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         ui.add(Label::new(text).wrap());
     }
     ui.add_space(theme::SPACE);
+    let mut on_paint = panel.app.settings.base_on_paint;
+    let tick = ui.checkbox(&mut on_paint, "Use the painted lines too");
+    if tick.on_hover_text(Command::BaseOnPaint.about()).changed() {
+        panel.actions.push(Action::Command(Command::BaseOnPaint));
+    }
     let again = matches!(panel.app.session.base, BaseWork::Applied(_));
     let says = if again { "Estimate again" } else { "Estimate the base" };
     ui.horizontal(|ui| {
@@ -115,6 +119,24 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
         row("Points fit", fit, "The distances of all points from their projections with this base.");
         if let Some(before) = estimate.previous_median_px.filter(|px| px.is_finite()) {
             row("Before", format!("{before:.1} px median"), "The same points with the current base.");
+        }
+        if let Some(on_paint) = &found.on_paint {
+            let seen = &on_paint.seen;
+            let places = format!("{} places, {} lines, {} frames", seen.places, seen.lines, seen.frames);
+            row("Paint seen", places, "Where painted lines took part.");
+            for (name, errors, tip) in [
+                (
+                    "Paint fits",
+                    seen.after.paint,
+                    "How far painted lines that took no part lie off: each frame's camera is \
+                    fitted to half of its paint and measured at the other half, with a base found without that frame.",
+                ),
+                ("Before", seen.before.paint, "The same paint with the base that the points alone give."),
+            ] {
+                let shown =
+                    errors.map(|errors| format!("{:.2} px median, {:.2} px 90 %", errors.median_px, errors.p90_px));
+                row(name, shown.unwrap_or_else(|| "too little paint to tell".to_owned()), tip);
+            }
         }
         let metres = |value: f64, sigma: f64| format!("{value:.2} ± {sigma:.2} m");
         row("x along", metres(position.x, sigma.x), "Along the field's length from its centre, with its 1-σ.");
