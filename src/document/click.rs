@@ -63,7 +63,7 @@ pub struct Click {
     pub image: ImagePoint,
     /// Held out of the solve; only its error is reported.
     pub check: bool,
-    /// The program moved it to the painted corner or crossing that it names: 1-σ of that place in each direction, px. None where
+    /// The program moved it to the painted corner, crossing or spot that it names: 1-σ of that place in each direction, px. None where
     /// it lies as somebody placed it.
     pub snapped_sigma_px: Option<f64>,
     /// Unknown keys.

@@ -20,7 +20,8 @@ use thiserror::Error;
 /// How a camera is searched for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FindOptions {
-    /// Focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too few lines.
+    /// Focal lengths, px at 1920 px width. 800 to 3200 by default: narrower views show too few lines. For a field that looks smaller
+    /// than a soccer pitch does from its stands, a basketball court say, they are longer by as much.
     pub focal_px: (f64, f64),
     /// How the likely cameras are snapped.
     pub snap: SnapOptions,
@@ -125,6 +126,9 @@ const SAME_CLOSER_PX: f64 = 16.0;
 
 /// Cameras nearer to each other are one, px at 1920 px width.
 const SAME_PX: f64 = 10.0;
+
+/// A pitch's length is seen from this many of its lengths away; a field that is farther away for its length looks smaller.
+const USUAL_LENGTHS: f64 = 0.75;
 
 /// With less paint nothing is searched for, px at 1920 px width.
 const LEAST_PAINT_PX: f64 = 500.0;
@@ -256,7 +260,9 @@ impl Search<'_> {
 
     /// Focal lengths whose pictures differ by a step of the grid at the left and right border.
     fn focals_px(&self) -> Vec<f64> {
-        let (least_px, most_px) = (self.options.focal_px.0 * self.scale, self.options.focal_px.1 * self.scale);
+        let lengths_away = self.base.position_m.norm() / self.field.length_m;
+        let longer = (lengths_away / USUAL_LENGTHS).max(1.0) * self.scale;
+        let (least_px, most_px) = (self.options.focal_px.0 * longer, self.options.focal_px.1 * longer);
         let ratio = 1.0 + 2.0 * GRID_PX * self.scale / f64::from(self.size().width);
         let mut focals_px = Vec::new();
         let mut focal_px = least_px;
