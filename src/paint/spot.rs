@@ -1,8 +1,8 @@
 //! A placed point moved to the painted spot that its landmark names: a penalty mark, a face-off spot, the mark in the middle of a
 //! halfway line.
 //!
-//! The spot, and the lines through it, are drawn as the camera sees them, blurred, and laid over the picture where they leave the
-//! least squares. Another place that leaves hardly more, or paint of another shape, gives no result.
+//! The spot, and the lines through it, are drawn as the camera sees them, blurred, and laid over the picture where they explain
+//! most of it. Another place that explains nearly as much, or paint of another shape, gives no result.
 
 use super::GroundPicture;
 use super::point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
@@ -35,9 +35,15 @@ const MIN_CONTRAST: f64 = 8.0;
 /// At least this share of the squares about the mean is the drawn spot's.
 const MIN_EXPLAINED: f64 = 0.7;
 
-/// Every place this far from the best one, px at 1920 px width, leaves so many times the squares.
-const ELSEWHERE_PX: f64 = 3.0;
+/// A little beside the best place, px at 1920 px width, the drawn spot leaves so many times the squares.
+const BESIDE_PX: f64 = 3.0;
 const MUCH_WORSE: f64 = 1.6;
+
+/// Another spot within reach explains at most this share of what the best one does.
+const RIVAL: f64 = 0.6;
+
+/// Another spot is at least this many diameters away, on the ground.
+const ANOTHER: f64 = 1.2;
 
 /// This share of what surrounds the spot has the ground's colours.
 const ON_GROUND: f64 = 0.7;
@@ -67,12 +73,13 @@ pub(super) fn snap_spot(
     let reach = (options.reach_px * scale).ceil() as i32;
     let looked: Vec<Look> = shapes.map(|shape| Look::of(ground, placed, shape, reach)).collect();
     let all = || looked.iter().flat_map(|look| look.fits.iter().map(move |fit| (look, fit)));
-    let (look, best) = all().min_by(|a, b| a.1.left.total_cmp(&b.1.left))?;
-    let far = |fit: &Fit| (fit.shift - best.shift).norm() > ELSEWHERE_PX * scale.max(0.5);
-    if all().any(|(_, fit)| far(fit) && fit.left < MUCH_WORSE * best.left) {
+    let (look, best) = all().max_by(|a, b| a.1.explained.total_cmp(&b.1.explained))?;
+    let another = |fit: &Fit| (look.shape.metres_a_px * (fit.shift - best.shift)).norm() > ANOTHER * diameter_m;
+    let is_alone = lines_through(field, landmark).is_empty();
+    if is_alone && all().any(|(_, fit)| another(fit) && fit.explained > RIVAL * best.explained) {
         return None;
     }
-    let refined = look.refined(ground, best)?;
+    let refined = look.refined(ground, best, BESIDE_PX * scale.max(0.5))?;
     let (shift, sigma_px) = (refined.shift, refined.sigma_px.hypot(LINE_SIGMA_PX * scale));
     let is_paint = refined.contrast.abs() >= MIN_CONTRAST
         && (refined.contrast > 0.0 || !ground.surface().is_turf())
@@ -86,6 +93,8 @@ pub(super) fn snap_spot(
 struct Shape {
     /// Half of its extent in each direction, px.
     half: [i32; 2],
+    /// From the picture to the ground.
+    metres_a_px: Matrix2<f64>,
     columns: usize,
     /// Rows of values between 0 and 1, [`FINE`] a px, around the middle.
     covers: Vec<f32>,
@@ -120,7 +129,7 @@ impl Shape {
             f32::from(u8::from(metres.norm() <= radius_m || lines.iter().any(on_line)))
         };
         let sharp: Vec<f32> = (0..cells[0] * cells[1]).map(covered).collect();
-        Some(Self { half, columns: cells[0], covers: blurred(&sharp, cells[0]) })
+        Some(Self { half, metres_a_px, columns: cells[0], covers: blurred(&sharp, cells[0]) })
     }
 
     /// How much of a place is covered, `off` from the spot's middle.
@@ -173,8 +182,16 @@ struct Look {
 #[derive(Clone, Copy, Debug)]
 struct Fit {
     shift: Vec2,
-    /// The mean square that it leaves.
-    left: f64,
+    /// The squares about the mean that it explains.
+    explained: f64,
+}
+
+/// How much of some pixels a shape explains.
+struct Explained {
+    contrast: f64,
+    /// Squares about the mean that it explains, and all.
+    squares: f64,
+    about_mean: f64,
 }
 
 /// A shape where it leaves the least squares.
@@ -191,57 +208,61 @@ impl Look {
         for row in -reach..=reach {
             for column in -reach..=reach {
                 let shift = Vec2::new(f64::from(column), f64::from(row));
-                let Some([count, covers, greys, covers_2, both, greys_2]) = look.sums(ground, shift) else { continue };
-                let of_covers = covers_2 - covers * covers / count;
-                let together = both - covers * greys / count;
-                let about_mean = greys_2 - greys * greys / count;
-                // On turf paint is bright.
-                let fits = of_covers > 0.0 && (together > 0.0 || !ground.surface().is_turf());
-                let explained = if fits { together * together / of_covers } else { 0.0 };
-                look.fits.push(Fit { shift, left: (about_mean - explained).max(0.0) / count + LEAST_NOISE.powi(2) });
+                let whole = look.pixels(ground, shift);
+                if let Some(seen) = look.is_whole(&whole).then(|| look.explained(&whole, Vec2::zeros())) {
+                    // On turf paint is bright.
+                    let explained = if seen.contrast > 0.0 || !ground.surface().is_turf() { seen.squares } else { 0.0 };
+                    look.fits.push(Fit { shift, explained });
+                }
             }
         }
         look
     }
 
-    /// The pixels around a place: their middles, and what is seen there.
-    fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> impl Iterator<Item = (Vec2, f64)> {
+    /// The pixels around a place: their middles, and what is seen there; those that a graphic hides are left out.
+    fn pixels(&self, ground: &GroundPicture, shift: Vec2) -> Vec<(Vec2, f64)> {
         let middle = self.placed.moved(shift);
         let [half_x, half_y] = self.shape.half;
         let (left, top) = (middle.x.floor(), middle.y.floor());
         let size = ground.size();
-        let offsets = (-half_y..=half_y).flat_map(move |row| (-half_x..=half_x).map(move |column| (column, row)));
-        let pixels = offsets.filter_map(move |(column, row)| {
+        let offsets = (-half_y..=half_y).flat_map(|row| (-half_x..=half_x).map(move |column| (column, row)));
+        let pixel = |(column, row): (i32, i32)| {
             let at = ImagePoint::new(left + f64::from(column) + 0.5, top + f64::from(row) + 0.5);
             let seen = size.contains(at) && !ground.is_masked(at);
             seen.then(|| (at.offset_from(middle), ground.grey().at(at)))
-        });
-        pixels.collect::<Vec<_>>().into_iter()
+        };
+        offsets.filter_map(pixel).collect()
     }
 
-    /// The count of the pixels, and the sums of what covers them, of their greys, of both's squares and of their product; none
-    /// where the picture ends or a graphic hides some.
-    fn sums(&self, ground: &GroundPicture, shift: Vec2) -> Option<[f64; 6]> {
-        let mut sums = [0.0; 6];
-        for (off, grey) in self.pixels(ground, shift) {
-            let covers = self.shape.covers(off);
-            let of_pixel = [1.0, covers, grey, covers * covers, covers * grey, grey * grey];
-            for (sum, value) in sums.iter_mut().zip(of_pixel) {
-                *sum += value;
-            }
+    /// Whether the picture shows all of them.
+    fn is_whole(&self, pixels: &[(Vec2, f64)]) -> bool {
+        let [columns, rows] = self.shape.half.map(|half| 2 * half as usize + 1);
+        pixels.len() == columns * rows
+    }
+
+    /// What the shape explains of some pixels, moved by `by` from where they have their middle.
+    fn explained(&self, pixels: &[(Vec2, f64)], by: Vec2) -> Explained {
+        let count = pixels.len() as f64;
+        let [mut covers, mut greys, mut covers_2, mut both, mut greys_2] = [0.0; 5];
+        for (off, grey) in pixels {
+            let here = self.shape.covers(off - by);
+            (covers, greys) = (covers + here, greys + grey);
+            (covers_2, both, greys_2) = (covers_2 + here * here, both + here * grey, greys_2 + grey * grey);
         }
-        let [half_x, half_y] = self.shape.half.map(f64::from);
-        let all = (2.0 * half_x + 1.0) * (2.0 * half_y + 1.0);
-        (sums[0] >= all - 0.5).then_some(sums)
+        let of_covers = covers_2 - covers * covers / count;
+        let together = both - covers * greys / count;
+        let contrast = if of_covers > 0.0 { together / of_covers } else { 0.0 };
+        Explained { contrast, squares: contrast * together, about_mean: greys_2 - greys * greys / count }
     }
 
-    /// The place between pixels, its σ, and what speaks for it.
-    fn refined(&self, ground: &GroundPicture, from: &Fit) -> Option<Refined> {
+    /// The place between pixels, its σ, and what speaks for it; none where places `beside_px` away are nearly as good.
+    fn refined(&self, ground: &GroundPicture, from: &Fit, beside_px: f64) -> Option<Refined> {
+        const DIRECTIONS: u32 = 16;
         const BY: f64 = 0.25;
-        let seen: Vec<(Vec2, f64)> = self.pixels(ground, from.shift).collect();
+        let seen = self.pixels(ground, from.shift);
         let count = seen.len() as f64;
         let mean = seen.iter().map(|(_, grey)| grey).sum::<f64>() / count;
-        let about_mean: f64 = seen.iter().map(|(_, grey)| (grey - mean).powi(2)).sum();
+        let about_mean = self.explained(&seen, Vec2::zeros()).about_mean;
         let (mut by, mut contrast, mut level) = (Vec2::zeros(), 0.0, mean);
         let mut result = None;
         for step in 0..STEPS {
@@ -276,7 +297,16 @@ impl Look {
                 return None;
             }
         }
-        result
+        let left = |by: Vec2| {
+            let explained = self.explained(&seen, by);
+            explained.about_mean - explained.squares + count * LEAST_NOISE.powi(2)
+        };
+        let mut directions = (0..DIRECTIONS).map(|index| {
+            let (y, x) = (std::f64::consts::TAU * f64::from(index) / f64::from(DIRECTIONS)).sin_cos();
+            by + Vec2::new(x, y) * beside_px
+        });
+        let least = MUCH_WORSE * left(by);
+        if directions.all(|beside| left(beside) >= least) { result } else { None }
     }
 
     /// Whether most of what surrounds the spot is ground.
@@ -284,6 +314,7 @@ impl Look {
         let middle = self.placed.moved(shift);
         let bare: Vec<ImagePoint> = self
             .pixels(ground, shift)
+            .into_iter()
             .filter(|(off, _)| self.shape.covers(*off) < 0.05)
             .map(|(off, _)| middle.moved(off))
             .collect();
