@@ -68,6 +68,7 @@ pub enum Command {
     /// Known cameras are carried through the shown frame's clip.
     Track,
     /// That ends.
+    DiscardCarried,
     StopTracking,
     /// The frame to click next for the base is shown.
     ShowForBase,
@@ -243,6 +244,7 @@ rows! {
     Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
     SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
     Track, "track", Frame, "Carry cameras through the shot", "Give every frame of this shot its camera from those that are known: points are followed from frame to frame, and all frames are adjusted together, held to the painted lines. The results are suggestions, as the forest's are.", ["T"];
+    DiscardCarried, "discard_carried", Frame, "Discard the carried cameras", "The frames that cameras were carried to get back what they showed before. Those that you have changed or accepted since stay.", [];
     StopTracking, "stop_tracking", Frame, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
     SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner, crossing or spot that it names, where that is certain. Alt at the release keeps it where it is.", [];
@@ -378,6 +380,7 @@ impl Command {
             | Self::Snap
             | Self::SearchLines
             | Self::Track
+            | Self::DiscardCarried
             | Self::StopTracking
             | Self::ZoomToClick
             | Self::HideOverlay

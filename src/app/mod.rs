@@ -62,7 +62,7 @@ pub use sentence::sentence;
 pub use session::Question;
 pub use settings::Settings;
 pub use shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch};
-pub use tracking::{TrackAction, TrackFailure, TrackOrder, Tracking};
+pub use tracking::{CarriedShot, LastCarried, TrackAction, TrackFailure, TrackOrder, Tracking};
 pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference};
 pub use update::{App, MAX_SCALE};
 pub use versioned::Versioned;

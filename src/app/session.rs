@@ -8,7 +8,7 @@ use super::choices::{QualityChoice, Scope};
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
-use super::tracking::Tracking;
+use super::tracking::{LastCarried, Tracking};
 use super::unclicked::UnclickedWork;
 use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
@@ -69,6 +69,8 @@ pub struct Session {
     pub saving: Saving,
     /// Cameras that are being carried through a clip.
     pub tracking: Option<Tracking>,
+    /// What was carried last.
+    pub carried: Option<LastCarried>,
     /// What is being done about the camera's base.
     pub base: BaseWork,
     /// A change after which many frames are solved again, while it is worked out.

@@ -1,7 +1,9 @@
 //! Carrying known cameras through a clip: the order, what is under way, and what came of it in words.
 
-use crate::calibrate::{ClipFrames, ClipProgress, TrackClipError, TrackClipOptions, TrackedClip, clips, track_clip};
-use crate::document::Document;
+use crate::calibrate::{
+    ClipEvidence, ClipFrames, ClipProgress, TrackClipError, TrackClipOptions, TrackedClip, clips, track_clip,
+};
+use crate::document::{Document, Frame};
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
 use std::ops::ControlFlow;
@@ -22,6 +24,17 @@ pub struct TrackOrder {
     pub frame: usize,
     /// The field that it shows.
     pub field: Arc<FieldModel>,
+    /// What the pictures were found to say before; nothing the first time.
+    pub evidence: Arc<ClipEvidence>,
+}
+
+/// What came of an order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CarriedShot {
+    /// The cameras.
+    pub tracked: TrackedClip,
+    /// What the pictures say, for when a frame is corrected.
+    pub evidence: Arc<ClipEvidence>,
 }
 
 /// What changes state while cameras are carried.
@@ -39,7 +52,7 @@ pub enum TrackAction {
         /// Which order.
         ticket: u64,
         /// The cameras, or why there are none.
-        tracked: Result<Box<TrackedClip>, TrackFailure>,
+        carried: Result<Box<CarriedShot>, TrackFailure>,
     },
 }
 
@@ -81,12 +94,15 @@ impl TrackOrder {
         &self,
         reader: &mut dyn ReadFrames,
         watch: &dyn Fn(ClipProgress) -> ControlFlow<()>,
-    ) -> Result<Box<TrackedClip>, TrackFailure> {
+    ) -> Result<Box<CarriedShot>, TrackFailure> {
         let missing = || TrackFailure::Impossible { message: "the frame has no picture".to_owned() };
         let clip = self.clip().ok_or_else(missing)?;
         let options = TrackClipOptions::default();
         let at = self.document.at(&self.folder);
-        Ok(Box::new(track_clip(at, &clip, &self.field, reader, &options, &mut |progress| watch(progress))?))
+        let mut evidence = (*self.evidence).clone();
+        let watch = &mut |progress| watch(progress);
+        let tracked = track_clip(at, &clip, &self.field, reader, &options, &mut evidence, watch)?;
+        Ok(Box::new(CarriedShot { tracked, evidence: evidence.into() }))
     }
 }
 
@@ -98,7 +114,16 @@ pub struct Tracking {
     /// How far it has come; none before it says so.
     pub(super) progress: Option<ClipProgress>,
     /// What came of it, while it waits for the end of what the person is doing.
-    pub(super) done: Option<Box<TrackedClip>>,
+    pub(super) done: Option<Box<CarriedShot>>,
+}
+
+/// The last cameras that were carried.
+#[derive(Debug)]
+pub struct LastCarried {
+    /// What the pictures of their shot say.
+    pub(super) evidence: Arc<ClipEvidence>,
+    /// Their frames as they were before.
+    pub(super) before: Vec<Frame>,
 }
 
 impl Tracking {
@@ -111,6 +136,15 @@ impl Tracking {
             Some(ClipProgress::Painting(done, of)) => format!("Looking at painted lines: {done} of {of} frames…"),
             Some(ClipProgress::Adjusting) => "Adjusting all frames of the shot together…".to_owned(),
         }
+    }
+}
+
+/// What was carried after a correction, in words.
+pub(super) fn describe_followed(taken: usize) -> String {
+    match taken {
+        0 => "No other frame of the shot follows this correction.".to_owned(),
+        1 => "1 other frame of the shot follows this correction.".to_owned(),
+        many => format!("{many} other frames of the shot follow this correction."),
     }
 }
 

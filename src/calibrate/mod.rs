@@ -40,8 +40,8 @@ pub(crate) use calibration::solved_neighbours;
 pub use calibration::{CalibrationError, calibrate, observations};
 pub use check::{Fault, Problem, check_cameras, check_pictures, check_still_runs, check_values};
 pub use clip::{
-    ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions, TrackedClip,
-    TrackedFrame, WatchClip, clips, record_tracked, track_clip,
+    ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
+    TrackedClip, TrackedFrame, WatchClip, clips, record_tracked, track_clip,
 };
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use follow_base::moved_frames;

@@ -3,7 +3,9 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
-use crate::calibrate::{ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip};
+use crate::calibrate::{
+    ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip,
+};
 use crate::document::Fields;
 use crate::media::FrameReader;
 use std::ops::{ControlFlow, RangeInclusive};
@@ -64,7 +66,15 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
             }
             ControlFlow::Continue(())
         };
-        let tracked = track_clip(before.at(location.folder()), &clip, field, &mut reader, &options, &mut watch);
+        let tracked = track_clip(
+            before.at(location.folder()),
+            &clip,
+            field,
+            &mut reader,
+            &options,
+            &mut ClipEvidence::default(),
+            &mut watch,
+        );
         bar.finish_and_clear();
         match tracked {
             Ok(tracked) => {

@@ -40,7 +40,9 @@ impl SharedInputs {
         let data = self.data.as_deref();
         let found = data.and_then(|data| match experiment {
             Experiment::Homographies => folder_with(data, holds_homographies),
-            Experiment::Motion => folder_with(data, |folder| folder.join(MOTION_FILE).is_file()),
+            Experiment::Motion | Experiment::Annotator => {
+                folder_with(data, |folder| folder.join(MOTION_FILE).is_file())
+            }
             Experiment::Worldcup => published_folder(data, PublishedKind::WorldCup),
             Experiment::Synthetic | Experiment::Ransac => None,
             _ => published_folder(data, PublishedKind::Highlights),

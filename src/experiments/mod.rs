@@ -10,6 +10,7 @@
 //! its chance from one seed: the same seed gives the same bytes, times apart.
 
 mod agreement;
+mod annotator;
 mod answers;
 mod baselines;
 mod descriptors;

@@ -29,6 +29,8 @@ pub enum Experiment {
     Descriptors,
     /// With and without distortion in the optimisation.
     Pose,
+    /// What each step of the program is worth to a simulated annotator.
+    Annotator,
     /// Published homographies: our camera fitted to them, and how many frames share a base. Needs data.
     Homographies,
     /// The motion of a real broadcast camera, drawn. Needs data.
@@ -37,7 +39,7 @@ pub enum Experiment {
 
 impl Experiment {
     /// All of them, in the order of the report.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Synthetic,
         Self::Ransac,
         Self::Highlights,
@@ -49,6 +51,7 @@ impl Experiment {
         Self::Baselines,
         Self::Descriptors,
         Self::Pose,
+        Self::Annotator,
         Self::Homographies,
         Self::Motion,
     ];
@@ -68,6 +71,7 @@ impl Experiment {
             Self::Baselines => "baselines",
             Self::Descriptors => "descriptors",
             Self::Pose => "pose",
+            Self::Annotator => "annotator",
             Self::Homographies => "homographies",
             Self::Motion => "motion",
         }
@@ -76,7 +80,7 @@ impl Experiment {
     /// Whether it looks at frames that may be a user's own.
     #[must_use]
     pub const fn takes_frames(self) -> bool {
-        !matches!(self, Self::Synthetic | Self::Ransac | Self::Homographies | Self::Motion)
+        !matches!(self, Self::Synthetic | Self::Ransac | Self::Annotator | Self::Homographies | Self::Motion)
     }
 
     /// Whether it is about data that the program does not have.

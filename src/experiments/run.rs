@@ -2,7 +2,7 @@
 
 use super::progress::Progress;
 use super::{
-    Experiment, ExperimentError, SharedInputs, baselines, descriptors, homographies, motion, pose, ransac,
+    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, homographies, motion, pose, ransac,
     relocalization, synthetic,
 };
 use crate::report::Report;
@@ -26,6 +26,7 @@ impl Experiment {
             Self::Descriptors => descriptors::run(inputs, progress),
             Self::Pose => pose::run(inputs, progress),
             Self::Homographies => homographies::run(&inputs.options, &inputs.given_for(self)?, progress),
+            Self::Annotator => annotator::run(&inputs.options, inputs.given_for(self).ok().as_deref(), progress),
             Self::Motion => motion::run(&inputs.options, &inputs.given_for(self)?, progress),
         }
     }

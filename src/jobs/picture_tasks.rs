@@ -86,8 +86,8 @@ pub(super) fn tracked(
     pictures: SharedPictures,
     watch: &dyn Fn(ClipProgress) -> ControlFlow<()>,
 ) -> Action {
-    let tracked = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
-    Action::Track(TrackAction::Done { ticket: order.ticket, tracked })
+    let carried = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
+    Action::Track(TrackAction::Done { ticket: order.ticket, carried })
 }
 
 /// Looks where the landmarks of clicks are painted.

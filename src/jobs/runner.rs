@@ -292,7 +292,7 @@ impl Runner {
                         }
                         Kind::Track(ticket) => Action::Track(TrackAction::Done {
                             ticket,
-                            tracked: Err(TrackFailure::Panicked { message }),
+                            carried: Err(TrackFailure::Panicked { message }),
                         }),
                         Kind::SnapPoints(ticket) => {
                             Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }

@@ -145,6 +145,12 @@ impl Layered {
         Some(edit).filter(|edit| !edit.is_empty())
     }
 
+    /// Forgets what is suggested for a frame now. Readers see it until an edit shows something else there.
+    pub(crate) fn forget(&mut self, frame: &Frame) {
+        let base = Bases::of(self.edited()).of_frame(frame);
+        self.suggestions.forget(&frame.id, base);
+    }
+
     /// The positions at which a later state may differ from [`Self::shown`].
     fn changed(&self, now: &Document) -> Vec<usize> {
         now.frames.changed_in_place(&self.shown().frames).unwrap_or_else(|| (0..now.frames.len()).collect())

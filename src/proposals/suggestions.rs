@@ -38,6 +38,13 @@ impl Suggestions {
         }
     }
 
+    /// Forgets what is suggested for a frame while its camera has this base.
+    pub(super) fn forget(&mut self, frame: &FrameId, base: Option<CameraBase>) {
+        if let Some(kept) = self.by_frame.get_mut(frame) {
+            kept.retain(|known| known.base != base);
+        }
+    }
+
     /// The frames that anything is suggested for, or was when their cameras had other bases.
     pub(super) fn frames(&self) -> impl Iterator<Item = &FrameId> {
         self.by_frame.keys()

@@ -93,6 +93,14 @@ pub struct CameraMotion {
     pub zoom_per_s: f64,
 }
 
+impl CameraMotion {
+    /// The same way back.
+    #[must_use]
+    pub fn reversed(self) -> Self {
+        Self { pan_per_s: -self.pan_per_s, tilt_per_s: -self.tilt_per_s, zoom_per_s: -self.zoom_per_s }
+    }
+}
+
 /// How a whole sequence is taken; a preset of it makes frames comparable between runs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShootOptions {

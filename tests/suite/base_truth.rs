@@ -12,8 +12,8 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImagePoint, ImageSize, Vec2, Vec3};
 use touchline::solve::Observation;
 use touchline::solve::base::{
-    BaseError, BaseOptions, BaseProgress, BesideFrames, CameraClicks, CrownModel, FrameClicks, LensModel,
-    estimate_base, estimate_base_watched,
+    AdjustOptions, BaseError, BaseModel, BaseOptions, BaseProgress, BesideFrames, CameraClicks, CrownModel,
+    FrameClicks, LensModel, adjust_base, estimate_base, estimate_base_watched,
 };
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -71,6 +71,27 @@ fn frames(
 
 fn prescribed(lens: LensModel, crown: CrownModel) -> BaseOptions {
     BaseOptions { lens: Some(lens), crown: Some(crown), ..BaseOptions::default() }
+}
+
+#[test]
+fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
+    let mut rng = seeded::rng("a_frame_in_which_nothing_was_seen_holds_nothing_back");
+    let field = field(0.0);
+    let base = true_base(FocalCurve::NONE);
+    let (mut frames, truth) = frames(base, &field, 6, 8, 0.5, &mut rng);
+    let mut ptz: Vec<Option<Ptz>> = truth.into_iter().map(Some).collect();
+    let start = CameraBase { position_m: base.position_m + Vec3::new(0.5, -1.0, 0.4), ..base };
+    let pinhole = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+    let adjusted = |frames: &[FrameClicks], ptz: &[Option<Ptz>]| {
+        adjust_base(&CameraClicks::centred(&field, frames, SIZE), &start, ptz, &pinhole, &AdjustOptions::default())
+    };
+    let without = adjusted(&frames, &ptz);
+    assert!((without.base.position_m - base.position_m).norm() < 0.3, "{:?}", without.base.position_m);
+    frames.insert(2, FrameClicks { observations: Vec::new(), start: None });
+    ptz.insert(2, Some(Ptz::from_degrees(1.0, -12.0, 2000.0)));
+    let with = adjusted(&frames, &ptz);
+    assert_eq!(with.base, without.base);
+    assert_eq!((with.ptz[2], with.ptz.iter().flatten().count()), (None, 6));
 }
 
 #[test]

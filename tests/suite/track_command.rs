@@ -7,10 +7,12 @@ use std::fs;
 use std::path::Path;
 use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command};
+use touchline::camera::Ptz;
 use touchline::document::{
-    Document, Frame, FrameStatus, Solution, SolutionSource, document_from_bytes, document_to_string,
+    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes, document_to_string,
 };
-use touchline::geometry::{ImagePoint, Mat3, Vec3};
+use touchline::field::{Landmark, LandmarkId};
+use touchline::geometry::{Angle, ImagePoint, Mat3, Vec3};
 
 fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
@@ -163,4 +165,79 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     headless.act(Action::Command(Command::Undo));
     assert_eq!(headless.app.frame().unwrap().status, FrameStatus::Suggested);
     assert_eq!(tracked(&headless.app), 28);
+
+    // They go as they came.
+    headless.act(Action::Command(Command::DiscardCarried));
+    assert_eq!(tracked(&headless.app), 0);
+    assert!(headless.app.why_not(Command::DiscardCarried).is_some());
+    let decided = |app: &App| app.open().unwrap().document.frames.iter().filter(|frame| !frame.is_open()).count();
+    assert_eq!(decided(&headless.app), 2, "the known frames stay");
+}
+
+/// Where a frame shows the landmarks of the field.
+fn shown(truth: &Document, frame: usize) -> Vec<(LandmarkId, ImagePoint)> {
+    let field = touchline::field::builtin("soccer").unwrap().default_model().unwrap();
+    let camera = truth.pointed(&truth.frames[frame]).unwrap();
+    let seen = |landmark: &Landmark| {
+        let at = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+        let inside = (20.0..620.0).contains(&at.x) && (20.0..340.0).contains(&at.y);
+        inside.then(|| (landmark.id.clone(), at))
+    };
+    field.landmarks.iter().filter_map(seen).collect()
+}
+
+/// The two landmarks of a frame that are farthest apart.
+fn far_apart(truth: &Document, frame: usize) -> [LandmarkId; 2] {
+    let shown = shown(truth, frame);
+    let pairs = shown.iter().flat_map(|one| shown.iter().map(move |other| (one, other)));
+    let apart = |(one, other): &(&(LandmarkId, ImagePoint), &(LandmarkId, ImagePoint))| one.1.distance_px(other.1);
+    let (one, other) = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+    [one.0.clone(), other.0.clone()]
+}
+
+/// Clicks a landmark of the shown frame where it is.
+fn click(headless: &mut Headless, truth: &Document, landmark: &LandmarkId) {
+    let shown = shown(truth, headless.app.session.frame);
+    let (_, at) = shown.iter().find(|(id, _)| id == landmark).unwrap();
+    headless.act(Action::Press { at: *at, on: None });
+    headless.act(Action::Release);
+    let click = headless.app.frame().unwrap().clicks.len() - 1;
+    headless.act(Action::Name { click, target: Target::Landmark(landmark.clone()) });
+}
+
+#[test]
+fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures_again() {
+    let place = tempfile::tempdir().unwrap();
+    let truth = drawn_clip(place.path());
+    let folder = place.path().join("match");
+    // The last frame is known wrongly, and hardly.
+    let mut asked = document(&folder.join("ask.json"));
+    let last: &mut Frame = asked.frames.iter_mut().last().unwrap();
+    (last.status, last.ptz, last.solution) = (FrameStatus::New, None, None);
+    let first: &mut Frame = &mut asked.frames[0];
+    let ptz = first.ptz.as_mut().unwrap();
+    *ptz = FramePtz::new(Ptz { pan: ptz.ptz().pan + Angle::from_degrees(0.4), ..ptz.ptz() }, None);
+    first.solution.as_mut().unwrap().covariance = Some(Mat3::from_diagonal(&Vec3::new(0.25, 0.25, 400.0)));
+    write(&folder.join("project.json"), &asked);
+    let mut headless = Headless::new();
+    headless.act(Action::Open(folder.clone()));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless.act(Action::Command(Command::Track));
+    headless.wait_until("the cameras", |app| tracked(app) == 29);
+    let off_px = |app: &App, frame| worst_px(&app.open().unwrap().document, &truth, frame);
+    // Without most of its pictures the shot can only follow by what was seen before. Those that are held to their paint are looked at
+    // again where masks were found since.
+    for at in (0..28).filter(|at| at % 5 != 0) {
+        fs::remove_file(folder.join(format!("images/{:04}.jpg", at + 1))).unwrap();
+    }
+    headless.act(Action::GoTo(29));
+    headless.wait_for_picture();
+    for landmark in far_apart(&truth, 29) {
+        click(&mut headless, &truth, &landmark);
+    }
+    headless.act(Action::Command(Command::AcceptAndStay));
+    let followed = |app: &App| app.session.notices.iter().any(|notice| notice.text.contains("follow this correction"));
+    headless.wait_until("the others follow", followed);
+    assert_eq!(tracked(&headless.app), 28);
+    assert!(off_px(&headless.app, 20) < 2.0, "{}", off_px(&headless.app, 20));
 }

@@ -87,6 +87,7 @@ impl App {
             }
             self.record_paint();
             self.commit();
+            self.carry_correction();
             self.refresh_review();
             let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);
             if let Some(open) = &mut self.open {

@@ -4,9 +4,12 @@ use super::App;
 use crate::app::Command;
 use crate::app::effect::Effect;
 use crate::app::session::{Level, Mode};
-use crate::app::tracking::{TrackAction, TrackFailure, TrackOrder, Tracking, describe_tracked};
-use crate::calibrate::{TrackedClip, record_tracked};
-use crate::document::{Camera, Step};
+use crate::app::tracking::{
+    CarriedShot, LastCarried, TrackAction, TrackFailure, TrackOrder, Tracking, describe_followed, describe_tracked,
+};
+use crate::calibrate::{ClipEvidence, TrackedClip, TrackedFrame, record_tracked};
+use crate::document::{Camera, Frame, SolutionSource, Step};
+use std::sync::Arc;
 
 impl App {
     /// Why cameras cannot be carried through the shown frame's clip now; none if they can.
@@ -32,10 +35,26 @@ impl App {
     /// Has known cameras carried through the shown frame's clip.
     pub(super) fn track(&mut self) {
         self.commit_open_step();
+        self.order_tracking(Arc::default());
+    }
+
+    /// Has the shot of the shown frame, which was just accepted, follow it if cameras were carried through it before.
+    pub(super) fn carry_correction(&mut self) {
+        let (Some(open), Some(frame), Some(carried)) = (&self.open, self.frame(), &self.session.carried) else {
+            return;
+        };
+        let shown = frame.picture_source(&open.folder).is_some_and(|source| carried.evidence.shows(&source));
+        if shown && frame.is_solved_by_clicks() && self.why_not_track().is_none() {
+            self.order_tracking(Arc::clone(&carried.evidence));
+        }
+    }
+
+    fn order_tracking(&mut self, evidence: Arc<ClipEvidence>) {
         let (Some(open), Some(field)) = (&self.open, self.current.field().cloned()) else { return };
         self.track_tickets += 1;
         let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        let order = TrackOrder { ticket: self.track_tickets, document, folder, frame: self.session.frame, field };
+        let (ticket, frame) = (self.track_tickets, self.session.frame);
+        let order = TrackOrder { ticket, document, folder, frame, field, evidence };
         self.effects.push(Effect::Track(Box::new(order.clone())));
         self.session.tracking = Some(Tracking { order, progress: None, done: None });
     }
@@ -56,8 +75,8 @@ impl App {
         };
         match action {
             TrackAction::Progress { progress, .. } => tracking.progress = Some(progress),
-            TrackAction::Done { tracked: Ok(tracked), .. } => tracking.done = Some(tracked),
-            TrackAction::Done { tracked: Err(failure), .. } => {
+            TrackAction::Done { carried: Ok(carried), .. } => tracking.done = Some(carried),
+            TrackAction::Done { carried: Err(failure), .. } => {
                 self.session.tracking = None;
                 let level =
                     if matches!(failure, TrackFailure::Panicked { .. }) { Level::Error } else { Level::Warning };
@@ -75,7 +94,8 @@ impl App {
         if is_busy || self.session.tracking.as_ref().is_none_or(|tracking| tracking.done.is_none()) {
             return;
         }
-        let Some(Tracking { order, done: Some(tracked), .. }) = self.session.tracking.take() else { return };
+        let Some(Tracking { order, done: Some(carried), .. }) = self.session.tracking.take() else { return };
+        let CarriedShot { tracked, evidence } = *carried;
         let Some(open) = &self.open else { return };
         let base_now = open.document.camera(&order.document.frames[order.frame].camera).and_then(Camera::base);
         if base_now.as_ref() != Some(&tracked.base) {
@@ -90,10 +110,17 @@ impl App {
             open.document.frames[now].is_open().then_some(now)
         };
         let frames = tracked.frames.iter();
-        let frames =
-            frames.filter_map(|of| Some(crate::calibrate::TrackedFrame { place: here(of.place)?, ..of.clone() }));
-        let taken = TrackedClip { frames: frames.collect(), references: Vec::new(), ..*tracked };
+        let frames = frames.filter_map(|of| Some(TrackedFrame { place: here(of.place)?, ..of.clone() }));
+        let taken = TrackedClip { frames: frames.collect(), references: Vec::new(), ..tracked };
         let count = taken.frames.len();
+        let is_again = *order.evidence != ClipEvidence::default();
+        // What a correction replaces was carried itself: what stood before that is what can be had back.
+        let replaced = |of: &TrackedFrame| open.document.frames.get(of.place).map(|frame| Frame::clone(frame));
+        let before = match self.session.carried.take().filter(|_| is_again) {
+            Some(last) => last.before,
+            None => taken.frames.iter().filter_map(replaced).collect(),
+        };
+        self.session.carried = Some(LastCarried { evidence, before });
         if count > 0 {
             if !self.begin_step(Step::on_document("Carry cameras through the shot")) {
                 return;
@@ -103,8 +130,39 @@ impl App {
             }
             self.commit();
         }
+        self.session.retract(Command::DiscardCarried);
+        let offers = [("Review", Command::ReviewPanel), ("Discard", Command::DiscardCarried)];
+        if is_again {
+            self.session.notify_with(Level::Info, describe_followed(count), offers);
+            return;
+        }
         let level = if taken.stops.is_empty() { Level::Info } else { Level::Warning };
-        let offers = [("Review", Command::ReviewPanel)];
         self.session.notify_with(level, describe_tracked(&taken, count), offers);
+    }
+
+    /// Gives the frames that cameras were carried to what they showed before, where nobody has changed them since.
+    pub(super) fn discard_carried(&mut self) {
+        let Some(LastCarried { before, .. }) = self.session.carried.take() else { return };
+        self.session.retract(Command::DiscardCarried);
+        if !self.begin_step(Step::on_document("Discard the carried cameras")) {
+            return;
+        }
+        let mut discarded = 0;
+        for before in before {
+            let Some(open) = &mut self.open else { break };
+            let Some(frame) = open.document.frames.by_id_mut(&before.id) else { continue };
+            let source = frame.solution.as_ref().and_then(|solution| solution.source);
+            if frame.is_open() && source == Some(SolutionSource::Tracking) {
+                open.journalled.forget(frame);
+                (frame.status, frame.ptz, frame.solution) = (before.status, before.ptz, before.solution);
+                discarded += 1;
+            }
+        }
+        self.commit();
+        let text = match discarded {
+            1 => "1 frame has again what it showed before.".to_owned(),
+            many => format!("{many} frames have again what they showed before."),
+        };
+        self.session.notify(Level::Info, text);
     }
 }

@@ -2,12 +2,14 @@
 
 mod anchors;
 mod error;
+mod evidence;
 mod frames;
 mod paint;
 mod record;
 mod track;
 
 pub use error::TrackClipError;
+pub use evidence::ClipEvidence;
 pub use frames::{ClipFrame, ClipFrames, clips};
 pub use record::record_tracked;
 pub use track::{

@@ -2,13 +2,14 @@
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::PixelBox;
+use crate::geometry::{ImageSize, PixelBox};
 use crate::media::Picture;
 use crate::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
 use crate::solve::Loss;
 use crate::track::Anchor;
 
 /// What the paint of a picture says about a camera.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum Painted {
     /// It is here.
     Snapped(Anchor),
@@ -18,12 +19,27 @@ pub(super) enum Painted {
     Open,
 }
 
-/// The unevenness of paint stays from frame to frame: a line pulls neighbouring frames the same way. Each counts for fewer by
-/// this factor.
-const ALIKE: f64 = 4.0;
-
 /// Paint is looked for this near to where the points put it, px at 1920 px width.
 const REACH_PX: f64 = 16.0;
+
+/// The unevenness of paint stays: frames that show the same lines err by the same. Together they say no more than one of them, so
+/// each counts for less by as many as show what it shows.
+pub(super) fn share_alike(anchors: &mut [Anchor], size: ImageSize) {
+    let cameras: Vec<Ptz> = anchors.iter().map(|anchor| anchor.ptz).collect();
+    for anchor in anchors {
+        let alike: f64 = cameras.iter().map(|other| overlap(anchor.ptz, *other, size)).sum();
+        anchor.covariance *= alike.max(1.0);
+    }
+}
+
+/// How much of what a camera sees another one sees as large: 1 for the same camera.
+fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
+    let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
+    let apart = [across / f64::from(size.width), (other.tilt - one.tilt).radians() / f64::from(size.height)];
+    let zoom = (other.focal_px / one.focal_px).ln().abs() / std::f64::consts::LN_2;
+    let shares = apart.map(|by| (1.0 - by.abs() * one.focal_px).max(0.0));
+    shares[0] * shares[1] * (1.0 - zoom).max(0.0)
+}
 
 /// What the paint of a frame's picture says.
 pub(super) fn painted(
@@ -39,7 +55,7 @@ pub(super) fn painted(
         return Painted::Snapped(Anchor {
             frame,
             ptz: snapped.ptz,
-            covariance: snapped.uncertainty.clicks * ALIKE,
+            covariance: snapped.uncertainty.clicks,
             loss: Loss::Cauchy { c: 2.0 },
         });
     }

@@ -2,8 +2,9 @@
 
 use super::anchors::anchors;
 use super::error::TrackClipError;
+use super::evidence::{ClipEvidence, FollowedPictures};
 use super::frames::ClipFrames;
-use super::paint::{Painted, painted};
+use super::paint::{Painted, painted, share_alike};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{DocumentAt, FrameStatus};
 use crate::field::FieldModel;
@@ -11,8 +12,8 @@ use crate::geometry::{ImageSize, PixelBox};
 use crate::media::{Picture, ReadFrames};
 use crate::solve::Uncertainty;
 use crate::track::{
-    AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, PointFollower, SmoothOptions,
-    TrackError, Unsmoothed, adjust_clip, carry, smooth,
+    AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, PointFollower, PointTracks,
+    SmoothOptions, TrackError, Unsmoothed, adjust_clip, carry, smooth,
 };
 use nalgebra::Vector6;
 use std::ops::ControlFlow;
@@ -125,7 +126,8 @@ pub struct TrackedClip {
     pub raw_jitter: Option<Jitter>,
 }
 
-/// Carries the known cameras of a clip to its other frames. Frames that people decided on keep their cameras.
+/// Carries the known cameras of a clip to its other frames. Frames that people decided on keep their cameras. What the pictures
+/// say goes into `evidence`; what it holds of the same pictures already is not looked for again.
 ///
 /// # Errors
 /// [`TrackClipError`]: its camera has no base, no frame has a camera, a picture cannot be read, or it was stopped.
@@ -135,6 +137,7 @@ pub fn track_clip(
     field: &FieldModel,
     reader: &mut dyn ReadFrames,
     options: &TrackClipOptions,
+    evidence: &mut ClipEvidence,
     watch: WatchClip<'_>,
 ) -> Result<TrackedClip, TrackClipError> {
     let document = at.document;
@@ -149,8 +152,9 @@ pub fn track_clip(
     if known.is_empty() {
         return Err(TrackClipError::NothingKnown { frames: clip.frames.len() });
     }
-    let mut clip_pictures = ClipPictures { at, clip, size };
-    let tracks = clip_pictures.followed(reader, options.follow, watch)?;
+    let clip_pictures = ClipPictures { at, clip, size };
+    let tracks = clip_pictures.followed(reader, options.follow, evidence, watch)?;
+    evidence.with_base(&base);
     let mut anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&base, &tracks, &anchors, &options.carry);
     let adjust = |anchors: &[Anchor], watch: &mut dyn FnMut(ClipProgress) -> ControlFlow<()>| {
@@ -162,7 +166,7 @@ pub fn track_clip(
     let mut paint = vec![Paint::Silent; clip.frames.len()];
     let mut painted = 0;
     if options.paint_every > 0 {
-        let found = clip_pictures.painted(reader, &adjusted, field, &base, options.paint_every, watch)?;
+        let found = clip_pictures.painted(reader, &adjusted, (field, &base), options.paint_every, evidence, watch)?;
         for (frame, found) in found {
             let says = match found {
                 Painted::Snapped(anchor) => {
@@ -175,6 +179,7 @@ pub fn track_clip(
             // The frames up to the next one that is asked are like it.
             paint[frame..].iter_mut().take(options.paint_every).for_each(|paint| *paint = says);
         }
+        share_alike(&mut anchors[known.len()..], size);
         painted = anchors.len() - known.len();
         if painted > 0 {
             adjusted = adjust(&anchors, watch)?;
@@ -339,23 +344,42 @@ impl ClipPictures<'_> {
         of_document.map(|frame| self.at.document.masks_of(frame)).unwrap_or_default()
     }
 
-    /// The points of all pictures; while one picture's are followed the next is read.
+    /// The points of all pictures.
     fn followed(
-        &mut self,
+        &self,
         reader: &mut dyn ReadFrames,
         options: FollowOptions,
+        evidence: &mut ClipEvidence,
         watch: WatchClip<'_>,
-    ) -> Result<crate::track::PointTracks, TrackClipError> {
+    ) -> Result<PointTracks, TrackClipError> {
+        let pictures =
+            FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
+        let masks: Vec<_> = (0..self.clip.frames.len()).map(|frame| self.masks(frame)).collect();
+        if let Some(tracks) = evidence.tracks(&pictures, &masks) {
+            return Ok(tracks);
+        }
+        let tracks = self.newly_followed(reader, options, &masks, watch)?;
+        evidence.begin(pictures, masks, tracks.clone());
+        Ok(tracks)
+    }
+
+    /// The points of all pictures, read one after the other; while one picture's are followed the next is read.
+    fn newly_followed(
+        &self,
+        reader: &mut dyn ReadFrames,
+        options: FollowOptions,
+        masks: &[Vec<PixelBox>],
+        watch: WatchClip<'_>,
+    ) -> Result<PointTracks, TrackClipError> {
         let count = self.clip.frames.len();
         let mut follower = PointFollower::new(self.size, options);
         let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
-        for frame in 0..count {
+        for (frame, masks) in masks.iter().enumerate() {
             go_on(watch(ClipProgress::Following(frame, count)))?;
             let Some(picture) = next.take() else { break };
-            let masks = self.masks(frame);
             let mut ended: Result<usize, TrackError> = Ok(0);
             let read = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| ended = follower.add(&picture, &masks));
+                scope.spawn(|_| ended = follower.add(&picture, masks));
                 (frame + 1 < count).then(|| self.read(reader, frame + 1)).transpose()
             });
             ended?;
@@ -369,9 +393,9 @@ impl ClipPictures<'_> {
         &self,
         reader: &mut dyn ReadFrames,
         adjusted: &AdjustedClip,
-        field: &FieldModel,
-        base: &CameraBase,
+        (field, base): (&FieldModel, &CameraBase),
         every: usize,
+        evidence: &mut ClipEvidence,
         watch: WatchClip<'_>,
     ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
         let reached = adjusted.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, (*frame)?.ptz)));
@@ -379,8 +403,15 @@ impl ClipPictures<'_> {
         let mut found = Vec::with_capacity(asked.len());
         for (done, &(frame, ptz)) in asked.iter().enumerate() {
             go_on(watch(ClipProgress::Painting(done, asked.len())))?;
-            let picture = self.read(reader, frame)?;
-            found.push((frame, painted(&picture, &self.masks(frame), field, base, (frame, ptz))));
+            let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
+                says
+            } else {
+                let picture = self.read(reader, frame)?;
+                let says = painted(&picture, &self.masks(frame), field, base, (frame, ptz));
+                evidence.keep_paint(frame, ptz, says.clone());
+                says
+            };
+            found.push((frame, says));
         }
         Ok(found)
     }

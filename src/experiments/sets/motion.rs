@@ -14,9 +14,8 @@ use std::path::Path;
 
 /// The name of the file with the published motion.
 pub const MOTION_FILE: &str = "soccer_ground_truth.json";
-/// The size of the published pictures, px; their field is 118 × 70 yards, its origin in a corner.
+/// The size of the published pictures, px.
 const PUBLISHED_SIZE: ImageSize = ImageSize::new(1280, 720);
-const FIELD_M: [f64; 2] = [118.0 * 0.9144, 70.0 * 0.9144];
 /// From their principal point, which counts from the first pixel's centre, to corner coordinates, px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
 /// Frames a second: television's, which the file does not state. Only the drawn players and the blur depend on it.
@@ -49,6 +48,9 @@ struct MotionFrame {
 }
 
 impl RealMotion {
+    /// Its field, 118 × 70 yards, m; the origin of the file is a corner of it.
+    pub const FIELD_M: [f64; 2] = [118.0 * 0.9144, 70.0 * 0.9144];
+
     /// Reads the published file.
     ///
     /// # Errors
@@ -61,7 +63,7 @@ impl RealMotion {
             return Err(wrong("frames with focal lengths above 0 are wanted".to_owned()));
         }
         let [x, y] = file.principal_point_px.map(|at| at + CORNER_FROM_CENTRE);
-        let corner_m = Vec3::new(0.5 * FIELD_M[0], 0.5 * FIELD_M[1], 0.0);
+        let corner_m = Vec3::new(0.5 * Self::FIELD_M[0], 0.5 * Self::FIELD_M[1], 0.0);
         let rotation = Mat3::from_fn(|row, column| file.base_rotation[row][column]);
         Ok(Self {
             base: CameraBase::new(Vec3::from(file.position_m) - corner_m, rotation, ImagePoint::new(x, y)),
@@ -79,7 +81,7 @@ impl RealMotion {
     }
 
     /// How it moves at a frame, per second.
-    fn motion_at(&self, index: usize) -> CameraMotion {
+    pub fn motion_at(&self, index: usize) -> CameraMotion {
         let last = self.ptz.len() - 1;
         let (before, after) = (index.saturating_sub(1), (index + 1).min(last));
         let per_s = FRAMES_A_SECOND / (after - before).max(1) as f64;
@@ -105,7 +107,7 @@ pub fn motion(
     let size = picture_size(options);
     let scaled = real.scaled(size);
     let shoot = Preset::Paper.shoot();
-    let [length_m, width_m] = FIELD_M;
+    let [length_m, width_m] = RealMotion::FIELD_M;
     let sides = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
     let field = builtin("soccer")?.model(&sides, 0.0)?;
     let seed = options.seed;

@@ -4,7 +4,7 @@ use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE, ROTATION, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
-use super::{BaseModel, CameraClicks, CrownModel, LensModel};
+use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
 use crate::geometry::{Angle, Mat3, Vec3};
@@ -66,7 +66,7 @@ pub struct AdjustedBase {
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
-    /// Pan, tilt, focal length of every frame; none where the start had none.
+    /// Pan, tilt, focal length of every frame; none where the start had none, or where nothing was seen.
     pub ptz: Vec<Option<Ptz>>,
     /// Covariance of the position, m².
     pub position_covariance: Mat3,
@@ -92,8 +92,11 @@ pub fn adjust_base(
     let CameraClicks { field, frames, .. } = *clicks;
     let image_width_px = clicks.image_size.width;
     let on_ground = |observation: &Observation| BaseClick::new(observation, field.crown());
+    // A frame of which nothing was seen has nothing to say: its equations would have no solution.
+    let start_of = |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
+    let start_ptz: Vec<Option<Ptz>> = frames.iter().zip(start_ptz).map(start_of).collect();
     let clicks = frames.iter().map(|frame| frame.used().map(on_ground).collect());
-    let (clicks, ptz) = clicks.zip(start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
+    let (clicks, ptz) = clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
         priors: options.priors.of_model(model, image_width_px),

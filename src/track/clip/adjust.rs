@@ -37,10 +37,6 @@ pub struct AdjustedFrame {
     pub ptz: Ptz,
     /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
     pub covariance: Mat3,
-    /// Followed points that it shows.
-    pub points: usize,
-    /// The median of their distances from where the clip puts them, px; 0 without points.
-    pub residual_px: f64,
 }
 
 /// A clip after its adjustment.
@@ -52,8 +48,6 @@ pub struct AdjustedClip {
     pub sigma_px: f64,
     /// By how much the points had to be taken as less exact than that, so that the anchors hold; 1 where the two agree.
     pub widened: f64,
-    /// Steps taken.
-    pub iterations: usize,
 }
 
 /// Adjusts the frames that were reached.
@@ -120,17 +114,12 @@ pub fn adjust_clip(
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
     let covariances = fine.equations.covariances()?;
-    let mut distances: Vec<Vec<f64>> = vec![Vec::new(); covariances.len()];
-    for (row, off) in problem.residuals(&fine.state) {
-        distances[row].extend(off.map(|off| off.norm()));
-    }
     let frames = row_of.iter().map(|row| {
         let row = (*row)?;
-        let (ptz, points) = (fine.state.ptz[row], distances[row].len());
-        let residual_px = median(&mut distances[row]).unwrap_or(0.0);
-        Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px), points, residual_px })
+        let ptz = fine.state.ptz[row];
+        Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
     });
-    Some(AdjustedClip { frames: frames.collect(), sigma_px, widened, iterations: rough.iterations + fine.iterations })
+    Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
 }
 
 /// The anchors' mean square distance per number, in sigmas², from which on the points are taken as less exact.

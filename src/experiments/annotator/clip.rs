@@ -1,0 +1,152 @@
+//! The clip that a simulated annotator labels: drawn under the worst conditions of live television, its truth exact.
+
+use crate::camera::{CameraBase, PtzCamera};
+use crate::document::{Camera, CameraId, Click, Document, FieldSpec, Frame, Target};
+use crate::experiments::sets::{MOTION_FILE, RealMotion};
+use crate::experiments::{ExperimentError, ExperimentOptions};
+use crate::field::FieldModel;
+use crate::geometry::{ImageSize, PixelBox};
+use crate::synthetic::{
+    ClickOptions, ClickTarget, PathStep, Preset, ShootOptions, StadiumOptions, camera_path, drawn_clicks, stadium,
+};
+use image::codecs::jpeg::JpegEncoder;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::path::Path;
+use tempfile::{Builder, TempDir};
+
+/// Seconds between frames: television's.
+const STEP_S: f64 = 0.04;
+
+/// 1-σ of a simulated click along x and along y, px.
+pub const CLICK_SIGMA_PX: f64 = 2.0;
+
+/// A drawn clip: its pictures in a folder of its own, and what is true of them.
+pub struct DrawnClip {
+    /// Where the motion comes from, in words.
+    pub motion: &'static str,
+    /// The document without a camera on any frame; the base is known, no mask covers the score.
+    pub document: Document,
+    /// What the pictures show.
+    pub field: FieldModel,
+    /// Each frame's camera.
+    pub truth: Vec<PtzCamera>,
+    folder: TempDir,
+    /// What covers the field in each frame, px: players and the score.
+    hidden: Vec<Vec<PixelBox>>,
+}
+
+impl DrawnClip {
+    /// Draws it: along the published motion of a real camera, there and back as often as it takes, if `data` holds it.
+    ///
+    /// # Errors
+    /// The motion cannot be read, or a picture cannot be written.
+    pub fn drawn(
+        options: &ExperimentOptions,
+        data: Option<&Path>,
+        progress: &(dyn Fn() + Sync),
+    ) -> Result<Self, ExperimentError> {
+        let size = ImageSize::new(1280, 720);
+        let count = frame_count(options);
+        let shoot = ShootOptions { step_s: STEP_S, ..Preset::Hard.shoot() };
+        let of_stand = shoot.main_camera(size);
+        let mut spec = FieldSpec::new("soccer");
+        let real = data.map(|folder| RealMotion::read(&folder.join(MOTION_FILE))).transpose()?;
+        if real.is_some() {
+            let [length_m, width_m] = RealMotion::FIELD_M;
+            spec.params = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+        }
+        let field = spec.model(Path::new(""))?;
+        let seed = options.seed.wrapping_add(61);
+        let daylight = shoot.daylight;
+        let scene = stadium(&StadiumOptions { daylight, ..StadiumOptions::new(field.clone(), seed) });
+        let (base, path, motion) = match &real {
+            Some(real) => {
+                // The published lens has no distortion: it gets that of the hard preset.
+                let base = CameraBase { distortion: of_stand.distortion, ..real.base };
+                (base, there_and_back(real, count), "the published motion of a real broadcast camera, there and back")
+            }
+            None => (of_stand, camera_path(&scene, &of_stand, size, &shoot, count), "a drawn operator's motion"),
+        };
+        let unwritten = |path: &Path, error: &std::io::Error| ExperimentError::Given {
+            path: path.to_path_buf(),
+            reason: format!("cannot be written: {error}"),
+        };
+        let folder = TempDir::new().map_err(|error| unwritten(&std::env::temp_dir(), &error))?;
+        let take = |(number, step): (usize, &PathStep)| -> Result<Vec<PixelBox>, ExperimentError> {
+            let drawn =
+                scene.render(&PtzCamera::new(base, step.ptz), size, &shoot.frame(number, step, size, options.seed));
+            let file = Builder::new().prefix(&name(number)).rand_bytes(0).tempfile_in(folder.path());
+            let file = file.map_err(|error| unwritten(folder.path(), &error))?;
+            JpegEncoder::new_with_quality(file.as_file(), shoot.jpeg_quality).encode_image(&drawn.image)?;
+            // It goes with its folder.
+            file.keep().map_err(|error| unwritten(folder.path(), &error.error))?;
+            progress();
+            Ok(drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect())
+        };
+        let hidden: Result<Vec<_>, ExperimentError> = path.par_iter().enumerate().map(take).collect();
+        let mut document = Document::new(spec);
+        let mut camera = Camera::new(CameraId::from("main"), size);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let frame = |number| Frame::from_image(&name(number), CameraId::from("main"), size).into();
+        document.frames.extend((0..count).map(frame));
+        let truth = path.iter().map(|step| PtzCamera::new(base, step.ptz)).collect();
+        Ok(Self { motion, document, field, truth, folder, hidden: hidden? })
+    }
+
+    /// Where its pictures are.
+    pub fn folder(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The clicks of a person on a frame, as many landmarks as are asked for at most.
+    pub fn clicks(&self, frame: usize, landmarks: usize) -> Vec<Click> {
+        let options = ClickOptions { landmarks, lines: 0, sigma_px: CLICK_SIGMA_PX, seed: frame as u64 };
+        let size = self.document.frames[frame].image_size;
+        drawn_clicks(&self.field, &self.truth[frame], size, &self.hidden[frame], &options)
+            .into_iter()
+            .map(|click| match click.target {
+                ClickTarget::Landmark(id) => Click::new(Target::Landmark(id), click.image),
+                ClickTarget::Line(id) => Click::new(Target::Line(id), click.image),
+            })
+            .collect()
+    }
+}
+
+/// How many frames are drawn.
+pub const fn frame_count(options: &ExperimentOptions) -> usize {
+    options.sized(800, 60)
+}
+
+fn name(number: usize) -> String {
+    format!("{number:04}.jpg")
+}
+
+/// A real motion there and back, until there are enough frames.
+fn there_and_back(real: &RealMotion, count: usize) -> Vec<PathStep> {
+    let last = real.ptz.len() - 1;
+    let step = |number: usize| {
+        let way = number % (2 * last).max(1);
+        let (at, is_back) = if way <= last { (way, false) } else { (2 * last - way, true) };
+        let motion = real.motion_at(at);
+        let motion = if is_back { motion.reversed() } else { motion };
+        PathStep { time_s: number as f64 * STEP_S, ptz: real.ptz[at], motion }
+    };
+    (0..count).map(step).collect()
+}
+
+/// How far off a camera shows what lies at the four corners of a picture, px: the ground, or what the stand is about as far away
+/// as.
+pub fn corners_apart_px(truth: &PtzCamera, camera: &PtzCamera, size: ImageSize) -> [f64; 4] {
+    size.corners().map(|corner| {
+        let place = truth.base().position_m;
+        let ground = truth.plane_from_image(corner, 0.0).filter(|ground| (ground - place).norm() < STAND_M);
+        let along = || Some(place + truth.world_direction_from_image(corner).ok()? * STAND_M);
+        let shown = ground.or_else(along).and_then(|at| camera.image_from_world(at).ok());
+        shown.map_or(f64::INFINITY, |shown| shown.distance_px(corner))
+    })
+}
+
+/// What is no ground is taken to be this far away, m.
+const STAND_M: f64 = 150.0;

@@ -1,0 +1,206 @@
+//! The ways in which the simulated annotator labels the clip.
+
+use super::clip::DrawnClip;
+use crate::calibrate::{
+    ClipEvidence, FrameLookup, TrackClipOptions, UnclickedAnswer, calibrate, camera_without_clicks, clips,
+    record_found, record_tracked, track_clip,
+};
+use crate::document::{Camera, Document, Frame, FrameStatus};
+use crate::experiments::ExperimentError;
+use crate::media::FrameReader;
+use crate::proposals::{
+    Coverage, FeatureStore, FramePictures, LearnOptions, LineEvidence, TrainingFrames, label_advice, learn, propose,
+    read_picture, study,
+};
+use crate::relocalize::RelocalizeOptions;
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
+
+/// What came of a way of labelling.
+pub struct Labelled {
+    /// The document with the cameras that were found.
+    pub document: Document,
+    /// Frames that the person clicked on.
+    pub clicked: BTreeSet<usize>,
+    /// The person's clicks.
+    pub clicks: usize,
+}
+
+/// A person looks at a frame again where its overlay may be off by more, 1-σ at the worst corner, px.
+const DOUBTFUL_PX: f64 = 3.0;
+
+/// A person clicks on no more frames than this share.
+const MOST_CLICKED: f64 = 0.05;
+
+/// Frames beside the one in doubt that may be clicked in its place.
+const BESIDE: usize = 12;
+
+impl Labelled {
+    /// Nothing yet.
+    pub fn nothing(clip: &DrawnClip) -> Self {
+        Self { document: clip.document.clone(), clicked: BTreeSet::new(), clicks: 0 }
+    }
+
+    /// The person clicks a frame and accepts it; false where it does not show enough.
+    fn click(&mut self, clip: &DrawnClip, frame: usize, landmarks: usize) -> bool {
+        let mut clicked = Frame::clone(&clip.document.frames[frame]);
+        clicked.clicks = clip.clicks(frame, landmarks);
+        if clicked.clicks.len() < 2 {
+            return false;
+        }
+        let Ok(solved) = calibrate(&self.document, &FrameLookup::default(), &clicked, &clip.field, frame) else {
+            return false;
+        };
+        clicked.record(&solved);
+        clicked.status = FrameStatus::Reference;
+        self.clicked.insert(frame);
+        self.clicks += clicked.clicks.len();
+        *self.document.frames[frame] = clicked;
+        true
+    }
+
+    /// The person clicks the frame, or the nearest one to it that shows enough.
+    fn click_near(&mut self, clip: &DrawnClip, frame: usize, landmarks: usize) -> bool {
+        let last = self.document.frames.len() - 1;
+        let beside = |by: usize| [frame.checked_sub(by), Some(frame + by).filter(|at| *at <= last)];
+        let near: Vec<usize> = (0..=BESIDE).flat_map(beside).flatten().collect();
+        near.into_iter().any(|at| !self.clicked.contains(&at) && self.click(clip, at, landmarks))
+    }
+
+    fn is_over(&self) -> bool {
+        self.clicked.len() as f64 >= MOST_CLICKED * self.document.frames.len() as f64
+    }
+
+    /// The frame that is most in doubt: without a camera, or with the largest stated error beyond what a person lets pass.
+    fn most_doubtful(&self) -> Option<usize> {
+        let frames = self.document.frames.iter().map(|frame| &**frame).enumerate();
+        let doubt = |(at, frame): (usize, &Frame)| {
+            let sigma = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
+            let px = if frame.ptz.is_some() { sigma.unwrap_or(f64::INFINITY) } else { f64::INFINITY };
+            (!self.clicked.contains(&at) && px > DOUBTFUL_PX).then_some((at, px))
+        };
+        // Where several are without a camera, the middle of them.
+        let doubts: Vec<(usize, f64)> = frames.filter_map(doubt).collect();
+        let worst = doubts.iter().map(|(_, px)| *px).fold(0.0, f64::max);
+        let alike: Vec<usize> = doubts.iter().filter(|(_, px)| *px >= worst).map(|(at, _)| *at).collect();
+        alike.get(alike.len() / 2).copied()
+    }
+}
+
+/// Two clicks on every frame.
+pub fn two_clicks(clip: &DrawnClip) -> Labelled {
+    let mut labelled = Labelled::nothing(clip);
+    for frame in 0..clip.truth.len() {
+        labelled.click(clip, frame, 2);
+    }
+    labelled
+}
+
+/// The camera is carried from one clicked frame to all others; where that is in doubt, another frame is clicked.
+///
+/// # Errors
+/// A picture cannot be read.
+pub fn carried(clip: &DrawnClip, mut labelled: Labelled) -> Result<Labelled, ExperimentError> {
+    if labelled.document.frames.iter().all(|frame| frame.ptz.is_none()) {
+        labelled.click_near(clip, clip.truth.len() / 2, 4);
+    }
+    let (mut reader, mut evidence) = (FrameReader::new(), ClipEvidence::default());
+    let options = TrackClipOptions::default();
+    loop {
+        let at = labelled.document.at(clip.folder());
+        let Some(frames) = clips(at, None).into_iter().next() else { return Ok(labelled) };
+        let tracked = track_clip(at, &frames, &clip.field, &mut reader, &options, &mut evidence, &mut |_| {
+            ControlFlow::Continue(())
+        });
+        let tracked = tracked.map_err(|error| wrong(clip, &error))?;
+        record_tracked(&mut labelled.document, &tracked);
+        let Some(worst) = labelled.most_doubtful() else { return Ok(labelled) };
+        if labelled.is_over() || !labelled.click_near(clip, worst, 4) {
+            return Ok(labelled);
+        }
+    }
+}
+
+/// No click at all: the camera's place as well is found from the pictures. None where the program does not dare to say.
+///
+/// # Errors
+/// A picture cannot be read.
+pub fn no_click(clip: &DrawnClip) -> Result<Option<Labelled>, ExperimentError> {
+    let mut labelled = Labelled::nothing(clip);
+    let camera = labelled.document.cameras[0].id.clone();
+    let unknown = Camera::new(camera.clone(), labelled.document.cameras[0].image_size);
+    labelled.document.cameras[0] = unknown.into();
+    let mut reader = FrameReader::new();
+    let document = labelled.document.clone();
+    let mut picture = |frame: usize| read_picture(&mut reader, &document.frames[frame], clip.folder()).ok();
+    let answer = camera_without_clicks(document.at(clip.folder()), &camera, LOOK_AT, &mut picture, &|_| {
+        ControlFlow::Continue(())
+    });
+    match answer.map_err(|error| wrong(clip, &error))? {
+        UnclickedAnswer::Found(found) => {
+            record_found(&mut labelled.document, &camera, &found);
+            carried(clip, labelled).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Frames that are looked at where nothing is clicked.
+const LOOK_AT: usize = 40;
+
+/// Frames that teach a forest are labelled one after the other where the program advises it, until every frame has an answer that it is
+/// sure of.
+///
+/// # Errors
+/// A picture cannot be read.
+pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, ExperimentError> {
+    let mut labelled = Labelled::nothing(clip);
+    labelled.click_near(clip, clip.truth.len() / 2, 4);
+    let store = FeatureStore::in_memory();
+    loop {
+        propose_all(clip, &mut labelled, &store, is_snapped)?;
+        let document = &labelled.document;
+        let coverage = Coverage::of_cameras(document.at(clip.folder()), &TrainingFrames::of_solved(document).frames);
+        let advised = label_advice(document, &coverage).next.map(|next| next.frame);
+        let Some(next) = advised.or_else(|| labelled.most_doubtful()) else { return Ok(labelled) };
+        if labelled.is_over() || !labelled.click_near(clip, next, 4) {
+            return Ok(labelled);
+        }
+    }
+}
+
+fn propose_all(
+    clip: &DrawnClip,
+    labelled: &mut Labelled,
+    store: &FeatureStore,
+    is_snapped: bool,
+) -> Result<(), ExperimentError> {
+    let before = labelled.document.clone();
+    let options = LearnOptions::default();
+    let pictures = FramePictures { document: &before, folder: clip.folder(), options: options.features, store };
+    let mut reader = FrameReader::new();
+    let training = TrainingFrames::of(&before, false);
+    let go_on = || ControlFlow::Continue(());
+    let studied = study(&pictures, &mut reader, &training.frames, &go_on).unwrap_or_default();
+    let model =
+        learn(&before, &studied, &options, &|_| ControlFlow::Continue(())).map_err(|error| wrong(clip, &error))?;
+    let asked: Vec<usize> = (0..before.frames.len()).filter(|at| before.frames[*at].is_open()).collect();
+    let asking = RelocalizeOptions::default();
+    let proposals = pictures.each(&mut reader, &asked, |frame, _, found| {
+        ControlFlow::Continue(propose(&before, frame, found, (&model, 0), &asking))
+    });
+    let mut proposals = proposals.unwrap_or_default();
+    let at = before.at(clip.folder());
+    let evidence = LineEvidence::of(at, &mut reader, is_snapped)?;
+    evidence.judge(at, &mut reader, &mut proposals, asking.pose.min_confidence);
+    for proposal in proposals {
+        if let Some(frame) = labelled.document.frames.by_id_mut(&proposal.frame) {
+            proposal.record(frame);
+        }
+    }
+    Ok(())
+}
+
+fn wrong(clip: &DrawnClip, error: &dyn std::fmt::Display) -> ExperimentError {
+    ExperimentError::Given { path: clip.folder().to_path_buf(), reason: error.to_string() }
+}
