@@ -280,7 +280,7 @@ rows! {
     LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
     AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
-    KeepBurntIn, "keep_burnt_in", Camera, "Mask what looks burned in", "Turn the score bugs, watermarks and black boxes that were found into masks of the camera. One step of undo.", [];
+    KeepBurntIn, "keep_burnt_in", Camera, "Mask what looks burned in", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];
     ChangeBurntIn, "change_burnt_in", Camera, "Change what looks burned in…", "Do the same and open the masks, to move, delete or draw some.", [];
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
     FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];

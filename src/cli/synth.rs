@@ -133,6 +133,7 @@ impl Order {
             score_bug: shows(Graphic::ScoreBug),
             lower_third: shows(Graphic::LowerThird),
             watermark: shows(Graphic::Watermark),
+            ..Graphics::NONE
         };
         Self { frames, seed, image_size, shoot, masks, graphics, unmasked: args.unmasked, references: 0.0 }
     }
@@ -217,7 +218,7 @@ fn main_camera(base: &CameraBase, image_size: ImageSize, masked: Graphics) -> Ca
         width: (graphic.width + 2.0 * MASK_MARGIN_PX).ceil(),
         height: (graphic.height + 2.0 * MASK_MARGIN_PX).ceil(),
     };
-    camera.masks = masked.boxes(image_size).into_iter().map(with_margin).collect();
+    camera.masks = masked.boxes(image_size, 0.0).into_iter().map(with_margin).collect();
     camera
 }
 

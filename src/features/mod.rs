@@ -5,7 +5,7 @@
 //! | [`extract`] | SIFT of a picture (ORB or AKAZE for comparison), outside its masks, spread over it |
 //! | [`Features`], [`Keypoint`], [`Descriptor`] | what it gives |
 //! | [`burnt_in`] | what does not move on the screen while the camera moves: score bugs, watermarks, black boxes |
-//! | [`standing_graphics`] | the same by edges, for what has few features: watermarks, black boxes |
+//! | [`standing_graphics`] | the same by edges, for what has few features: faint watermarks, black boxes and bars, banners that are shown for a while |
 //! | [`has_moved`] | whether the camera moved between two pictures |
 //! | [`FeatureCache`] | features on disk, by picture and settings |
 //! | [`FeatureOptions`] | how many, at which resolution, plain or RootSIFT |
@@ -19,13 +19,16 @@
 //! Frames, signs and units: [`crate::conventions`].
 
 mod binary;
+mod black_bars;
 mod burnt_in;
 mod cache;
 mod descriptor;
+mod edge_groups;
 mod error;
 mod extract;
 mod keypoint;
 mod options;
+mod reduced;
 #[cfg(feature = "opencv")]
 mod sift;
 #[cfg(feature = "opencv")]
@@ -42,5 +45,6 @@ pub use error::FeatureError;
 pub use extract::extract;
 pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
+pub use reduced::{ReducedPicture, has_moved};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
-pub use standing_edges::{ReducedPicture, has_moved, standing_graphics};
+pub use standing_edges::{StandingGraphic, standing_graphics};

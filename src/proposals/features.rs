@@ -79,6 +79,44 @@ impl FramePictures<'_> {
         Some(made)
     }
 
+    /// Hands the pictures of some frames to `work`, each read once, in parallel, a batch at a time; what it makes of them, in the
+    /// frames' order. `work` may end it: none then.
+    pub(super) fn each_picture<T: Send>(
+        &self,
+        reader: &mut dyn ReadFrames,
+        frames: &[usize],
+        work: impl Fn(usize, &Frame, Result<Picture, PictureError>) -> ControlFlow<(), T> + Sync,
+    ) -> Option<Vec<T>> {
+        let mut made = Vec::with_capacity(frames.len());
+        for batch in frames.chunks(BATCH) {
+            let mut begun = Vec::with_capacity(batch.len());
+            for &index in batch {
+                let frame = &*self.document.frames[index];
+                let of_video = frame.image.is_none().then(|| read_picture(reader, frame, self.folder));
+                begun.push((index, frame, of_video));
+            }
+            let worked = begun.into_par_iter().map(|(index, frame, of_video)| {
+                let picture = of_video.unwrap_or_else(|| read_picture(&mut FrameReader::new(), frame, self.folder));
+                work(index, frame, picture).continue_value()
+            });
+            made.extend(worked.collect::<Option<Vec<T>>>()?);
+        }
+        Some(made)
+    }
+
+    /// The features of a picture that was read, if they were not found before.
+    pub(super) fn features_in(&self, frame: &Frame, picture: &Picture) -> Result<Arc<Features>, PictureError> {
+        let identity = match frame.image_path(self.folder) {
+            Some(path) => Some(sha256_of_file(&path)?),
+            None => frame.picture_source(self.folder).and_then(|source| source.video_identity()),
+        };
+        let key = identity.map(|identity| self.key(frame, &identity));
+        if let Some(features) = key.as_ref().and_then(|key| self.store.get(key)) {
+            return Ok(features);
+        }
+        Ok(self.look(frame, picture, key.as_ref(), false)?.features)
+    }
+
     fn features_of(&self, frame: &Frame, found: Found) -> Result<FrameFeatures, PictureError> {
         match found {
             Found::Before(features) => Ok(features),

@@ -18,17 +18,26 @@ const LOWER_THIRD_AT_1280: PixelBox = PixelBox { x: 150.0, y: 590.0, width: 640.
 /// A channel's logo, in a picture 1280 px wide, px.
 const WATERMARK_AT_1280: PixelBox = PixelBox { x: 1064.0, y: 44.0, width: 160.0, height: 52.0 };
 
-/// How much of a watermark's ink covers the picture.
-const WATERMARK_SHARE: f32 = 0.45;
+/// A band through which words run, in a picture 1280 px wide, px.
+const TICKER_AT_1280: PixelBox = PixelBox { x: 90.0, y: 622.0, width: 860.0, height: 46.0 };
+
+/// How long it slides in and out, s, and how fast its words run, px in a picture 1280 px wide.
+const TICKER_SLIDES_S: f64 = 0.5;
+const TICKER_PX_PER_S: f64 = 110.0;
+
+/// The words of the band, and the room for each, px in a picture 1280 px wide.
+const TICKER_WORDS: [&str; 5] = ["ROVERS 2 ATHLETIC 1", "RESULTS", "UNITED 0 CITY 0", "TONIGHT 20:45", "TABLE"];
+const TICKER_WORD_AT_1280: f64 = 190.0;
 
 impl Graphics {
-    /// The boxes that these cover, px.
+    /// The boxes that these cover at a time since kick-off, px; a band that slides is where it comes to rest.
     #[must_use]
-    pub fn boxes(self, image_size: ImageSize) -> Vec<PixelBox> {
+    pub fn boxes(self, image_size: ImageSize, time_s: f64) -> Vec<PixelBox> {
         let all = [
             (self.score_bug, SCORE_BUG_AT_1280),
             (self.lower_third, LOWER_THIRD_AT_1280),
             (self.watermark, WATERMARK_AT_1280),
+            (self.ticker_in(time_s) > 0.0, TICKER_AT_1280),
         ];
         all.iter().filter(|(shown, _)| *shown).map(|(_, area)| scaled(area, image_size)).collect()
     }
@@ -43,10 +52,20 @@ impl Graphics {
         if self.lower_third {
             lower_third(&mut canvas, kits);
         }
+        let share_in = self.ticker_in(time_s);
+        if share_in > 0.0 {
+            ticker(&mut canvas, kits, time_s, share_in);
+        }
         if self.watermark {
-            canvas.opacity = WATERMARK_SHARE;
+            canvas.opacity = self.watermark_share;
             watermark(&mut canvas);
         }
+    }
+
+    /// How far the ticker has come in, 0 to 1.
+    fn ticker_in(self, time_s: f64) -> f64 {
+        let Some([from_s, to_s]) = self.ticker_s else { return 0.0 };
+        ((time_s - from_s).min(to_s - time_s) / TICKER_SLIDES_S).clamp(0.0, 1.0)
     }
 }
 
@@ -71,6 +90,26 @@ fn lower_third(canvas: &mut Canvas<'_>, kits: &Kits) {
     canvas.text("10  MARTINEZ", part(20.0, 0.0, 320.0), white);
     canvas.text(kits.names[0], part(400.0, 0.0, 160.0), grey);
     canvas.text("PASSES 41 / 47   DISTANCE 8.3 KM   SHOTS 3", part(0.0, 1.0, whole.width), white);
+}
+
+/// A band through which words run.
+fn ticker(canvas: &mut Canvas<'_>, kits: &Kits, time_s: f64, share_in: f64) {
+    let whole = Area::of(&TICKER_AT_1280);
+    let slid = Area { x: whole.x - (1.0 - share_in) as f32 * (whole.x + whole.width), ..whole };
+    canvas.panel(slid, hex(0x10_2A5C));
+    canvas.panel(Area { width: 10.0, ..slid }, kits.away.shirt);
+    if share_in < 1.0 {
+        return;
+    }
+    let round_px = TICKER_WORD_AT_1280 * TICKER_WORDS.len() as f64;
+    for (place, words) in TICKER_WORDS.iter().enumerate() {
+        let run_px = TICKER_WORD_AT_1280 * place as f64 - TICKER_PX_PER_S * time_s;
+        let x = run_px.rem_euclid(round_px) as f32;
+        let width = TICKER_WORD_AT_1280 as f32;
+        if x > 20.0 && x + width < whole.width {
+            canvas.text(words, Area { x: whole.x + x, width, ..whole }, hex(0xF6_F7F9));
+        }
+    }
 }
 
 /// A channel's logo.

@@ -24,6 +24,7 @@ const GRAIN: [(f32, f32, f32); 6] = [
 pub(super) struct Ground {
     seed: u32,
     paint: Paint,
+    paint_left: f32,
     half_length: f64,
     half_width: f64,
     stripe_m: f64,
@@ -34,7 +35,7 @@ pub(super) struct Ground {
 }
 
 impl Ground {
-    pub fn new(seed: u64, field: &FieldModel) -> Self {
+    pub fn new(seed: u64, field: &FieldModel, paint_left: f64) -> Self {
         let seed = sub_seed(seed, 0x62A5);
         let (half_length, half_width) = (0.5 * field.length_m, 0.5 * field.width_m);
         let l = half_length as f32;
@@ -48,6 +49,7 @@ impl Ground {
         Self {
             seed,
             paint: Paint::new(field),
+            paint_left: paint_left.clamp(0.0, 1.0) as f32,
             half_length,
             half_width,
             stripe_m: field.length_m / (field.length_m / 5.5).round().max(1.0),
@@ -68,11 +70,13 @@ impl Ground {
             return self.apron(hit);
         }
         let turf = self.turf(hit);
-        let painted = self.paint.share(hit) as f32;
-        if painted == 0.0 {
+        let share = self.paint.share(hit) as f32;
+        if share == 0.0 {
             return turf;
         }
         let (x, y) = (hit.point.x as f32, hit.point.y as f32);
+        let patches = 1.0 + (1.0 - self.paint_left) * 0.8 * value_noise(self.seed ^ 0x2C, x / 1.6, y / 1.6);
+        let painted = share * (self.paint_left * patches).clamp(0.0, 1.0);
         let thin = 0.5 + 0.5 * value_noise(self.seed ^ 0x1A1, x / 0.5, y / 0.5);
         let chalk = hex(0xF3_F5EE) * (0.9 - 0.05 * thin);
         mix(turf, mix(chalk, turf, 0.05 * thin), painted)

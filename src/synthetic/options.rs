@@ -17,13 +17,15 @@ pub struct StadiumOptions {
     pub daylight: Daylight,
     /// The share of seats that are taken, 0 to 1. Default 0.93.
     pub attendance: f64,
+    /// How much of the lines' paint is left, 0 to 1; below 1 it goes in patches. Default 1.
+    pub paint_left: f64,
 }
 
 impl StadiumOptions {
     /// A full stadium in soft daylight around a field.
     #[must_use]
     pub fn new(field: FieldModel, seed: u64) -> Self {
-        Self { seed, field, daylight: Daylight::default(), attendance: 0.93 }
+        Self { seed, field, daylight: Daylight::default(), attendance: 0.93, paint_left: 1.0 }
     }
 }
 
@@ -235,7 +237,7 @@ pub(super) fn scale_from_1280(image_size: ImageSize) -> f64 {
 }
 
 /// Which graphics are laid over a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Graphics {
     /// The score and the clock. Default true.
     pub score_bug: bool,
@@ -243,6 +245,11 @@ pub struct Graphics {
     pub lower_third: bool,
     /// A channel's half-transparent logo. Default false.
     pub watermark: bool,
+    /// How much of its ink covers the picture, 0 to 1. Default 0.45.
+    pub watermark_share: f32,
+    /// A band near the lower edge through which words run, from the first to the second of these times since kick-off, s. It
+    /// slides in from the left and out again, half a second each, within them. Default none.
+    pub ticker_s: Option<[f64; 2]>,
 }
 
 impl Default for Graphics {
@@ -253,7 +260,8 @@ impl Default for Graphics {
 
 impl Graphics {
     /// The picture as the camera takes it.
-    pub const NONE: Self = Self { score_bug: false, lower_third: false, watermark: false };
+    pub const NONE: Self =
+        Self { score_bug: false, lower_third: false, watermark: false, watermark_share: 0.45, ticker_s: None };
 }
 
 #[cfg(test)]

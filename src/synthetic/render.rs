@@ -98,7 +98,7 @@ impl Stadium {
         let exposure = if options.defocus_px > 0.0 { exposure.defocused(options.defocus_px) } else { exposure };
         let mut image = exposure.developed(options);
         options.graphics.draw(&mut image, self.options.seed, &self.kits, options.time_s);
-        let graphics = options.graphics.boxes(image_size);
+        let graphics = options.graphics.boxes(image_size, options.time_s);
         let bytes = exposure.pixels.iter().map(|pixel| if pixel.w >= MASK_FROM { 255 } else { 0 }).collect();
         let mover_mask = GrayImage::from_raw(image_size.width, image_size.height, bytes).unwrap_or_default();
         RenderedFrame { image, mover_mask, movers, graphics }

@@ -38,7 +38,7 @@ pub fn stadium(options: &StadiumOptions) -> Stadium {
         play: Play::new(options.seed, field.length_m, field.width_m),
         lighting: Lighting::new(options.daylight, field),
         fixtures: fixtures(options.seed, field),
-        ground: Ground::new(options.seed, field),
+        ground: Ground::new(options.seed, field, options.paint_left),
         boards: Boards::new(options.seed, field),
         bowl: Bowl::new(field),
         crowd: Crowd::new(options.seed, options.attendance, kits.home.shirt, kits.away.shirt),

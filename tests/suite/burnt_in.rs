@@ -145,7 +145,7 @@ mod drawn {
     use touchline::synthetic::{FrameOptions, Graphics, Preset, Stadium, StadiumOptions, stadium};
 
     const SIZE: ImageSize = ImageSize::new(640, 360);
-    const ALL: Graphics = Graphics { score_bug: true, lower_third: true, watermark: true };
+    const ALL: Graphics = Graphics { score_bug: true, lower_third: true, watermark: true, ..Graphics::NONE };
 
     struct Match {
         scene: Stadium,
@@ -233,5 +233,116 @@ mod drawn {
             let found = game.answer(&game.features(pan_deg, 9.0, ALL), (&taught, &seen)).unwrap();
             assert!(off_deg(&found, pan_deg) < 0.05, "{pan_deg}: {found:?}");
         }
+    }
+}
+
+/// Videos that are drawn frame by frame as they are asked for: what is found by itself, and from which frame to which.
+#[cfg(feature = "opencv")]
+mod videos {
+    use std::cell::Cell;
+    use std::ops::ControlFlow;
+    use std::path::Path;
+    use touchline::camera::{CameraBase, PtzCamera};
+    use touchline::document::{Document, Frame, VideoFrame, document_from_bytes};
+    use touchline::features::FeatureOptions;
+    use touchline::field::builtin;
+    use touchline::geometry::{ImageSize, PixelBox};
+    use touchline::media::{FrameRef, MediaError, Picture, ReadFrames};
+    use touchline::proposals::{FeatureStore, FoundMask, FramePictures, find_burnt_in};
+    use touchline::synthetic::{
+        FrameOptions, Graphics, PathStep, Preset, ShootOptions, Stadium, StadiumOptions, camera_path, stadium,
+    };
+
+    const SIZE: ImageSize = ImageSize::new(480, 270);
+    const FRAMES: usize = 400;
+    const FRAMES_PER_S: f64 = 12.5;
+    const BUG: Graphics = Graphics { score_bug: true, ..Graphics::NONE };
+
+    struct DrawnVideo {
+        scene: Stadium,
+        base: CameraBase,
+        path: Vec<PathStep>,
+        graphics: Graphics,
+        /// How many pictures were asked for.
+        read: Cell<usize>,
+    }
+
+    impl DrawnVideo {
+        fn new(seed: u64, preset: Preset, graphics: Graphics) -> Self {
+            let template = builtin("soccer").unwrap();
+            let field = template.model(&template.default_params(), 0.0).unwrap();
+            let shoot = ShootOptions { step_s: 1.0 / FRAMES_PER_S, ..preset.shoot() };
+            let scene = stadium(&StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field, seed) });
+            let base = shoot.main_camera(SIZE);
+            let path = camera_path(&scene, &base, SIZE, &shoot, FRAMES);
+            Self { scene, base, path, graphics, read: Cell::new(0) }
+        }
+
+        fn found(&mut self) -> Vec<FoundMask> {
+            let mut document: Document = document_from_bytes(
+                br#"{"format": "touchline", "version": 1, "field": {"template": "soccer", "params": {}}, "frames": [],
+                    "cameras": [{"id": "main", "image_size_px": [480, 270], "principal_point_px": [240, 135]}]}"#,
+            )
+            .unwrap();
+            let camera = document.cameras[0].id.clone();
+            for index in 0..FRAMES as u64 {
+                let video = VideoFrame::new("match.mp4", index, Some(index as f64 / FRAMES_PER_S));
+                document.frames.push(Frame::from_video(video, camera.clone(), SIZE).into());
+            }
+            let store = FeatureStore::in_memory();
+            let folder = Path::new("nowhere");
+            let pictures =
+                FramePictures { document: &document, folder, options: FeatureOptions::default(), store: &store };
+            find_burnt_in(&pictures, self, &|| ControlFlow::Continue(())).unwrap()
+        }
+    }
+
+    impl ReadFrames for DrawnVideo {
+        fn read(&mut self, frame: &FrameRef) -> Result<Picture, MediaError> {
+            let FrameRef::Video { index, .. } = frame else { panic!("{frame} is of no video") };
+            self.read.set(self.read.get() + 1);
+            let step = &self.path[*index];
+            let options = FrameOptions { time_s: step.time_s, graphics: self.graphics, ..FrameOptions::default() };
+            let drawn = self.scene.render(&PtzCamera::new(self.base, step.ptz), SIZE, &options).image;
+            let rgba: Vec<u8> = drawn.pixels().flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
+            Ok(Picture::new(SIZE, rgba).unwrap())
+        }
+    }
+
+    /// The share of a box that another covers.
+    fn covered(of: &PixelBox, by: &PixelBox) -> f64 {
+        let along =
+            |a: f64, a_length: f64, b: f64, b_length: f64| ((a + a_length).min(b + b_length) - a.max(b)).max(0.0);
+        along(of.x, of.width, by.x, by.width) * along(of.y, of.height, by.y, by.height) / (of.width * of.height)
+    }
+
+    #[test]
+    fn a_banner_for_a_while_and_a_faint_watermark_are_found() {
+        let at_s = |frame: f64| frame / FRAMES_PER_S;
+        let graphics =
+            Graphics { watermark: true, watermark_share: 0.15, ticker_s: Some([at_s(100.0), at_s(200.0)]), ..BUG };
+        let mut video = DrawnVideo::new(5, Preset::Paper, graphics);
+        let found = video.found();
+        let truth = graphics.boxes(SIZE, at_s(150.0));
+        let masks: Vec<PixelBox> = found.iter().map(|found| found.mask.pixel_box).collect();
+        for mask in &masks {
+            assert!(truth.iter().any(|of| covered(mask, of) >= 0.5), "{mask:?} is no graphic");
+        }
+        let of = |truth: PixelBox| found.iter().filter(move |found| covered(&found.mask.pixel_box, &truth) >= 0.5);
+        for (&truth, ranged) in truth.iter().zip([false, false, true]) {
+            let covered: f64 = of(truth).map(|mask| covered(&truth, &mask.mask.pixel_box)).sum();
+            assert!(covered > 0.6, "{covered} of {truth:?} in {found:?}");
+            assert!(of(truth).all(|mask| (mask.mask.from.is_some() && mask.mask.to.is_some()) == ranged), "{found:?}");
+        }
+        // Half a second to slide in, and out.
+        let banner = of(truth[2]).next().unwrap();
+        let (from, to) = (banner.mask.from.unwrap(), banner.mask.to.unwrap());
+        assert!((100..=107).contains(&from) && (193..=200).contains(&to), "{from} to {to}");
+        assert!(video.read.get() < 85, "{} pictures were read", video.read.get());
+    }
+
+    #[test]
+    fn nothing_is_found_where_nothing_is_burnt_in() {
+        assert_eq!(DrawnVideo::new(9, Preset::Hard, Graphics::NONE).found(), []);
     }
 }
