@@ -7,7 +7,7 @@ use crate::field::FieldError;
 use crate::geometry::ImageSize;
 use crate::media::{FrameReader, Picture, ReadFrames};
 use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, snap};
-use crate::relocalize::{Evidence, FromReference};
+use crate::relocalize::{Evidence, FromReference, NotFound};
 use rayon::prelude::*;
 
 /// References whose paint is looked at.
@@ -169,8 +169,15 @@ fn weigh(answer: &mut Answer, scale: f64, min_confidence: f64) -> Option<NoPropo
     let seen_sigma_px = SIGMAS_PER_MEDIAN * check.offset_px / scale;
     let seen_sigma_px = if seen_sigma_px.is_finite() { seen_sigma_px } else { 0.0 };
     answer.confidence = answer.evidence.confidence_if(1.0 / (1.0 + (-both).exp()), seen_sigma_px);
-    let contradicted = NoProposal::Contradicted { found: check.found, open: check.found + check.bare };
-    (!(answer.confidence >= min_confidence)).then_some(contradicted)
+    if answer.confidence >= min_confidence {
+        return None;
+    }
+    if check.verdict() == LineVerdict::Contradicts {
+        return Some(NoProposal::Contradicted { found: check.found, open: check.found + check.bare });
+    }
+    // The paint may be a few px beside the lines, or far from deciding.
+    let Answer { confidence, inliers, places, worst_corner_sigma_px, .. } = *answer;
+    Some(NotFound::Unsure { confidence, inliers, places, worst_corner_sigma_px }.into())
 }
 
 #[cfg(test)]
@@ -242,6 +249,14 @@ mod tests {
         let [on, beside, off] = [1.0, 2.5, 4.0].map(confidence);
         assert!(on > 0.98 && beside > 0.95 && off < 0.8, "{on} {beside} {off}");
         assert!(confidence(f64::NAN) >= on, "none was found");
+    }
+
+    #[test]
+    fn an_answer_that_is_only_doubtful_is_not_said_to_be_contradicted() {
+        let mut doubtful = answer(11.0, 0.6, 200);
+        doubtful.line_check = doubtful.line_check.map(|check| LineCheck { offset_px: 9.0, ..check });
+        let reason = weigh(&mut doubtful, 1.0, 0.9);
+        assert!(matches!(reason, Some(NoProposal::NotFound(NotFound::Unsure { .. }))), "{reason:?}");
     }
 
     #[test]
