@@ -2,7 +2,7 @@
 //!
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
 //! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth] [strangers]`.
+//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod growth;
@@ -11,7 +11,6 @@ mod reliability;
 mod rendered;
 mod scouting;
 mod set;
-mod strangers;
 mod time;
 mod trust;
 mod videos;
@@ -26,10 +25,6 @@ fn main() {
     }
     if wants("growth") {
         growth::growth();
-    }
-    if wants("strangers") {
-        // A further word is a part of a match's name.
-        strangers::strangers_footage(asked.get(1).filter(|_| asked[0] == "strangers").map(String::as_str));
     }
     let Some(data) = std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) else {
         println!("the rest is skipped: TOUCHLINE_DATA names no folder of real frames");
