@@ -38,7 +38,7 @@
 //! | 3 | [`solve`] (observations to cameras), [`score`] (how far a camera is from the true one), [`features`] (SIFT of a picture) |
 //! | 2 | [`markings`] (the field's lines as a camera sees them) |
 //! | 1 | [`camera`], [`field`], [`media`] (frames of folders and videos) |
-//! | 0 | [`geometry`] |
+//! | 0 | [`geometry`], [`files`] (opening files that may come from anybody) |
 //!
 //! Within floor 5, `evaluate` uses `calibrate`.
 
@@ -59,6 +59,7 @@ pub mod exchange;
 pub mod experiments;
 pub mod features;
 pub mod field;
+pub mod files;
 pub mod geometry;
 #[doc(hidden)]
 pub mod jobs;

@@ -2,6 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+/// The largest file of given data that is read.
+pub const MAX_GIVEN_BYTES: u64 = 256 << 20;
+
 /// The folder itself, else the first one in it by name, that holds what is looked for.
 pub fn folder_with(data: &Path, holds: impl Fn(&Path) -> bool) -> Option<PathBuf> {
     if holds(data) {

@@ -5,8 +5,8 @@
 //! another version counts as absent. It is limited in size; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
+use crate::files::read_regular;
 use crate::geometry::{ImagePoint, ImageSize, PixelBox, hex};
-use crate::media::read_regular;
 use sha2::{Digest, Sha256};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};

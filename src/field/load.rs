@@ -4,8 +4,12 @@ use super::build::{check_distinct, check_symmetry};
 use super::file::{FORMAT, Header, TemplateFile, VERSION};
 use super::read::read_parts;
 use super::{FieldError, Template};
+use crate::files::read_named_text;
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// The largest template file that is read; those of the program have 20 KB.
+const MAX_BYTES: u64 = 16 << 20;
 
 impl Template {
     /// Reads and checks a template; `place` is what its errors call it, usually the file's path.
@@ -41,9 +45,7 @@ impl Template {
         if path.is_dir() {
             return Err(unreadable("it is a folder; give the template's JSON file".to_owned()));
         }
-        let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|error| unreadable(format!("it is not UTF-8 text (byte {})", error.utf8_error().valid_up_to())))?;
+        let text = read_named_text(path, MAX_BYTES).map_err(|error| unreadable(error.to_string()))?;
         Self::from_json(&text, &place)
     }
 

@@ -8,6 +8,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// More entries than any sport needs.
 const MAX_ENTRIES: usize = 2000;
+/// The most parameters: the template is tried with each at its smallest and largest value.
+const MAX_PARAMS: usize = 100;
 /// Names that expressions have of their own.
 const RESERVED: [&str; 4] = ["sqrt", "x_side", "y_side", "number"];
 
@@ -16,6 +18,13 @@ pub fn read_parts(file: TemplateFile, place: &str) -> Result<Template, FieldErro
     let reader = Reader { place };
     if !is_name(&file.name) {
         return Err(reader.invalid("name", format!("{:?} is not {NAME_RULE}", file.name)));
+    }
+    if file.params.0.len() > MAX_PARAMS {
+        let found = file.params.0.len();
+        return Err(reader.invalid(
+            "params",
+            format!("{found} are given, and {MAX_PARAMS} are the most; write the others as numbers"),
+        ));
     }
     let params = reader.params(file.params)?;
     let mut dimensions = Vec::new();

@@ -77,6 +77,10 @@ pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>)
             let text = format!("{} frames are many: every {every}th is taken.", source.len());
             notices.push((Level::Warning, text));
         }
+        if let Some(unwritable) = made.document.unwritable_path(&folder) {
+            let reason = format!("{unwritable}: a folder's name in it is not UTF-8; rename the folder");
+            return Err(JobError::NoFrames { path, reason: Some(reason) });
+        }
         match write_project(&folder, &made.document) {
             Ok(()) => {
                 notices.push((Level::Info, format!("The project is kept in {}.", folder.display())));

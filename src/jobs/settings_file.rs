@@ -1,6 +1,7 @@
 //! The file in which a user's settings are kept.
 
 use crate::app::Settings;
+use crate::files::read_named_text;
 use crate::store::write_atomically;
 use std::fs;
 use std::io;
@@ -20,6 +21,9 @@ pub enum SettingsError {
     },
 }
 
+/// The largest file of settings that is read.
+const MAX_BYTES: u64 = 1 << 20;
+
 /// Where the settings of this user live; none on a system without a home.
 #[must_use]
 pub fn settings_path() -> Option<PathBuf> {
@@ -32,7 +36,7 @@ pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     let defaults = |reason: String| {
         (Settings::default(), Some(format!("settings {}: {reason}; defaults are used", path.display())))
     };
-    match fs::read_to_string(path) {
+    match read_named_text(path, MAX_BYTES) {
         Ok(text) => match Settings::from_json(&text) {
             Ok(settings) => (settings, None),
             Err(error) => defaults(error.to_string()),

@@ -1,5 +1,6 @@
 //! Errors of reading frames: which file, what is wrong with it, how to fix it.
 
+use crate::files::open_named;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -180,7 +181,7 @@ pub(super) fn open_file(path: &Path) -> Result<std::fs::File, MediaError> {
     if !metadata.is_file() {
         return Err(MediaError::NotAFile { path: path.to_path_buf() });
     }
-    let file = std::fs::File::open(path).map_err(|error| MediaError::from_io(path, &error))?;
+    let file = open_named(path).map_err(|error| MediaError::from_io(path, &error))?;
     if metadata.len() == 0 {
         return Err(MediaError::Empty { path: path.to_path_buf() });
     }

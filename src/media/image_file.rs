@@ -3,12 +3,13 @@
 use super::error::open_file;
 use super::jpeg_end::is_cut_off;
 use super::{MediaError, Picture};
+use crate::files::read_named;
 use crate::geometry::ImageSize;
 use image::error::{ImageError, ImageFormatHint, UnsupportedErrorKind};
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::error::Error;
-use std::io::BufReader;
+use std::io::{BufReader, Read as _};
 use std::path::Path;
 
 /// How large a picture may be, so that a few bytes cannot claim all memory.
@@ -25,6 +26,12 @@ impl Default for ImageLimits {
         Self { max_side_px: 16_384, max_megapixels: 100 }
     }
 }
+
+/// What a PNG begins with.
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+
+/// What may be read of a PNG beside its pixels: colour profile, EXIF, texts.
+const MAX_METADATA_BYTES: u64 = 16 << 20;
 
 /// Bytes that a decoder may allocate for one px: four channels of 32 bits at most.
 const MAX_BYTES_PER_PX: u64 = 16;
@@ -64,7 +71,8 @@ pub fn load_image(path: &Path) -> Result<Picture, MediaError> {
 pub fn load_image_within(path: &Path, limits: ImageLimits) -> Result<Picture, MediaError> {
     let (format, mut decoder) = open_decoder(path, limits)?;
     if format == ImageFormat::Jpeg {
-        let bytes = std::fs::read(path).map_err(|error| MediaError::from_io(path, &error))?;
+        let limit = limits.max_megapixels.saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
+        let bytes = read_named(path, limit).map_err(|error| MediaError::from_io(path, &error))?;
         if is_cut_off(&bytes) {
             return Err(ends_too_early(path));
         }
@@ -101,22 +109,40 @@ pub fn image_size(path: &Path) -> Result<ImageSize, MediaError> {
 
 /// The format and a decoder that has read the header and found the stated size within the limits.
 fn open_decoder(path: &Path, limits: ImageLimits) -> Result<(ImageFormat, impl ImageDecoder), MediaError> {
-    let reader = ImageReader::new(BufReader::new(open_file(path)?));
-    let mut reader = reader.with_guessed_format().map_err(|error| MediaError::from_io(path, &error))?;
-    let Some(format) = reader.format() else {
-        return Err(MediaError::NotAnImage { path: path.to_path_buf() });
+    let all = limits.max_megapixels.saturating_mul(1_000_000 * MAX_BYTES_PER_PX);
+    let open = |max_alloc: u64| {
+        let reader = ImageReader::new(BufReader::new(open_file(path)?));
+        let mut reader = reader.with_guessed_format().map_err(|error| MediaError::from_io(path, &error))?;
+        let Some(format) = reader.format() else {
+            return Err(MediaError::NotAnImage { path: path.to_path_buf() });
+        };
+        // The size is checked below, with its numbers; this bounds what a decoder allocates before and beside it.
+        let mut decoder_limits = Limits::no_limits();
+        decoder_limits.max_alloc = Some(max_alloc);
+        reader.limits(decoder_limits);
+        let decoder = reader.into_decoder().map_err(|error| named(path, limits, &error))?;
+        Ok((format, decoder))
     };
-    // The size is checked below, with its numbers; this bounds what a decoder allocates before and beside it.
-    let mut decoder_limits = Limits::no_limits();
-    decoder_limits.max_alloc = Some(limits.max_megapixels.saturating_mul(1_000_000 * MAX_BYTES_PER_PX));
-    reader.limits(decoder_limits);
-    let decoder = reader.into_decoder().map_err(|error| named(path, limits, &error))?;
+    // A colour profile unfolds before the size of a PNG is known, so it is opened with little first.
+    let (format, mut decoder) = open(if is_png(path)? { MAX_METADATA_BYTES } else { all })?;
     let (width, height) = decoder.dimensions();
+    if format == ImageFormat::Png {
+        let pixels = u64::from(width).saturating_mul(u64::from(height)).saturating_mul(MAX_BYTES_PER_PX);
+        (_, decoder) = open(pixels.saturating_add(MAX_METADATA_BYTES).min(all))?;
+    }
     if width == 0 || height == 0 {
         return Err(MediaError::DamagedImage { path: path.to_path_buf(), reason: format!("{width} × {height} px") });
     }
     limits.check(path, width, height)?;
     Ok((format, decoder))
+}
+
+/// Whether a file begins as a PNG does.
+fn is_png(path: &Path) -> Result<bool, MediaError> {
+    let mut begin = Vec::new();
+    let read = open_file(path)?.take(PNG.len() as u64).read_to_end(&mut begin);
+    read.map_err(|error| MediaError::from_io(path, &error))?;
+    Ok(begin == PNG)
 }
 
 /// Unreadable EXIF data are ignored: the pixels are still usable.

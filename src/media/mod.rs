@@ -8,7 +8,6 @@
 //! | [`FrameSource`], [`FrameRef`], [`FrameReader`] | a folder or a video; one of its frames; what fetches frames |
 //! | `FrameCache`, [`prefetch_plan`] | decoded frames within a byte budget; which neighbours to decode next |
 //! | [`letterboxed`] | thumbnails |
-//! | [`open_regular`], [`read_regular`] | files in a folder that is not trusted: no links, pipes or devices |
 //! | [`Notice`] | remarks for the user about a source that is usable |
 //!
 //! Nothing here starts a thread; the background work is in `jobs`.
@@ -26,7 +25,6 @@ mod notice;
 mod picture;
 mod prefetch;
 mod reader;
-mod regular_file;
 mod source;
 mod thumbnail;
 mod video;
@@ -41,7 +39,6 @@ pub use notice::Notice;
 pub use picture::Picture;
 pub use prefetch::{PrefetchOptions, StepDirection, prefetch_plan};
 pub use reader::{FrameReader, ReadFrames};
-pub use regular_file::{WrongKind, open_regular, read_regular, refuse_linked_folder};
 pub use source::{FrameRef, FrameSource};
 pub use thumbnail::{THUMBNAIL_SIZE, letterboxed};
 pub use video::opencv_version;

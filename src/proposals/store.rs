@@ -1,7 +1,7 @@
 //! Features once found: on disk beside the document, and the latest in memory.
 
 use crate::features::{FeatureCache, FeatureKey, Features};
-use crate::media::refuse_linked_folder;
+use crate::files::refuse_linked_folder;
 use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::path::{Path, PathBuf};

@@ -3,6 +3,7 @@
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Writes a file so that a crash or a full disk at any moment leaves the old content or the new one: a temporary file in
 /// the same folder, flushed, renamed, and the folder flushed. The permissions of a file that is replaced are kept.
@@ -10,9 +11,21 @@ use std::path::{Path, PathBuf};
 /// # Errors
 /// The folder is missing or not writable, or the disk is full; the old file is untouched.
 pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole(path, bytes, true)
+}
+
+/// Writes a file that was not there: one that another program made meanwhile is not replaced.
+///
+/// # Errors
+/// Something is there by now; else as [`write_atomically`].
+pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    write_whole(path, bytes, false)
+}
+
+fn write_whole(path: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
     let folder = folder_of(path);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".touchline-").suffix(".tmp");
+    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -24,8 +37,40 @@ pub fn write_atomically(path: &Path, bytes: &[u8]) -> io::Result<()> {
         file.as_file().set_permissions(old.permissions())?;
     }
     file.as_file().sync_all()?;
-    file.persist(path).map_err(|error| error.error)?;
+    let persisted = if replace {
+        file.persist(path)
+    } else {
+        // Some file systems cannot rename without replacing.
+        file.persist_noclobber(path).or_else(|refused| match refused.error.kind() {
+            io::ErrorKind::AlreadyExists => Err(refused),
+            _ => refused.file.persist(path),
+        })
+    };
+    persisted.map_err(|error| error.error)?;
     sync_folder(folder)
+}
+
+/// What temporary files are called.
+const TEMPORARY: (&str, &str) = (".touchline-", ".tmp");
+/// Temporary files older than this belong to no program that still runs.
+const STRAY: Duration = Duration::from_hours(24);
+
+/// Takes away temporary files that a program left in a folder when it was killed. What cannot be looked at stays.
+pub(super) fn remove_stray_files(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        let is_ours = name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1);
+        let is_stray = |metadata: &fs::Metadata| {
+            let age = metadata.modified().ok().and_then(|modified| modified.elapsed().ok());
+            metadata.is_file() && age.is_some_and(|age| age > STRAY)
+        };
+        // Of a link this is the link itself, which is no file.
+        if is_ours && fs::symlink_metadata(entry.path()).is_ok_and(|metadata| is_stray(&metadata)) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link
@@ -125,6 +170,32 @@ pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn stray_files_go_after_a_day_and_others_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        let old = std::time::SystemTime::now() - 2 * STRAY;
+        for (name, is_old) in [(".touchline-a.tmp", true), (".touchline-b.tmp", false), ("touchline-c.tmp", true)] {
+            fs::write(at(name), "x").unwrap();
+            if is_old {
+                File::options().write(true).open(at(name)).unwrap().set_modified(old).unwrap();
+            }
+        }
+        remove_stray_files(folder.path());
+        let left = [".touchline-a.tmp", ".touchline-b.tmp", "touchline-c.tmp"].map(|name| at(name).exists());
+        assert_eq!(left, [false, true, true]);
+    }
+
+    #[test]
+    fn a_new_file_replaces_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("new");
+        write_new(&path, b"first").unwrap();
+        assert_eq!(write_new(&path, b"second").unwrap_err().kind(), io::ErrorKind::AlreadyExists);
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
 
     #[test]
     fn a_file_is_replaced_whole_and_keeps_its_permissions() {

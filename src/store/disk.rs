@@ -1,14 +1,17 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
-use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_output};
+use super::atomic::{
+    copy_aside, is_pipe_or_device, keep_backup, remove_stray_files, set_aside, write_atomically, write_new,
+    write_output,
+};
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending};
 use super::lock::{Lock, lock};
 use super::replay::Replay;
 use super::{DocumentStore, Location, Others, Outside, ReadOnly, StoreError};
 use crate::document::{Document, Edit, History, document_from_bytes, document_to_string};
+use crate::files::{read_regular, read_regular_within};
 use crate::geometry::hex;
-use crate::media::read_regular;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::fs;
@@ -50,6 +53,8 @@ pub struct Recovery {
     pub edits: Vec<String>,
     /// How many bytes at the journal's end were unreadable.
     pub lost_bytes: u64,
+    /// The first edit that does not fit the document, and how many the journal holds from there on: they are not in it.
+    pub misfit: Option<(String, usize)>,
     /// A journal with edits of another document, or a damaged one: it was kept under this name.
     pub set_aside: Option<PathBuf>,
     /// How many edits are in the journal that was set aside, as they start from another document.
@@ -79,6 +84,14 @@ impl Recovery {
         };
         if self.lost_bytes > 0 {
             say(format_args!("The journal breaks off: {} bytes at its end are unreadable.", self.lost_bytes));
+        }
+        if let Some((name, left_out)) = &self.misfit {
+            let others = match left_out - 1 {
+                0 => "it is".to_owned(),
+                1 => "it and 1 edit after it are".to_owned(),
+                others => format!("it and {others} edits after it are"),
+            };
+            say(format_args!("The edit {name:?} does not fit the document: {others} left out."));
         }
         if self.foreign_edits > 0 {
             let edits = if self.foreign_edits == 1 { "edit is" } else { "edits are" };
@@ -122,6 +135,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     };
     let contents = read_contents(&location, Steps::Wanted)?;
     let Contents { document, history, written, hash, mut recovery, whole_bytes, damage } = contents;
+    remove_stray_files(location.folder());
     let path = location.journal();
     let io = |source| StoreError::from_io("write", &path, source);
     if recovery.foreign_edits > 0 {
@@ -169,6 +183,12 @@ pub fn write_document(location: &Location, document: &Document, replace: bool) -
     let text = document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
     if is_pipe_or_device(path) {
         return write_output(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source));
+    }
+    if !replace && !path.is_symlink() {
+        return write_new(path, text.as_bytes()).map_err(|source| match source.kind() {
+            io::ErrorKind::AlreadyExists => StoreError::Exists { path: path.to_path_buf() },
+            _ => StoreError::from_io("write", path, source),
+        });
     }
     let backup = location.backup();
     keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
@@ -259,8 +279,10 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
             replay.left_out = replay.left_out.or(file.map(|_| HistoryLeftOut::OtherDocument));
         }
         Pending::Edits(pending) => {
+            let count = pending.edits.len();
             if let Err((name, misfit)) = replay.through(pending, &hash, file.as_ref()) {
                 log::warn!("{}: {name}: {misfit}", path.display());
+                recovery.misfit = Some((name, count - replay.edits.len()));
                 damage = Damage::Misfit;
             }
         }
@@ -271,9 +293,13 @@ fn read_contents_once(location: &Location, steps: Steps) -> Result<Contents, Sto
     Ok(Contents { document, history, written, hash, recovery, whole_bytes, damage })
 }
 
+/// The largest document that is read: a million solved frames.
+const MAX_DOCUMENT_BYTES: u64 = 2 << 30;
+
 fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreError> {
     let path = location.file();
-    let bytes = read_regular(path).map_err(|source| StoreError::from_io("read", path, source))?;
+    let bytes = read_regular_within(path, MAX_DOCUMENT_BYTES);
+    let bytes = bytes.map_err(|source| StoreError::from_io("read", path, source))?;
     let document = document_from_bytes(&bytes).map_err(|source| {
         let backup = Some(location.backup()).filter(|backup| backup.exists());
         StoreError::Read { path: path.to_path_buf(), source, backup }

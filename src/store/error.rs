@@ -2,7 +2,7 @@
 
 use super::ReadOnly;
 use crate::document::{ReadError, WriteError};
-use crate::media::WrongKind;
+use crate::files::WrongKind;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

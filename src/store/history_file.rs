@@ -11,7 +11,7 @@ use super::atomic::write_atomically;
 use super::journal::DocumentHash;
 use super::lines::{first_line, line, line_within};
 use crate::document::{Document, History, SplitDocument, StepEdit, StepMisfit};
-use crate::media::open_regular;
+use crate::files::open_regular;
 use serde::{Deserialize, Serialize};
 use std::fs::{self, OpenOptions};
 use std::io::{self, Read as _};

@@ -8,7 +8,7 @@ use super::atomic::{folder_of, sync_folder};
 use super::file_id::is_at;
 use super::lines::{first_line, line};
 use crate::document::Edit;
-use crate::media::open_regular;
+use crate::files::open_regular;
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Seek, SeekFrom, Write};

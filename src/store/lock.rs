@@ -2,7 +2,7 @@
 
 use super::ReadOnly;
 use super::{Location, file_id::is_at};
-use crate::media::open_regular;
+use crate::files::open_regular;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::PathBuf;

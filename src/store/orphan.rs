@@ -5,7 +5,7 @@ use super::disk::hash_of;
 use super::journal::{JournalContent, Pending};
 use super::{Location, StoreError};
 use crate::document::{Document, Edit, Merged, document_from_bytes, document_to_string, graft, merge};
-use crate::media::read_regular;
+use crate::files::read_regular;
 use std::fs;
 use std::path::{Path, PathBuf};
 

@@ -508,3 +508,45 @@ fn a_program_that_is_killed_loses_nothing_it_acknowledged() {
     }
     assert!(acknowledged >= 12 * 3, "the child did write: {acknowledged}");
 }
+
+#[test]
+fn what_can_be_read_can_be_recovered_however_deep_it_is() {
+    // A key of a frame lies in the document, its list of frames and the frame.
+    const FRAMES: usize = 3;
+    let deep = |levels: usize| serde_json::from_str(&format!("{}1{}", "[".repeat(levels), "]".repeat(levels))).unwrap();
+    let (_folder, path) = new_project(1);
+    let mut first = document(1);
+    first.frames[0].extra.insert("deepest".to_owned(), deep(100 - FRAMES));
+    let location = Location::find(&path).unwrap();
+    write_document(&location, &first, true).unwrap();
+    let (Project { mut store, .. }, opened_first) = opened(&path);
+    let after = click(&mut store, &opened_first, 1);
+    drop(store);
+    let (Project { recovered, .. }, again) = opened(&path);
+    assert_eq!((recovered, again), (1, after));
+    // One level more is refused when it is read, not when it is recovered.
+    let text = fs::read_to_string(location.file()).unwrap().replace("\"deepest\": ", "\"deepest\": [");
+    let text = text.replacen("1]", "1]]", 1);
+    fs::write(&path.with_extension("json"), &text).unwrap();
+    let refused = read(&path.with_extension("json")).unwrap_err().to_string();
+    assert!(refused.contains("lists and objects lie more than 100 deep within each other"), "{refused}");
+}
+
+#[test]
+fn an_edit_that_does_not_fit_is_named_with_those_behind_it() {
+    let (_folder, path) = new_project(2);
+    let (Project { mut store, .. }, start) = opened(&path);
+    let first = click(&mut store, &start, 0);
+    // Made of a document in which the frame was changed otherwise.
+    let mut elsewhere = first.clone();
+    elsewhere.frames[0].clicks.push(Click::unnamed(ImagePoint::new(9.0, 9.0)));
+    elsewhere.frames[0].revision += 7;
+    let misfit = click(&mut store, &elsewhere, 2);
+    click(&mut store, &misfit, 3);
+    drop(store);
+    let (_, recovered, recovery) = read(&path).unwrap();
+    assert_eq!(total_clicks(&recovered), total_clicks(&first));
+    let message = recovery.message().unwrap();
+    let said = "The edit \"Click 2\" does not fit the document: it and 1 edit after it are left out.";
+    assert!(message.contains(said), "{message}");
+}

@@ -5,7 +5,9 @@
 //! at the far left corner and run down, towards the camera; both count pixels from the first pixel's centre.
 
 use crate::experiments::ExperimentError;
+use crate::experiments::given::MAX_GIVEN_BYTES;
 use crate::field::{FieldModel, builtin};
+use crate::files::read_named_text;
 use crate::geometry::{ImageSize, Mat3};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -80,7 +82,7 @@ fn wrong(path: &Path, reason: &dyn ToString) -> ExperimentError {
 }
 
 fn read_json(path: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
-    let text = fs::read_to_string(path).map_err(|error| wrong(path, &error))?;
+    let text = read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(path, &error))?;
     let file: JsonFile = serde_json::from_str(&text).map_err(|error| wrong(path, &error))?;
     let of = |frame: JsonFrame| (frame.image, Mat3::from_fn(|row, column| frame.homography_as_stored[row][column]));
     let frames: Vec<(String, Mat3)> = file.frames.into_iter().map(of).collect();
@@ -102,7 +104,7 @@ fn text_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
 
 fn read_text(folder: &Path) -> Result<Vec<(String, Mat3)>, ExperimentError> {
     let one = |path: PathBuf| {
-        let text = fs::read_to_string(&path).map_err(|error| wrong(&path, &error))?;
+        let text = read_named_text(&path, MAX_GIVEN_BYTES).map_err(|error| wrong(&path, &error))?;
         let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
         let numbers = numbers.map_err(|error| wrong(&path, &error))?;
         if numbers.len() != 9 {

@@ -3,13 +3,14 @@
 use super::drawn::{Order, picture_size, take};
 use super::{FrameSet, SetKind, Split};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::experiments::given::MAX_GIVEN_BYTES;
 use crate::experiments::{ExperimentError, ExperimentOptions};
 use crate::field::builtin;
+use crate::files::read_named_text;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use crate::synthetic::{CameraMotion, PathStep, Preset, StadiumOptions, stadium};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 /// The name of the file with the published motion.
@@ -57,7 +58,7 @@ impl RealMotion {
     /// It cannot be read, or holds something else.
     pub fn read(path: &Path) -> Result<Self, ExperimentError> {
         let wrong = |reason: String| ExperimentError::Given { path: path.to_path_buf(), reason };
-        let text = fs::read_to_string(path).map_err(|error| wrong(error.to_string()))?;
+        let text = read_named_text(path, MAX_GIVEN_BYTES).map_err(|error| wrong(error.to_string()))?;
         let file: MotionFile = serde_json::from_str(&text).map_err(|error| wrong(error.to_string()))?;
         if file.frames.is_empty() || file.frames.iter().any(|frame| !(frame.f_px > 0.0)) {
             return Err(wrong("frames with focal lengths above 0 are wanted".to_owned()));

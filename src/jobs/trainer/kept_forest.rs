@@ -2,7 +2,7 @@
 
 use crate::document::{ReadError, document_from_bytes, document_to_string};
 use crate::features::FeatureOptions;
-use crate::media::read_regular;
+use crate::files::read_regular;
 use crate::proposals::{TrainingSet, WorkFolder};
 use crate::relocalize::{ForestFileError, ForestModel};
 use crate::store::write_atomically;

@@ -3,6 +3,7 @@
 //! A project from somebody else may contain a link where the program keeps its own files; writing through it would destroy
 //! one of the user's files. A pipe would block the program for ever, a device would receive what is written.
 
+use super::not_readable::NotReadable;
 use std::fs::{self, File, FileType, OpenOptions};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
@@ -58,6 +59,21 @@ pub fn read_regular(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Reads a regular file of at most so many bytes whole.
+///
+/// # Errors
+/// As [`open_regular`]; [`NotReadable`], as the inner error, where it is larger.
+pub fn read_regular_within(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
+    let file = open_regular(path, OpenOptions::new().read(true))?;
+    let bytes = file.metadata()?.len();
+    if bytes > limit {
+        return Err(io::Error::other(NotReadable::TooLarge { bytes, limit }));
+    }
+    let mut content = Vec::with_capacity(bytes as usize);
+    file.take(limit).read_to_end(&mut content)?;
+    Ok(content)
+}
+
 /// Refuses a link, or anything else that is no folder, where a folder of the program's own is or will be.
 ///
 /// # Errors
@@ -77,7 +93,7 @@ fn refuse_irregular(path: &Path, file_type: FileType) -> io::Result<()> {
 }
 
 /// What is no regular file, in words.
-fn kind_of(file_type: FileType) -> Option<&'static str> {
+pub(super) fn kind_of(file_type: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;

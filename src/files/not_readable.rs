@@ -1,0 +1,29 @@
+//! Why a file is not read.
+
+use thiserror::Error;
+
+/// Why something is not read.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum NotReadable {
+    /// It is no file.
+    #[error("it is {found}, not a file")]
+    Kind {
+        /// What it is: "a pipe".
+        found: &'static str,
+    },
+    /// It is too large.
+    #[error("it has {bytes} bytes, and {limit} are read at most")]
+    TooLarge {
+        /// Its size.
+        bytes: u64,
+        /// The most that is read.
+        limit: u64,
+    },
+    /// It is no text.
+    #[error("it is not UTF-8 text (byte {offset})")]
+    NotUtf8 {
+        /// The first byte that is none.
+        offset: usize,
+    },
+}
