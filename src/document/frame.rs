@@ -3,7 +3,8 @@
 use super::{CameraId, Click, Extra, FrameId, FramePtz, Repeat, Solution, adapters};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::FrameRef;
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -55,7 +56,7 @@ pub struct Frame {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub edited: Option<Edited>,
     /// What people clicked, in their order.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "clicks")]
     pub clicks: Vec<Click>,
     /// Landmarks that were clicked again, blind, to measure the annotator's click noise; not labels.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -72,6 +73,21 @@ pub struct Frame {
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// The most clicks of a frame: each is compared with each other.
+pub const MAX_CLICKS: usize = 1000;
+
+/// Reads clicks, not more than anybody sets.
+fn clicks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Click>, D::Error> {
+    let clicks = Vec::<Click>::deserialize(deserializer)?;
+    if clicks.len() > MAX_CLICKS {
+        let found = clicks.len();
+        return Err(D::Error::custom(format_args!(
+            "{found} clicks in a frame, and {MAX_CLICKS} are the most; take some away"
+        )));
+    }
+    Ok(clicks)
 }
 
 /// A frame of a video.

@@ -129,7 +129,7 @@ pub use edit::{Change, Edit, EditKind};
 pub use edit_mismatch::EditMismatch;
 pub use field_spec::{FieldSize, FieldSpec};
 pub use fields::Fields;
-pub use frame::{Clip, Edited, Frame, FrameStatus, RejectReason, VideoFrame};
+pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
 pub use frame_changes::FrameChanges;
 pub use frame_id::FrameId;
 pub(crate) use frame_solution::ENOUGH_EQUATIONS;

@@ -39,6 +39,22 @@ impl Document {
     }
 }
 
+/// What stands in a path for a part of a name that is not UTF-8.
+const NOT_UTF8: char = char::REPLACEMENT_CHARACTER;
+
+impl Document {
+    /// The first path that names a file which is not there because a folder's or file's name is not UTF-8, as the document
+    /// must write it.
+    #[must_use]
+    pub fn unwritable_path(&self, folder: &Path) -> Option<&str> {
+        let mut paths = self.frames.iter().flat_map(|frame| {
+            let video = frame.video.as_ref().map(|video| video.path.as_str());
+            [frame.image.as_deref(), video].into_iter().flatten()
+        });
+        paths.find(|path| path.contains(NOT_UTF8) && !folder.join(path).exists())
+    }
+}
+
 /// A relative path as it reads from another folder; none for an absolute one, which stays.
 fn relocate(path: &str, from_folder: &Path, to_folder: &Path) -> Option<String> {
     (!is_absolute(path)).then(|| path_between(to_folder, &from_folder.join(path)))

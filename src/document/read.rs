@@ -66,6 +66,12 @@ pub enum ReadError {
         /// The earlier one's.
         first: usize,
     },
+    /// Lists and objects lie too deep within each other.
+    #[error("lists and objects lie more than {MAX_DEPTH} deep within each other at line {line}; flatten what is there")]
+    TooDeep {
+        /// The line, from 1.
+        line: usize,
+    },
     /// A key is missing or holds something unexpected.
     #[error("{place}: {message} at line {line} column {column}")]
     Schema {
@@ -90,6 +96,7 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
     if text.trim_ascii().is_empty() {
         return Err(ReadError::Empty);
     }
+    refuse_depth(text)?;
     match serde_json::from_str::<DocumentJson>(text) {
         Ok(json) => {
             check_header(&json.format, &json.version)?;
@@ -97,6 +104,31 @@ pub fn document_from_bytes(bytes: &[u8]) -> Result<Document, ReadError> {
         }
         Err(error) => Err(explain(text, &error)),
     }
+}
+
+/// How deep lists and objects may lie within each other. The parser takes 128; what is edited is written into journals a few
+/// levels deeper, and must be read from there too.
+const MAX_DEPTH: usize = 100;
+
+/// Refuses a text whose lists and objects lie too deep within each other.
+fn refuse_depth(text: &str) -> Result<(), ReadError> {
+    let (mut depth, mut is_quoted, mut is_escaped) = (0_usize, false, false);
+    for (at, byte) in text.bytes().enumerate() {
+        match byte {
+            _ if is_escaped => is_escaped = false,
+            b'\\' if is_quoted => is_escaped = true,
+            b'"' => is_quoted = !is_quoted,
+            b'[' | b'{' if !is_quoted => {
+                depth += 1;
+                if depth > MAX_DEPTH {
+                    return Err(ReadError::TooDeep { line: text[..at].matches('\n').count() + 1 });
+                }
+            }
+            b']' | b'}' if !is_quoted => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+    }
+    Ok(())
 }
 
 #[derive(Deserialize)]
