@@ -117,15 +117,10 @@ impl CameraFormat for BroadTrack {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (file, bytes) in files.sorted() {
-            let read = || -> Result<Vec<FrameCamera>, Problem> {
-                let value = parse(bytes)?;
-                Node::root(&value).entries()?.iter().map(|(name, node)| from_json(name, node)).collect()
-            };
-            frames.extend(read().map_err(|problem| problem.within(file))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| {
+            let value = parse(bytes)?;
+            Node::root(&value).entries()?.map(|(name, node)| from_json(name, &node)).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 

@@ -11,6 +11,7 @@ use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::held::{parts, plain, with};
 use super::options::ImportOptions;
 use super::table::numbers;
+use super::values::frame_number;
 use crate::camera::Radial;
 use crate::geometry::{Mat3, Vec3};
 use std::fmt::Write as _;
@@ -56,9 +57,7 @@ fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>,
     let found = values.len();
     let [number, x, y, z, rx, ry, rz, view]: [f64; 8] =
         values.try_into().map_err(|_| Problem::Count { what: "columns".to_owned(), wanted: 8, found })?;
-    if !(number.fract() == 0.0 && (0.0..1e15).contains(&number)) {
-        return Err(Problem::OutOfRange { what: "the frame".to_owned(), value: number, wanted: "a whole number" });
-    }
+    let number = frame_number("the frame", number)?;
     if !(view > 0.0 && view < 179.0) {
         let what = "the field of view".to_owned();
         return Err(Problem::OutOfRange { what, value: view, wanted: "between 0 and 179 degrees" });
@@ -116,17 +115,12 @@ impl CameraFormat for Chan {
             let (what, option) = ("how large its pictures are", "--size WIDTHxHEIGHT");
             return Err(ExchangeError::OptionNeeded { format: super::format::Format::Chan, what, option });
         }
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            let read = || -> Result<Vec<FrameCamera>, Problem> {
-                let lines = text(bytes)?.lines().enumerate();
-                let lines =
-                    lines.map(|(index, line)| read_line(line, options).map_err(|problem| problem.at_line(index + 1)));
-                lines.filter_map(Result::transpose).collect()
-            };
-            frames.extend(read().map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| {
+            let lines = text(bytes)?.lines().enumerate();
+            let lines =
+                lines.map(|(index, line)| read_line(line, options).map_err(|problem| problem.at_line(index + 1)));
+            lines.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 
@@ -168,7 +162,7 @@ mod tests {
                 "412 0 18 60 -11 -12 0 2000\n",
                 "line 1: the field of view is 2000, which must be between 0 and 179 degrees",
             ),
-            ("4.5 0 18 60 -11 -12 0 25\n", "line 1: the frame is 4.5, which must be a whole number"),
+            ("4.5 0 18 60 -11 -12 0 25\n", "line 1: the frame is 4.5, which must be a whole number from 0 to 10^12"),
             (
                 "412 0 1e9 60 -11 -12 0 25\n",
                 "line 1: a coordinate of the position of the camera is 1000000000, which must be within 100 km, in metres",

@@ -1,8 +1,9 @@
 //! Frames with their clicks as formats exchange them, and what every format of clicks does.
 
-use super::error::ExchangeError;
+use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::options::{ExportOptions, ImportOptions, LabelMap};
+use super::values::clipped;
 use crate::document::Click;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -52,6 +53,13 @@ pub struct ClickContext<'a> {
 
 /// The size of the picture of a name: of its file where that is there, else as it was given.
 pub type Sizes<'a> = dyn Fn(&str) -> Option<ImageSize> + 'a;
+
+/// That nothing says how large a picture is.
+#[must_use]
+pub fn size_needed(image: &str) -> Problem {
+    let what = format!("the size of {:?}", clipped(image));
+    Problem::OptionNeeded { what, option: "--size WIDTHxHEIGHT or --images FOLDER" }
+}
 
 /// A format that holds points of pictures.
 pub trait ClickFormat: Sync {

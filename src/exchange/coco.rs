@@ -83,8 +83,11 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
     let mut names: BTreeMap<i64, Vec<&str>> = BTreeMap::new();
     for category in root.key("categories")?.items()? {
         if let Some(of) = category.find("keypoints") {
-            let of = of.items()?.iter().map(Node::text).collect::<Result<_, _>>()?;
-            names.insert(id_of(&category.key("id")?)?, of);
+            let of = of.items()?.map(|name| name.text()).collect::<Result<_, _>>()?;
+            let id = id_of(&category.key("id")?)?;
+            if names.insert(id, of).is_some() {
+                return Err(Problem::Twice { what: "the category id", name: id.to_string() });
+            }
         }
     }
     let mut frames: Vec<LabelledFrame> = Vec::new();
@@ -95,9 +98,6 @@ fn read(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Pro
             return Err(Problem::Twice { what: "the image id", name: id.to_string() });
         }
         let name = image.key("file_name")?.image_name()?;
-        if frames.iter().any(|frame| frame.name == name) {
-            return Err(Problem::Twice { what: "the image", name });
-        }
         let size = ImageSize::new(image.key("width")?.side_px()?, image.key("height")?.side_px()?);
         frames.push(LabelledFrame { image: Some(name.clone()), name, size, marks: Vec::new() });
     }
@@ -163,11 +163,7 @@ impl ClickFormat for Coco {
         options: &ImportOptions,
         _sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            frames.extend(read(bytes, options).map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| read(bytes, options))
     }
 }
 

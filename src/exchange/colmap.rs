@@ -13,6 +13,7 @@ use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
 use super::table::{number, numbers};
+use super::values::clipped;
 use crate::camera::Radial;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
@@ -39,7 +40,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     let side = |field: &str| {
         let wrong = || {
             let (what, wanted) = ("the size of the picture".to_owned(), "a whole number from 1 to 65535");
-            Problem::Kind { what, wanted, found: format!("{field:?}") }
+            Problem::Kind { what, wanted, found: format!("{:?}", clipped(field)) }
         };
         field.parse::<u32>().ok().filter(|side| (1..=65_535).contains(side)).ok_or_else(wrong)
     };
@@ -51,7 +52,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
         "OPENCV" => 8,
         other => {
             let why = "SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read";
-            return Err(Problem::Unsupported { what: format!("the camera model {other:?}"), why });
+            return Err(Problem::Unsupported { what: format!("the camera model {:?}", clipped(other)), why });
         }
     };
     if params.len() != wanted {
@@ -71,7 +72,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
     let id = id.parse().map_err(|_| Problem::Kind {
         what: "the camera's number".to_owned(),
         wanted: "a whole number",
-        found: format!("{id:?}"),
+        found: format!("{:?}", clipped(id)),
     })?;
     Ok((id, (size, focal[0], ImagePoint::new(rest[0], rest[1]), lens)))
 }
@@ -107,7 +108,7 @@ fn read_image(line: &str, cameras: &BTreeMap<u64, Lens>) -> Result<FrameCamera, 
         let what = "the length of the quaternion".to_owned();
         return Err(Problem::OutOfRange { what, value: quaternion.norm(), wanted: "1" });
     }
-    let unknown = || Problem::Unknown { what: "the camera", name: (*camera).to_owned() };
+    let unknown = || Problem::Unknown { what: "the camera", name: clipped(camera) };
     let id: u64 = camera.parse().map_err(|_| unknown())?;
     let (size, focal_px, principal_point, lens) = *cameras.get(&id).ok_or_else(unknown)?;
     let cam_from_world = *UnitQuaternion::from_quaternion(quaternion).to_rotation_matrix().matrix();

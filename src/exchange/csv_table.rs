@@ -11,8 +11,9 @@ use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
 use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
-use super::table::{Row, Table, push_row};
+use super::table::{Row, Table, push_row, text_cell};
 use super::timecode::Timecode;
+use super::values::side_px;
 use crate::camera::Radial;
 use crate::document::{FrameStatus, SolutionSource};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
@@ -83,8 +84,8 @@ fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &Wri
         frame.frame_index.map(|index| index.to_string()).unwrap_or_default(),
         field(frame.pts_s),
         timecode.unwrap_or_default(),
-        if frame.image.is_some() { frame.name.clone() } else { String::new() },
-        frame.camera.clone().unwrap_or_default(),
+        if frame.image.is_some() { text_cell(&frame.name) } else { String::new() },
+        frame.camera.as_deref().map(text_cell).unwrap_or_default(),
         record.status.as_str().to_owned(),
         record.source.map(source_name).unwrap_or_default(),
         "0".to_owned(),
@@ -125,14 +126,9 @@ fn read_row(row: Row<'_>) -> Result<FrameCamera, Problem> {
     };
     let pinhole = pinhole.checked("the camera").map_err(|problem| problem.at_line(row.line()))?;
     let side = |column: &str| -> Result<u32, Problem> {
-        let value = row.number(column)?;
-        if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
-            return Ok(value as u32);
-        }
-        let what = column.to_owned();
-        Err(Problem::OutOfRange { what, value, wanted: "a whole number from 1 to 65535" }.at_line(row.line()))
+        side_px(column, row.number(column)?).map_err(|problem| problem.at_line(row.line()))
     };
-    let index = row.find("frame_index")?.filter(|index| *index >= 0.0).map(|index| index as u64);
+    let index = row.frame_index()?;
     let image = row.text("image").map(safe_path).transpose().map_err(|problem| problem.at_line(row.line()))?;
     let camera = row.text("camera").map(ToOwned::to_owned);
     let missing = || Problem::Missing("both image and frame_index".to_owned()).at_line(row.line());
@@ -188,19 +184,14 @@ impl CameraFormat for Csv {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            let read = || -> Result<Vec<FrameCamera>, Problem> {
-                let table = Table::read(bytes)?;
-                let required = ["focal_px", "cx_px", "cy_px", "camera_x_m", "r11", "width_px"];
-                if let Some(column) = required.into_iter().find(|column| !table.has(column)) {
-                    return Err(Problem::Missing(format!("the column {column}")));
-                }
-                table.rows().map(read_row).collect()
-            };
-            frames.extend(read().map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| {
+            let table = Table::read(bytes)?;
+            let required = ["focal_px", "cx_px", "cy_px", "camera_x_m", "r11", "width_px"];
+            if let Some(column) = required.into_iter().find(|column| !table.has(column)) {
+                return Err(Problem::Missing(format!("the column {column}")));
+            }
+            table.rows().map(read_row).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 

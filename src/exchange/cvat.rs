@@ -11,6 +11,7 @@ use super::format::Format;
 use super::node::safe_path;
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
+use super::values::{clipped, frame_number, side_px};
 use crate::document::Click;
 use crate::geometry::{ImagePoint, ImageSize};
 use roxmltree::Document as Xml;
@@ -28,11 +29,7 @@ fn attribute<'a>(element: Element<'a>, name: &str) -> Result<&'a str, Problem> {
 }
 
 fn side(element: Element<'_>, name: &str) -> Result<u32, Problem> {
-    let value = number(name, attribute(element, name)?)?;
-    if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
-        return Ok(value as u32);
-    }
-    Err(Problem::OutOfRange { what: name.to_owned(), value, wanted: "a whole number from 1 to 65535" })
+    side_px(name, number(name, attribute(element, name)?)?)
 }
 
 /// The points of a shape, all with its label.
@@ -57,15 +54,21 @@ fn points(shape: Element<'_>, label: &str, shift: f64) -> Result<Vec<Mark>, Prob
         .collect()
 }
 
-/// The marks of an element that holds shapes.
+/// The marks of the shapes that an element holds.
 fn marks_within(parent: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
+    let shapes = parent.children().filter(|shape| matches!(shape.tag_name().name(), "points" | "polyline"));
     let mut found = Vec::new();
-    for shape in parent.children().filter(Element::is_element) {
-        match shape.tag_name().name() {
-            "points" | "polyline" => found.extend(marks(shape, shift)?),
-            "skeleton" => found.extend(marks_within(shape, shift)?),
-            _ => {}
-        }
+    for shape in shapes {
+        found.extend(marks(shape, shift)?);
+    }
+    Ok(found)
+}
+
+/// The marks of an image: its shapes' and its skeletons'. A skeleton holds no other.
+fn marks_of_image(image: Element<'_>, shift: f64) -> Result<Vec<Mark>, Problem> {
+    let mut found = marks_within(image, shift)?;
+    for skeleton in image.children().filter(|child| child.has_tag_name("skeleton")) {
+        found.extend(marks_within(skeleton, shift)?);
     }
     Ok(found)
 }
@@ -79,10 +82,7 @@ fn tracks(root: Element<'_>, shift: f64) -> Result<BTreeMap<u64, Vec<Mark>>, Pro
         for shape in
             shapes.filter(|shape| shape.attribute("keyframe") == Some("1") && shape.attribute("outside") != Some("1"))
         {
-            let frame = attribute(shape, "frame")?;
-            let wrong =
-                || Problem::Kind { what: "frame".to_owned(), wanted: "a whole number", found: format!("{frame:?}") };
-            let frame = frame.parse().map_err(|_| wrong())?;
+            let frame = frame_number("frame", number("frame", attribute(shape, "frame")?)?)?;
             let of_shape = match shape.tag_name().name() {
                 "points" | "polyline" => points(shape, label, shift)?,
                 "skeleton" => marks_within(shape, shift)?,
@@ -101,12 +101,7 @@ fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
         let child = size.children().find(|child| child.has_tag_name(name));
         let missing = || Problem::Missing(format!("{name} of <original_size>"));
         let text = child.and_then(|child| child.text()).ok_or_else(missing)?;
-        let wrong = || Problem::Kind {
-            what: name.to_owned(),
-            wanted: "a whole number from 1 to 65535",
-            found: format!("{text:?}"),
-        };
-        text.trim().parse().ok().filter(|side| (1..=65_535).contains(side)).ok_or_else(wrong)
+        side_px(name, number(name, text)?)
     };
     Ok(Some(ImageSize::new(of("width")?, of("height")?)))
 }
@@ -115,18 +110,15 @@ fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>
     let xml = Xml::parse(text(bytes)?).map_err(|error| Problem::NotXml(error.to_string()))?;
     let root = xml.root_element();
     if root.tag_name().name() != "annotations" {
-        let found = format!("it begins with <{}>", root.tag_name().name());
+        let found = format!("it begins with <{}>", clipped(root.tag_name().name()));
         return Err(Problem::NotFormat { wanted: "CVAT's XML", found });
     }
     let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
     let mut frames: Vec<LabelledFrame> = Vec::new();
     for image in root.children().filter(|child| child.has_tag_name("image")) {
         let name = safe_path(attribute(image, "name")?)?;
-        if frames.iter().any(|frame| frame.name == name) {
-            return Err(Problem::Twice { what: "the image", name });
-        }
         let size = ImageSize::new(side(image, "width")?, side(image, "height")?);
-        frames.push(LabelledFrame { image: Some(name.clone()), name, size, marks: marks_within(image, shift)? });
+        frames.push(LabelledFrame { image: Some(name.clone()), name, size, marks: marks_of_image(image, shift)? });
     }
     let tracks = tracks(root, shift)?;
     if !tracks.is_empty() {
@@ -165,11 +157,7 @@ impl ClickFormat for Cvat {
         options: &ImportOptions,
         _sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            frames.extend(read_file(bytes, options).map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| read_file(bytes, options))
     }
 }
 

@@ -69,13 +69,12 @@ impl CameraFormat for DeepSport {
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
         let court = options.field.model(Path::new("."))?;
-        let one = |(name, bytes): (&str, &[u8])| {
-            let (pinhole, size) = camera(bytes, &court).map_err(|problem| problem.within(name))?;
+        files.read_all(|name, bytes| {
+            let (pinhole, size) = camera(bytes, &court)?;
             let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
             let frame = FrameCamera::new(stem, Some(size), Shown::Camera(pinhole));
-            Ok(FrameCamera { image: Some(format!("{stem}_0.png")), ..frame })
-        };
-        files.sorted().into_iter().map(one).collect()
+            Ok(Some(FrameCamera { image: Some(format!("{stem}_0.png")), ..frame }))
+        })
     }
 }
 
@@ -116,7 +115,7 @@ mod tests {
     fn damaged_files_are_named_in_one_line() {
         for (key, value, wanted) in [
             ("KK", json!([1, 2, 3]), "calibration.KK (numbers): 9 are wanted, found 3"),
-            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R[0]: a number is wanted, found a list of 3"),
+            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R (numbers): 9 are wanted, found 3"),
             (
                 "R",
                 json!([2, 0, 0, 0, 2, 0, 0, 0, 2]),

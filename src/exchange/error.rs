@@ -1,6 +1,7 @@
 //! What can go wrong between documents and foreign files.
 
 use super::format::Format;
+use super::values::number_text;
 use crate::field::FieldError;
 use std::io;
 use std::path::PathBuf;
@@ -47,6 +48,50 @@ pub enum ExchangeError {
         path: PathBuf,
         /// What was looked for.
         wanted: &'static str,
+    },
+    /// A frame is there twice.
+    #[error("{}: the frame {name:?} occurs twice; import one camera or folder at a time", path.display())]
+    SameFrame {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        name: String,
+    },
+    /// A point lies nowhere near a picture.
+    #[error("{}: {label:?} of {frame:?} is at ({x:e}, {y:e}) px, which is no place in a picture", path.display())]
+    NoPlace {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// The point's label.
+        label: String,
+        /// px.
+        x: f64,
+        /// px.
+        y: f64,
+    },
+    /// A frame has more points than a document takes.
+    #[error("{}: {frame:?} has {found} points, and a frame takes {limit}; thin them out", path.display())]
+    TooManyPoints {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// How many it has.
+        found: usize,
+        /// How many it may have.
+        limit: usize,
+    },
+    /// No camera shows the ground as a homography does.
+    #[error("{}: the homography of {frame:?} is no picture that a camera takes: {source}", path.display())]
+    NoCamera {
+        /// The file or folder.
+        path: PathBuf,
+        /// The frame.
+        frame: String,
+        /// Why.
+        source: crate::solve::PlanePoseError,
     },
     /// There are too many files, or they are too large together.
     #[error("{} holds more than {limit}; import a part of it", path.display())]
@@ -146,6 +191,16 @@ pub enum ExchangeError {
         /// What to give.
         option: &'static str,
     },
+    /// An export needs what neither the document nor an option says.
+    #[error("{format} needs {what}; give {option}")]
+    ExportNeeds {
+        /// The format.
+        format: Format,
+        /// What is not known.
+        what: &'static str,
+        /// What to give.
+        option: &'static str,
+    },
     /// Labels that nothing of the field is known for.
     #[error("no meaning is known for {labels}; give a --map file with them, or --skip-unmapped")]
     Unmapped {
@@ -169,6 +224,9 @@ pub enum Problem {
         /// The limit.
         limit: u64,
     },
+    /// Its content is packed.
+    #[error("a {0} archive; unpack it and name what was in it")]
+    Archive(&'static str),
     /// It is no text.
     #[error("not UTF-8 text (byte {offset})")]
     NotUtf8 {
@@ -216,7 +274,7 @@ pub enum Problem {
     #[error("{0} is not a finite number")]
     NotFinite(String),
     /// A number is outside of what makes sense.
-    #[error("{what} is {value}, which must be {wanted}")]
+    #[error("{what} is {}, which must be {wanted}", number_text(*value))]
     OutOfRange {
         /// Which.
         what: String,
@@ -236,14 +294,6 @@ pub enum Problem {
     /// A matrix has no inverse.
     #[error("{0} is singular")]
     Singular(String),
-    /// No camera shows the ground as a homography does.
-    #[error("{what} is no picture that a camera takes: {why}")]
-    NoCamera {
-        /// Which.
-        what: String,
-        /// Why.
-        why: String,
-    },
     /// A name occurs twice.
     #[error("{what} {name:?} occurs twice")]
     Twice {
@@ -263,6 +313,14 @@ pub enum Problem {
     /// A path leads out of the folder.
     #[error("the path {0:?} leads out of the folder")]
     LeavesFolder(String),
+    /// Something that the file does not say and an option does.
+    #[error("{what} is not known; give {option}")]
+    OptionNeeded {
+        /// What is not known.
+        what: String,
+        /// What to give.
+        option: &'static str,
+    },
     /// Something that this program does not hold.
     #[error("{what} is not supported: {why}")]
     Unsupported {
@@ -270,6 +328,14 @@ pub enum Problem {
         what: String,
         /// Why, or what to do instead.
         why: &'static str,
+    },
+    /// The same at a packet of a stream.
+    #[error("packet {packet}: {problem}")]
+    Packet {
+        /// The packet, from 1.
+        packet: usize,
+        /// What is wrong there.
+        problem: Box<Problem>,
     },
     /// The same at a line of a text.
     #[error("line {line}: {problem}")]
@@ -286,6 +352,12 @@ impl Problem {
     #[must_use]
     pub(crate) fn within(self, file: &str) -> ExchangeError {
         ExchangeError::File { file: file.to_owned(), problem: self }
+    }
+
+    /// The problem at a packet, counted from 1.
+    #[must_use]
+    pub(crate) fn at_packet(self, packet: usize) -> Self {
+        Self::Packet { packet, problem: Box::new(self) }
     }
 
     /// The problem at a line, counted from 1.

@@ -1,9 +1,10 @@
 //! The files of an export or import in memory: written whole or not at all, read with limits.
 
 use super::error::{ExchangeError, Problem};
+use crate::files::{NotReadable, read_named};
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
-use std::io::{self, Read as _, Write as _};
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 /// The largest file that is read.
@@ -37,6 +38,21 @@ impl Files {
         let mut files: Vec<(&str, &[u8])> = self.0.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
         files.sort_by(|a, b| alphanumeric_sort::compare_str(a.0, b.0));
         files
+    }
+
+    /// What every file holds, in order.
+    ///
+    /// # Errors
+    /// One of them is damaged; it is named.
+    pub(super) fn read_all<T, I: IntoIterator<Item = T>>(
+        &self,
+        mut read: impl FnMut(&str, &[u8]) -> Result<I, Problem>,
+    ) -> Result<Vec<T>, ExchangeError> {
+        let mut all = Vec::new();
+        for (name, bytes) in self.sorted() {
+            all.extend(read(name, bytes).map_err(|problem| problem.within(name))?);
+        }
+        Ok(all)
     }
 
     /// A file by name.
@@ -193,22 +209,32 @@ impl FolderReader<'_> {
 
 /// Reads a file up to the limit.
 fn read_limited(path: &Path, name: &str) -> Result<Vec<u8>, ExchangeError> {
-    let failed = |source| ExchangeError::Read { path: path.to_path_buf(), source };
-    let file = fs::File::open(path).map_err(failed)?;
-    let bytes = file.metadata().map_err(failed)?.len();
-    if bytes > MAX_FILE_BYTES {
-        return Err(Problem::TooLarge { bytes, limit: MAX_FILE_BYTES }.within(name));
-    }
-    let mut content = Vec::new();
-    file.take(MAX_FILE_BYTES).read_to_end(&mut content).map_err(failed)?;
-    Ok(content)
+    read_named(path, MAX_FILE_BYTES).map_err(|source| {
+        match source.get_ref().and_then(|inner| inner.downcast_ref::<NotReadable>()) {
+            Some(NotReadable::TooLarge { bytes, limit }) => {
+                Problem::TooLarge { bytes: *bytes, limit: *limit }.within(name)
+            }
+            _ => ExchangeError::Read { path: path.to_path_buf(), source },
+        }
+    })
+}
+
+/// Archives are not read: what lies in them is unpacked by people, who see where it goes.
+///
+/// # Errors
+/// It is one.
+pub(super) fn refuse_archive(bytes: &[u8]) -> Result<(), Problem> {
+    const ARCHIVES: [(&[u8], &str); 3] = [(b"PK\x03\x04", "zip"), (b"\x1f\x8b", "gzip"), (b"7z\xbc\xaf", "7z")];
+    let found = ARCHIVES.into_iter().find(|(magic, _)| bytes.starts_with(magic));
+    found.map_or(Ok(()), |(_, kind)| Err(Problem::Archive(kind)))
 }
 
 /// The text of a file, without a byte order mark.
 ///
 /// # Errors
-/// It is empty or not UTF-8.
+/// It is empty, an archive or not UTF-8.
 pub(super) fn text(bytes: &[u8]) -> Result<&str, Problem> {
+    refuse_archive(bytes)?;
     let text = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 { offset: error.valid_up_to() })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     if text.trim().is_empty() { Err(Problem::Empty) } else { Ok(text) }

@@ -48,6 +48,8 @@ pub enum Format {
     DeepSport,
     /// Nuke's camera track.
     Chan,
+    /// The Common Data Format's sheet of a video.
+    Cdf,
     /// Cameras of `PnLCalib`, No Bells Just Whistles and `TVCalib`.
     PnlCalib,
     /// The MATLAB files of the two-point method's authors.
@@ -70,7 +72,7 @@ const fn facts(name: &'static str, title: &'static str, is_folder: bool, imports
 
 impl Format {
     /// Every format, in the order of the help.
-    pub const ALL: [Self; 23] = [
+    pub const ALL: [Self; 24] = [
         Self::Json,
         Self::SoccerNet,
         Self::SoccerNetLines,
@@ -92,6 +94,7 @@ impl Format {
         Self::FreeDCsv,
         Self::DeepSport,
         Self::Chan,
+        Self::Cdf,
         Self::PnlCalib,
         Self::AuthorsMat,
     ];
@@ -121,6 +124,7 @@ impl Format {
             Self::FreeDCsv => facts("freed-csv", "what FreeD holds as a table, with times", false, true, true),
             Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
             Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
+            Self::Cdf => facts("cdf", "Common Data Format: the sheet of a video", false, false, true),
             Self::PnlCalib => facts("pnlcalib", "cameras of PnLCalib, NBJW or TVCalib", true, true, false),
             Self::AuthorsMat => facts("authors-mat", "the two-point method's MATLAB files", true, true, false),
         }
@@ -136,6 +140,30 @@ impl Format {
     #[must_use]
     pub const fn title(self) -> &'static str {
         self.facts().title
+    }
+
+    /// What an export loses, in a few words.
+    #[must_use]
+    pub const fn loses(self) -> &'static str {
+        match self {
+            Self::Json => "nothing",
+            Self::SoccerNet => "size of the picture, time, uncertainty",
+            Self::SoccerNetLines => "landmarks, cameras; corner arcs have no class",
+            Self::Csv => "clicks",
+            Self::YoloPose => "points on lines, points outside of the picture, cameras",
+            Self::Coco => "points on lines, cameras",
+            Self::LabelStudio | Self::Labelme => "check points, cameras",
+            Self::Wc14 | Self::TsWorldCup | Self::Homography => "lens, points off the ground, time, uncertainty",
+            Self::BroadTrack => "a principal point off the middle, time, uncertainty",
+            Self::Colmap | Self::OpenCv => "time, uncertainty",
+            Self::Usda => "lens, size of the picture, uncertainty",
+            Self::OpenTrackIo => "uncertainty",
+            Self::FreeD => "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
+            Self::FreeDCsv => "lens, principal point, size; whole zoom values",
+            Self::Chan => "lens, principal point, size, rate, uncertainty",
+            Self::Cdf => "everything but the camera's place, the size and the rate",
+            Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
+        }
     }
 
     /// The format of a name.
@@ -178,6 +206,20 @@ mod tests {
         for format in Format::ALL {
             assert_eq!(Format::from_name(format.name()), Some(format));
             assert!(format.imports() || format.exports(), "{format}");
+            assert!(!format.exports() || format.loses() != "it is read only", "{format}");
         }
+    }
+
+    #[test]
+    fn every_format_has_its_page() {
+        let pages = include_str!("../../assets/formats.md");
+        for format in Format::ALL {
+            let page = pages.split("\n## ").find(|page| page.lines().next() == Some(format.name()));
+            let page = page.unwrap_or_else(|| panic!("assets/formats.md has no section {format}"));
+            for part in ["**Conventions**", "**Used", "**Lost**"] {
+                assert!(page.contains(part), "{format}: {part}");
+            }
+        }
+        assert_eq!(pages.matches("\n## ").count(), Format::ALL.len());
     }
 }

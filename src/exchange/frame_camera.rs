@@ -150,6 +150,10 @@ impl Pinhole {
             let what = format!("k2 = {} without k1 of {what}", self.lens.k2);
             return Err(Problem::Unsupported { what, why: "the lens model ties k2 to k1" });
         }
+        if self.curve().is_none_or(|curve| !curve.is_finite()) {
+            let what = format!("k1 = {:e} with k2 = {:e} of {what}", self.lens.k1, self.lens.k2);
+            return Err(Problem::Unsupported { what, why: "no lens bends so" });
+        }
         let distance = distance_from_rotation(&self.cam_from_world);
         if !(distance <= ROTATION_TOLERANCE) {
             return Err(Problem::NotRotation { what: format!("the rotation of {what}"), distance });

@@ -88,6 +88,26 @@ fn between(table: impl Iterator<Item = (f64, f64)>, at: f64) -> Option<f64> {
     Some(if share.is_finite() { pair[0].1 + share * (pair[1].1 - pair[0].1) } else { pair[0].1 })
 }
 
+/// What neither packets nor the table say.
+#[derive(Clone, Copy)]
+struct Reading<'a> {
+    size: ImageSize,
+    zoom: &'a Zoom,
+    sensor_mm: Option<f64>,
+}
+
+impl<'a> Reading<'a> {
+    fn of(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
+        let needed = |what, option| ExchangeError::OptionNeeded { format, what, option };
+        let size = options.size.ok_or_else(|| needed("how large its pictures are", "--size WIDTHxHEIGHT"))?;
+        let zoom = options.zoom.as_ref().ok_or_else(|| needed("what its zoom value means", "--zoom"))?;
+        if *zoom == Zoom::FocalMmX100 && options.sensor_width_mm.is_none() {
+            return Err(needed("how wide the sensor is", "--sensor-mm"));
+        }
+        Ok(Self { size, zoom, sensor_mm: options.sensor_width_mm })
+    }
+}
+
 /// The numbers of a packet: pan (to the right), tilt, roll in degrees; x, y, height in m; zoom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sample {
@@ -103,20 +123,16 @@ impl Sample {
         Ok(Self { angles_deg: [-pan, tilt, roll], position_m: pinhole.position_m, zoom_raw })
     }
 
-    fn pinhole(&self, options: &ImportOptions, format: Format) -> Result<Pinhole, ExchangeError> {
-        let needed = |what, option| ExchangeError::OptionNeeded { format, what, option };
-        let size = options.size.ok_or_else(|| needed("how large its pictures are", "--size WIDTHxHEIGHT"))?;
-        let zoom = options.zoom.as_ref().ok_or_else(|| needed("what its zoom value means", "--zoom"))?;
-        let focal = zoom.focal_px(self.zoom_raw, size, options.sensor_width_mm);
+    fn pinhole(&self, reading: Reading<'_>) -> Result<Pinhole, Problem> {
         let [pan, tilt, roll] = self.angles_deg;
         let pinhole = Pinhole {
             cam_from_world: cam_from_world([-pan, tilt, roll]),
             position_m: self.position_m,
-            focal_px: focal.map_err(|problem| problem.within(format.name()))?,
-            principal_point: size.centre(),
+            focal_px: reading.zoom.focal_px(self.zoom_raw, reading.size, reading.sensor_mm)?,
+            principal_point: reading.size.centre(),
             lens: crate::camera::Radial::default(),
         };
-        pinhole.checked("the camera").map_err(|problem| problem.within(format.name()))
+        pinhole.checked("the camera")
     }
 
     fn packet(&self) -> Result<[u8; PACKET], String> {
@@ -231,22 +247,20 @@ impl CameraFormat for FreeD {
     }
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
+        let reading = Reading::of(options, Format::FreeD)?;
+        let mut count = 0;
+        files.read_all(|_, bytes| {
             if bytes.is_empty() {
-                return Err(Problem::Empty.within(name));
+                return Err(Problem::Empty);
             }
-            for (index, packet) in bytes.chunks(PACKET).enumerate() {
-                let at = |problem: Problem| {
-                    let what = format!("packet {}", index + 1);
-                    Problem::Kind { what, wanted: "29 bytes of FreeD D1", found: problem.to_string() }.within(name)
-                };
-                let pinhole = Sample::from_packet(packet).map_err(at)?.pinhole(options, Format::FreeD)?;
-                let name = format!("{:06}", frames.len());
-                frames.push(FrameCamera::new(&name, options.size, Shown::Camera(pinhole)));
-            }
-        }
-        Ok(frames)
+            let frame = |(index, packet): (usize, &[u8])| {
+                let pinhole = Sample::from_packet(packet).and_then(|sample| sample.pinhole(reading));
+                let pinhole = pinhole.map_err(|problem| problem.at_packet(index + 1))?;
+                count += 1;
+                Ok(FrameCamera::new(&format!("{:06}", count - 1), Some(reading.size), Shown::Camera(pinhole)))
+            };
+            bytes.chunks(PACKET).enumerate().map(frame).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 
@@ -266,15 +280,16 @@ const COLUMNS: [&str; 12] = [
     "focus_raw",
 ];
 
-fn read_row(row: Row<'_>) -> Result<(Option<u64>, Option<f64>, Sample), Problem> {
+fn read_row(row: Row<'_>, reading: Reading<'_>, name: &str) -> Result<FrameCamera, Problem> {
     let place = |column| row.number(column).map(|mm| mm / 1000.0);
     let sample = Sample {
         angles_deg: [row.number("pan_deg")?, row.number("tilt_deg")?, row.number("roll_deg")?],
         position_m: Vec3::new(place("x_mm")?, place("y_mm")?, place("height_mm")?),
         zoom_raw: row.number("zoom_raw")?,
     };
-    let index = row.find("frame_index")?.filter(|index| *index >= 0.0).map(|index| index as u64);
-    Ok((index, row.find("pts_s")?, sample))
+    let pinhole = sample.pinhole(reading).map_err(|problem| problem.at_line(row.line()))?;
+    let frame = FrameCamera::new(name, Some(reading.size), Shown::Camera(pinhole));
+    Ok(FrameCamera { frame_index: row.frame_index()?, pts_s: row.find("pts_s")?, ..frame })
 }
 
 impl CameraFormat for FreeDCsv {
@@ -314,16 +329,16 @@ impl CameraFormat for FreeDCsv {
     }
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            let read = || Table::read(bytes)?.rows().map(read_row).collect::<Result<Vec<_>, Problem>>();
-            for (index, pts_s, sample) in read().map_err(|problem| problem.within(name))? {
-                let pinhole = sample.pinhole(options, Format::FreeDCsv)?;
-                let frame = FrameCamera::new(&format!("{:06}", frames.len()), options.size, Shown::Camera(pinhole));
-                frames.push(FrameCamera { frame_index: index, pts_s, ..frame });
-            }
-        }
-        Ok(frames)
+        let reading = Reading::of(options, Format::FreeDCsv)?;
+        let mut count = 0;
+        files.read_all(|_, bytes| {
+            let table = Table::read(bytes)?;
+            let frame = |row| {
+                count += 1;
+                read_row(row, reading, &format!("{:06}", count - 1))
+            };
+            table.rows().map(frame).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 
@@ -384,7 +399,7 @@ mod tests {
         let read = |bytes: Vec<u8>, options: &ImportOptions| {
             FreeD.read(&Files::one("a.freed", bytes), options).unwrap_err().to_string()
         };
-        let wanted = "29 bytes of FreeD D1 is wanted, found not a FreeD D1 packet:";
+        let wanted = "not a FreeD D1 packet:";
         assert_eq!(read(Vec::new(), &options), "a.freed: the file is empty");
         assert_eq!(read(with(0, 0xd0), &options), format!("a.freed: packet 1: {wanted} it begins with 0xd0"));
         assert_eq!(read(with(28, 0), &options), format!("a.freed: packet 1: {wanted} the checksum is 0x00, not 0x1d"));

@@ -15,6 +15,7 @@ use super::node::{Node, parse, safe_path};
 use super::npy;
 use super::options::{ImportOptions, Pixels};
 use super::table::numbers;
+use super::values::{clipped, side_px};
 use crate::camera::Radial;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, homography};
 use serde_json::{Value, json};
@@ -182,15 +183,11 @@ impl CameraFormat for Wc14 {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let one = |(name, bytes): (&str, &[u8])| {
-            let read = || -> Result<FrameCamera, Problem> {
-                let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
-                let stem = base_name(name).rsplit_once('.').map_or(name, |(stem, _)| stem);
-                Ok(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown)))
-            };
-            read().map_err(|problem| problem.within(name))
-        };
-        files.sorted().into_iter().map(one).collect()
+        files.read_all(|name, bytes| {
+            let shown = image_from_ground(&matrix(&numbers("the homography", text(bytes)?)?)?)?;
+            let stem = base_name(name).rsplit_once('.').map_or(name, |(stem, _)| stem);
+            Ok(Some(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown))))
+        })
     }
 }
 
@@ -229,16 +226,16 @@ impl CameraFormat for TsWorldCup {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let one = |(name, bytes): (&str, &[u8])| {
-            let read = || -> Result<FrameCamera, Problem> {
-                let shown = image_from_ground(&npy::matrix(bytes)?)?;
-                let stem = name.strip_suffix(TS_ENDING).or_else(|| name.strip_suffix(".npy")).unwrap_or(name);
-                let stem = stem.strip_prefix(TS_FOLDER).map_or(stem, |rest| rest.trim_start_matches('/'));
-                Ok(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown)))
-            };
-            read().map_err(|problem| problem.within(name))
-        };
-        files.sorted().into_iter().filter(|(name, _)| has_ending(name, "npy")).map(one).collect()
+        files.read_all(|name, bytes| {
+            if !self.is_wanted(name) {
+                // The list of videos that is written with them.
+                return Ok(None);
+            }
+            let shown = image_from_ground(&npy::matrix(bytes)?)?;
+            let stem = name.strip_suffix(TS_ENDING).or_else(|| name.strip_suffix(".npy")).unwrap_or(name);
+            let stem = stem.strip_prefix(TS_FOLDER).map_or(stem, |rest| rest.trim_start_matches('/'));
+            Ok(Some(FrameCamera::new(stem, Some(SET_SIZE), Shown::Ground(shown))))
+        })
     }
 }
 
@@ -248,23 +245,29 @@ fn unit_m(node: &Node<'_>) -> Result<f64, Problem> {
         "m" => Ok(1.0),
         "yd" => Ok(YARD_M),
         "cm" => Ok(0.01),
-        other => {
-            Err(Problem::Kind { what: "unit".to_owned(), wanted: "one of m, yd, cm", found: format!("{other:?}") })
-        }
+        other => Err(Problem::Kind {
+            what: "unit".to_owned(),
+            wanted: "one of m, yd, cm",
+            found: format!("{:?}", clipped(other)),
+        }),
     }
 }
 
 fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let value = parse(line.as_bytes())?;
     let node = Node::root(&value);
-    let rows: Vec<[f64; 3]> = node.key("h")?.items()?.iter().map(Node::numbers).collect::<Result<_, _>>()?;
+    let rows = node.key("h")?;
+    if rows.count()? != 3 {
+        return Err(Problem::Count { what: "h (rows)".to_owned(), wanted: 3, found: rows.count()? });
+    }
+    let rows: Vec<[f64; 3]> = rows.items()?.map(|row| row.numbers()).collect::<Result<_, _>>()?;
     let h = matrix(&rows.concat())?;
     let unit = unit_m(&node.key("unit")?)?;
     let pixels = match node.key("pixels")?.text()? {
         "corner" => Pixels::Corner,
         "centre" => Pixels::Centre,
         other => {
-            let found = format!("{other:?}");
+            let found = format!("{:?}", clipped(other));
             return Err(Problem::Kind { what: "pixels".to_owned(), wanted: "corner or centre", found });
         }
     };
@@ -273,7 +276,7 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
         "image_from_pitch" => h,
         other => {
             let wanted = "pitch_from_image or image_from_pitch";
-            return Err(Problem::Kind { what: "direction".to_owned(), wanted, found: format!("{other:?}") });
+            return Err(Problem::Kind { what: "direction".to_owned(), wanted, found: format!("{:?}", clipped(other)) });
         }
     };
     let in_metres = Mat3::from_diagonal(&Vec3::new(1.0 / unit, 1.0 / unit, 1.0));
@@ -282,11 +285,8 @@ fn read_line(line: &str) -> Result<FrameCamera, Problem> {
     let image = node.key("image")?.image_name()?;
     let size = match node.find("size_px") {
         Some(size) => {
-            let sides = size.items()?;
-            let [width, height] = &sides[..] else {
-                return Err(Problem::Count { what: "size_px".to_owned(), wanted: 2, found: sides.len() });
-            };
-            Some(ImageSize::new(width.side_px()?, height.side_px()?))
+            let [width, height] = size.numbers()?;
+            Some(ImageSize::new(side_px("size_px[0]", width)?, side_px("size_px[1]", height)?))
         }
         None => None,
     };
@@ -328,15 +328,11 @@ impl CameraFormat for HomographyLines {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            let read = || -> Result<Vec<FrameCamera>, Problem> {
-                let lines = text(bytes)?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
-                lines.map(|(index, line)| read_line(line).map_err(|problem| problem.at_line(index + 1))).collect()
-            };
-            frames.extend(read().map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| {
+            let lines = text(bytes)?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            let frames = lines.map(|(index, line)| read_line(line).map_err(|problem| problem.at_line(index + 1)));
+            frames.collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 
@@ -430,7 +426,7 @@ mod tests {
             ),
             (with("unit", json!("ft")), "unit: one of m, yd, cm is wanted, found \"ft\""),
             (with("pixels", json!("middle")), "pixels: corner or centre is wanted, found \"middle\""),
-            (with("h", json!([[1.0, 0.0], [0.0, 1.0]])), "h[0] (numbers): 3 are wanted, found 2"),
+            (with("h", json!([[1.0, 0.0], [0.0, 1.0]])), "h (rows): 3 are wanted, found 2"),
             (with("h", json!([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])), "h is singular"),
             (with("image", json!("../a.jpg")), "the path \"../a.jpg\" leads out of the folder"),
             (with("image", json!("/a.jpg")), "the path \"/a.jpg\" leads out of the folder"),

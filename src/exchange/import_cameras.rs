@@ -1,13 +1,14 @@
 //! A document of foreign cameras.
 
 use super::camera_format::CameraFormat;
-use super::error::{ExchangeError, Problem};
+use super::error::ExchangeError;
 use super::files::Files;
 use super::format::Format;
 use super::imported::Imported;
 use super::into_document::{camera_of, document_of};
 use super::options::ImportOptions;
 use super::pictures::image_of;
+use super::values::clipped;
 use crate::document::{path_between, resolved};
 use crate::geometry::ImageSize;
 use std::collections::BTreeSet;
@@ -38,9 +39,8 @@ pub fn import_cameras(
     let mut views = Vec::with_capacity(frames.len());
     let mut fitted = 0_usize;
     for frame in &mut frames {
-        let first = files.sorted().first().map_or("", |(name, _)| name).to_owned();
         if !names.insert(frame.name.clone()) {
-            return Err(Problem::Twice { what: "the frame", name: frame.name.clone() }.within(&first));
+            return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(&frame.name) });
         }
         let (file, known) = image_of(frame.image.as_deref().unwrap_or(&frame.name), &images);
         let size = sizes_by.choose(known, options.size, frame.size);
@@ -53,10 +53,12 @@ pub fn import_cameras(
             frame.image = Some(path_between(folder, &images.join(file)));
         }
         fitted += usize::from(frame.pinhole().is_none());
-        let view = camera_of(frame, size).map_err(|error| {
-            Problem::NoCamera { what: format!("the homography of {}", frame.name), why: error.to_string() }
-                .within(&first)
+        let view = camera_of(frame, size).map_err(|source| ExchangeError::NoCamera {
+            path: path.to_path_buf(),
+            frame: clipped(&frame.name),
+            source,
         })?;
+        let view = view.checked("the camera").map_err(|problem| problem.within(&clipped(&frame.name)))?;
         views.push((frame.clone(), size, view));
     }
     let mut notes = sizes_by.notes();

@@ -1,17 +1,23 @@
 //! A document of points that people set with other tools.
 
-use super::clicked_frame::{ClickFormat, LabelledFrame};
+use super::clicked_frame::{ClickFormat, LabelledFrame, Mark};
 use super::error::ExchangeError;
 use super::files::Files;
 use super::imported::Imported;
 use super::labels::{Meaning, counted};
 use super::options::ImportOptions;
 use super::pictures::image_of;
-use crate::document::{Camera, CameraId, Click, Document, Frame, FrameStatus, Target, path_between, resolved};
+use super::values::clipped;
+use crate::document::{
+    Camera, CameraId, Click, Document, Frame, FrameStatus, MAX_CLICKS, Target, path_between, resolved,
+};
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+
+/// Points farther than this from the picture's corner are a mistake, px.
+const FARTHEST_PX: f64 = 1e6;
 
 /// Reads a file or folder of clicks as a document of drafts.
 ///
@@ -30,6 +36,10 @@ pub fn import_clicks(
     let images = options.images.as_ref().map_or_else(|| folder.to_path_buf(), |images| resolved(images));
     let sizes = |name: &str| image_of(name, &images).1.or(options.size);
     let frames = click_format.read(&files, options, &sizes)?;
+    if frames.is_empty() {
+        return Err(ExchangeError::NoFiles { path: path.to_path_buf(), wanted: "frame" });
+    }
+    refuse_damaged(&frames, path)?;
     let field = options.field.model(folder)?;
     let labels = if click_format.has_own_classes() { click_format.own_labels() } else { options.map.clone() };
     let mut document = Document::new(options.field.clone());
@@ -59,6 +69,32 @@ pub fn import_clicks(
     }
     notes.extend(points_off_the_field(&field));
     Ok(Imported { document, folder: folder.to_path_buf(), notes })
+}
+
+/// Refuses a picture that is there twice, and points that lie nowhere near theirs.
+fn refuse_damaged(frames: &[LabelledFrame], path: &Path) -> Result<(), ExchangeError> {
+    let mut names = BTreeSet::new();
+    for frame in frames {
+        let name = frame.image.as_ref().unwrap_or(&frame.name);
+        if !names.insert(name) {
+            return Err(ExchangeError::SameFrame { path: path.to_path_buf(), name: clipped(name) });
+        }
+        if frame.marks.len() > MAX_CLICKS {
+            let (path, frame, found) = (path.to_path_buf(), clipped(name), frame.marks.len());
+            return Err(ExchangeError::TooManyPoints { path, frame, found, limit: MAX_CLICKS });
+        }
+        let is_near = |mark: &&Mark| mark.image.x.abs() <= FARTHEST_PX && mark.image.y.abs() <= FARTHEST_PX;
+        if let Some(mark) = frame.marks.iter().find(|mark| !is_near(mark)) {
+            return Err(ExchangeError::NoPlace {
+                path: path.to_path_buf(),
+                frame: clipped(name),
+                label: clipped(&mark.label),
+                x: mark.image.x,
+                y: mark.image.y,
+            });
+        }
+    }
+    Ok(())
 }
 
 /// A field whose size nobody has confirmed is said.

@@ -10,6 +10,7 @@ use crate::geometry::{Angle, ImagePoint, ImageSize, Mat3, Vec2, Vec3};
 use crate::score::PlaneView;
 use crate::solve::{PlanePoseError, pose_from_plane};
 use nalgebra::SymmetricEigen;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Frames whose centres are nearer to each other than this have one camera, m.
 const SAME_PLACE_M: f64 = 1e-6;
@@ -39,20 +40,8 @@ impl Default for Exactness {
 #[must_use]
 pub fn document_of(field: FieldSpec, frames: &[(FrameCamera, ImageSize, Pinhole)], exact: Exactness) -> Document {
     let mut document = Document::new(field);
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for (index, frame) in frames.iter().enumerate() {
-        let fits = |group: &&mut Vec<usize>| {
-            let first = &frames[group[0]];
-            first.1 == frame.1
-                && first.0.camera == frame.0.camera
-                && (first.2.position_m - frame.2.position_m).amax() <= exact.place_m
-                && first.2.principal_point.distance_px(frame.2.principal_point) < 1e-9
-        };
-        match groups.iter_mut().find(fits) {
-            Some(group) => group.push(index),
-            None => groups.push(vec![index]),
-        }
-    }
+    let mut ids = FreeIds::default();
+    let groups = of_one_place(frames, exact.place_m);
     let mut made: Vec<Option<(CameraId, FramePtz)>> = vec![None; frames.len()];
     for group in groups {
         let views: Vec<&Pinhole> = group.iter().map(|&index| &frames[index].2).collect();
@@ -74,7 +63,7 @@ pub fn document_of(field: FieldSpec, frames: &[(FrameCamera, ImageSize, Pinhole)
                 distortion: curve,
                 ..CameraBase::new(view.position_m, base_about(&axis), view.principal_point)
             };
-            let id = free_id(&document, first.camera.as_deref());
+            let id = ids.take(first.camera.as_deref());
             let mut camera = Camera::new(id.clone(), *size);
             camera.set_base(&base);
             if curve == FocalCurve::NONE {
@@ -122,13 +111,57 @@ fn document_frame(frame: &FrameCamera, camera: CameraId, size: ImageSize, ptz: F
     made
 }
 
-/// The first of `main`, `main-2`, … that no camera has; a name that the format gives takes the place of `main`.
-fn free_id(document: &Document, name: Option<&str>) -> CameraId {
-    let name = name.filter(|name| !name.is_empty()).unwrap_or("main");
-    let numbered = (1..).map(|number| if number == 1 { name.to_owned() } else { format!("{name}-{number}") });
-    let is_free = |id: &CameraId| document.camera(id).is_none();
-    let mut ids = numbered.map(|id| CameraId::from(id.as_str()));
-    ids.find(is_free).unwrap_or_else(|| name.into())
+/// The positions of frames that may have one camera: taken from one place, with one camera's name, size and principal point.
+fn of_one_place(frames: &[(FrameCamera, ImageSize, Pinhole)], place_m: f64) -> Vec<Vec<usize>> {
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    // Groups by the cell of space that their first frame lies in: a set may have a place of its own for every frame.
+    let mut by_cell: BTreeMap<[i64; 3], Vec<usize>> = BTreeMap::new();
+    for (index, frame) in frames.iter().enumerate() {
+        let fits = |group: &usize| {
+            let first = &frames[groups[*group][0]];
+            first.1 == frame.1
+                && first.0.camera == frame.0.camera
+                && (first.2.position_m - frame.2.position_m).amax() <= place_m
+                && first.2.principal_point.distance_px(frame.2.principal_point) < 1e-9
+        };
+        let cell = [0, 1, 2].map(|axis: usize| (frame.2.position_m[axis] / place_m).floor() as i64);
+        let near = cells_around(cell).filter_map(|cell| by_cell.get(&cell)?.iter().copied().find(fits)).min();
+        if let Some(group) = near {
+            groups[group].push(index);
+        } else {
+            by_cell.entry(cell).or_default().push(groups.len());
+            groups.push(vec![index]);
+        }
+    }
+    groups
+}
+
+/// A cell and those that touch it.
+fn cells_around(cell: [i64; 3]) -> impl Iterator<Item = [i64; 3]> {
+    let steps = || -1..=1;
+    let offsets = steps().flat_map(move |x| steps().flat_map(move |y| steps().map(move |z| [x, y, z])));
+    offsets.map(move |offset: [i64; 3]| [0, 1, 2].map(|axis: usize| cell[axis].saturating_add(offset[axis])))
+}
+
+/// Ids for cameras: the first of `main`, `main-2`, … that none has; a name that the format gives takes the place of `main`.
+#[derive(Default)]
+struct FreeIds {
+    taken: BTreeSet<String>,
+    next: BTreeMap<String, usize>,
+}
+
+impl FreeIds {
+    fn take(&mut self, name: Option<&str>) -> CameraId {
+        let name = name.filter(|name| !name.is_empty()).unwrap_or("main");
+        let next = self.next.entry(name.to_owned()).or_insert(1);
+        loop {
+            let id = if *next == 1 { name.to_owned() } else { format!("{name}-{next}") };
+            *next += 1;
+            if self.taken.insert(id.clone()) {
+                return id.as_str().into();
+            }
+        }
+    }
 }
 
 /// The axis about which all of the views are panned, upwards (`world`): upright where that explains them, else the direction

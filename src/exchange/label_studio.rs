@@ -5,7 +5,7 @@
 //! first `-`.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::node::{Node, parse, safe_path};
@@ -67,8 +67,7 @@ fn marks_of(value: &Node<'_>, labels: &[&str], size: ImageSize, shift: f64) -> R
     };
     let points = match value.find("points") {
         Some(points) => {
-            let points = points.items()?;
-            points.iter().map(Node::numbers::<2>).map(|point| point.map(|[x, y]| at(x, y))).collect::<Result<_, _>>()?
+            points.items()?.map(|point| point.numbers().map(|[x, y]| at(x, y))).collect::<Result<_, _>>()?
         }
         None => vec![at(value.key("x")?.number()?, value.key("y")?.number()?)],
     };
@@ -96,7 +95,7 @@ fn annotation<'a>(task: &Node<'a>, annotator: Option<&str>) -> Result<Option<Nod
         of.map(|of| of.value().as_str().map_or_else(|| of.value().to_string(), ToOwned::to_owned))
     };
     let wanted = |node: &Node<'_>| annotator.is_none_or(|annotator| by(node).as_deref() == Some(annotator));
-    Ok(all.items()?.into_iter().rfind(|node| !is_cancelled(node) && wanted(node)))
+    Ok(all.items()?.rfind(|node| !is_cancelled(node) && wanted(node)))
 }
 
 fn read_task(task: &Node<'_>, options: &ImportOptions, sizes: &Sizes<'_>) -> Result<LabelledFrame, Problem> {
@@ -107,10 +106,10 @@ fn read_task(task: &Node<'_>, options: &ImportOptions, sizes: &Sizes<'_>) -> Res
     let mut marks = Vec::new();
     let results: Vec<(Node<'_>, Node<'_>)> = if let Some(annotation) = annotation(task, options.annotator.as_deref())? {
         let results = annotation.key("result")?.items()?;
-        results.into_iter().filter_map(|result| Some((result.find("value")?, result))).collect()
+        results.filter_map(|result| Some((result.find("value")?, result))).collect()
     } else {
         // JSON-MIN: points lie beside the image, under the name of the tag.
-        let lists = task.entries()?.into_iter().filter_map(|(_, node)| node.items().ok());
+        let lists = task.entries()?.filter_map(|(_, node)| node.items().ok());
         lists.flatten().map(|point| (point.clone(), point)).collect()
     };
     for (value, result) in results {
@@ -122,11 +121,11 @@ fn read_task(task: &Node<'_>, options: &ImportOptions, sizes: &Sizes<'_>) -> Res
         if let Some(of_result) = size_of(&result, "original_width", "original_height")? {
             size = Some(of_result);
         }
-        let labels = labels.items()?.iter().map(Node::text).collect::<Result<Vec<_>, _>>()?;
-        let known = size.ok_or_else(|| Problem::Missing(format!("{}.original_width", result.path())))?;
+        let labels = labels.items()?.map(|label| label.text()).collect::<Result<Vec<_>, _>>()?;
+        let known = size.or(options.size).ok_or_else(|| size_needed(&image))?;
         marks.extend(marks_of(&value, &labels, known, shift)?);
     }
-    let size = size.or(options.size).ok_or_else(|| Problem::Missing(format!("the size of {image}")))?;
+    let size = size.or(options.size).ok_or_else(|| size_needed(&image))?;
     Ok(LabelledFrame { name: image.clone(), image: Some(image), size, marks })
 }
 
@@ -158,15 +157,11 @@ impl ClickFormat for LabelStudio {
         options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
-            let read = || -> Result<Vec<LabelledFrame>, Problem> {
-                let value = parse(bytes)?;
-                Node::root(&value).items()?.iter().map(|task| read_task(task, options, sizes)).collect()
-            };
-            frames.extend(read().map_err(|problem| problem.within(name))?);
-        }
-        Ok(frames)
+        files.read_all(|_, bytes| {
+            let value = parse(bytes)?;
+            let tasks = Node::root(&value).items()?;
+            tasks.map(|task| read_task(&task, options, sizes)).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 
@@ -218,7 +213,10 @@ mod tests {
             ("{}".to_owned(), "the file: a list is wanted, found an object"),
             ("[{}]".to_owned(), "[0].image is missing"),
             ("[{\"image\": \"..\"}]".to_owned(), "the path \"..\" leads out of the folder"),
-            ("[{\"image\": \"a.jpg\"}]".to_owned(), "the size of a.jpg is missing"),
+            (
+                "[{\"image\": \"a.jpg\"}]".to_owned(),
+                "the size of \"a.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
+            ),
             (
                 with("/image_rotation", json!(90)),
                 "[0].annotations[0].result[0].image_rotation is not supported: turn the picture itself",
@@ -235,7 +233,10 @@ mod tests {
                 with("/original_width", json!(-1)),
                 "[0].annotations[0].result[0].original_width is -1, which must be a whole number from 1 to 65535",
             ),
-            (with("/original_width", Value::Null), "[0].annotations[0].result[0].original_width is missing"),
+            (
+                with("/original_width", Value::Null),
+                "the size of \"a.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
+            ),
         ] {
             assert_eq!(read(&text).unwrap_err(), format!("a.json: {wanted}"));
         }

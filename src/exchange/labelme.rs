@@ -4,7 +4,7 @@
 //! are left alone. `imageData`, where it is there, is the picture again and is not looked at.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
 use super::node::{Node, parse};
@@ -60,7 +60,7 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
         );
         return Err(Problem::Unsupported { what, why: "labelme turns pictures as their EXIF says; save it turned" });
     }
-    let size = stated.or(there).ok_or_else(|| Problem::Missing("imageWidth and imageHeight".to_owned()))?;
+    let size = stated.or(there).ok_or_else(|| size_needed(&image))?;
     let mut marks = Vec::new();
     for shape in root.key("shapes")?.items()? {
         let kind = shape.key("shape_type")?.text()?;
@@ -109,8 +109,7 @@ impl ClickFormat for Labelme {
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let shift = options.pixels.unwrap_or(Pixels::Corner).to_corner_px();
-        let one = |(name, bytes)| read_file(bytes, shift, sizes).map_err(|problem| problem.within(name));
-        files.sorted().into_iter().map(one).collect()
+        files.read_all(|_, bytes| read_file(bytes, shift, sizes).map(Some))
     }
 }
 
@@ -141,7 +140,11 @@ mod tests {
             ("{}".to_owned(), None, "imagePath is missing"),
             (with("/imagePath", json!("..\\a.jpg")), None, "the path \"../a.jpg\" leads out of the folder"),
             (with("/imagePath", json!(7)), None, "imagePath: a text is wanted, found 7"),
-            (with("/imageWidth", Value::Null), None, "imageWidth and imageHeight is missing"),
+            (
+                with("/imageWidth", Value::Null),
+                None,
+                "the size of \"0001.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
+            ),
             (
                 with("/imageWidth", json!(1e9)),
                 None,

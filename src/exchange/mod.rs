@@ -8,6 +8,7 @@ pub(crate) mod authors_mat;
 mod body_angles;
 mod broadtrack;
 mod camera_format;
+mod cdf;
 mod chan;
 mod choose;
 mod clicked_frame;
@@ -45,11 +46,13 @@ mod pictures;
 mod registry;
 mod soccernet;
 mod soccernet_lines;
+mod strict_json;
 mod table;
 #[cfg(test)]
 mod tests;
 mod timecode;
 mod usda;
+mod values;
 mod yolo_pose;
 
 pub use authors_mat::{
@@ -63,4 +66,4 @@ pub use format::Format;
 pub use import::import;
 pub use imported::Imported;
 pub use loss::Loss;
-pub use options::{ExportOptions, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Rate, Zoom};
+pub use options::{ExportOptions, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Rate, Recording, Zoom};

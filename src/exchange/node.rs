@@ -2,6 +2,8 @@
 
 use super::error::Problem;
 use super::files::text;
+use super::strict_json;
+use super::values::{clipped, side_px};
 use serde_json::Value;
 use std::fmt;
 
@@ -14,7 +16,7 @@ pub(super) struct Node<'a> {
 
 /// The JSON value of a file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
-    serde_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(error.to_string()))
+    strict_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(error.to_string()))
 }
 
 impl<'a> Node<'a> {
@@ -43,7 +45,7 @@ impl<'a> Node<'a> {
             Value::Null => "null".to_owned(),
             Value::Bool(value) => value.to_string(),
             Value::Number(number) => number.to_string(),
-            Value::String(text) => format!("the text {:?}", text.chars().take(40).collect::<String>()),
+            Value::String(text) => format!("the text {:?}", clipped(text)),
             Value::Array(items) => format!("a list of {}", items.len()),
             Value::Object(_) => "an object".to_owned(),
         };
@@ -68,16 +70,30 @@ impl<'a> Node<'a> {
         })
     }
 
-    /// The entries of a list.
-    pub fn items(&self) -> Result<Vec<Self>, Problem> {
-        let items = self.value.as_array().ok_or_else(|| self.kind("a list"))?;
-        Ok(items.iter().enumerate().map(|(index, item)| self.at(item, format!("[{index}]"), false)).collect())
+    /// A list.
+    fn list(&self) -> Result<&'a [Value], Problem> {
+        self.value.as_array().map(Vec::as_slice).ok_or_else(|| self.kind("a list"))
+    }
+
+    /// The entries of a list, one after the other: a node is larger than most values.
+    pub fn items(&self) -> Result<impl DoubleEndedIterator<Item = Self> + use<'a>, Problem> {
+        let (items, list) = (self.list()?, self.clone());
+        Ok(items.iter().enumerate().map(move |(index, item)| list.at(item, format_args!("[{index}]"), false)))
+    }
+
+    /// How many entries a list has.
+    pub fn count(&self) -> Result<usize, Problem> {
+        self.list().map(<[_]>::len)
     }
 
     /// The entries of an object, in the file's order.
-    pub fn entries(&self) -> Result<Vec<(&'a str, Self)>, Problem> {
+    pub fn entries(&self) -> Result<impl Iterator<Item = (&'a str, Self)> + use<'a>, Problem> {
         let map = self.value.as_object().ok_or_else(|| self.kind("an object"))?;
-        Ok(map.iter().map(|(key, value)| (key.as_str(), self.at(value, format!("[{key:?}]"), false))).collect())
+        let object = self.clone();
+        let entry = move |(key, value): (&'a String, &'a Value)| {
+            (key.as_str(), object.at(value, format_args!("[{:?}]", clipped(key)), false))
+        };
+        Ok(map.iter().map(entry))
     }
 
     /// A finite number.
@@ -95,25 +111,24 @@ impl<'a> Node<'a> {
         Err(Problem::OutOfRange { what: self.path().to_owned(), value, wanted: "above 0" })
     }
 
-    /// A whole number of pixels, 1 to 65 535.
+    /// A side of a picture.
     pub fn side_px(&self) -> Result<u32, Problem> {
-        let value = self.number()?;
-        if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
-            return Ok(value as u32);
-        }
-        Err(Problem::OutOfRange { what: self.path().to_owned(), value, wanted: "a whole number from 1 to 65535" })
+        side_px(self.path(), self.number()?)
     }
 
-    /// So many numbers.
+    /// A list of `N` numbers.
     pub fn numbers<const N: usize>(&self) -> Result<[f64; N], Problem> {
-        let all = self.all_numbers()?;
-        let found = all.len();
-        all.try_into().map_err(|_| Problem::Count { what: format!("{} (numbers)", self.path()), wanted: N, found })
+        let found = self.count()?;
+        let wrong = || Problem::Count { what: format!("{} (numbers)", self.path()), wanted: N, found };
+        if found != N {
+            return Err(wrong());
+        }
+        self.all_numbers()?.try_into().map_err(|_| wrong())
     }
 
     /// All numbers of a list.
     pub fn all_numbers(&self) -> Result<Vec<f64>, Problem> {
-        self.items()?.iter().map(Self::number).collect()
+        self.items()?.map(|item| item.number()).collect()
     }
 
     /// A text.
@@ -134,7 +149,7 @@ pub(super) fn safe_path(name: &str) -> Result<String, Problem> {
     let drive = name.as_bytes().get(1) == Some(&b':');
     let leaves = name.split('/').any(|part| part == "..") || name.starts_with('/') || drive;
     if leaves || name.is_empty() || name.contains('\0') {
-        return Err(Problem::LeavesFolder(name));
+        return Err(Problem::LeavesFolder(clipped(&name)));
     }
     Ok(name)
 }

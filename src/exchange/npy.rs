@@ -1,6 +1,8 @@
 //! A 3 × 3 matrix as `NumPy` writes it (`.npy`, versions 1 to 3). Object arrays, which run code when they are read, are refused.
 
 use super::error::Problem;
+use super::files::refuse_archive;
+use super::values::clipped;
 use crate::geometry::Mat3;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -32,6 +34,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
     if bytes.is_empty() {
         return Err(Problem::Empty);
     }
+    refuse_archive(bytes)?;
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| wrong("the magic bytes are missing".to_owned()))?;
     let short = || wrong(format!("it ends after {} bytes", bytes.len()));
     let (length, rest) = match rest {
@@ -52,7 +55,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
     }
     let shape = header.split("'shape':(").nth(1).and_then(|rest| rest.split(')').next()).unwrap_or_default();
     if shape.trim_end_matches(',') != "3,3" {
-        return Err(wrong(format!("the shape is ({shape})")));
+        return Err(wrong(format!("the shape is ({})", clipped(shape))));
     }
     let data = &rest[length..];
     let values: Vec<f64> = if header.contains("'descr':'<f8'") {
@@ -62,7 +65,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
         data.chunks_exact(4).take(9).filter_map(single).collect()
     } else {
         let kind = header.split("'descr':").nth(1).and_then(|rest| rest.split(',').next()).unwrap_or_default();
-        return Err(wrong(format!("numbers of the type {kind}")));
+        return Err(wrong(format!("numbers of the type {}", clipped(kind))));
     };
     if values.len() != 9 {
         return Err(short());
@@ -110,7 +113,8 @@ mod tests {
         let not = "not a 3 x 3 matrix as numpy.save writes it: ";
         for (bytes, wanted) in [
             (Vec::new(), "the file is empty".to_owned()),
-            (b"PK\x03\x04".to_vec(), format!("{not}the magic bytes are missing")),
+            (b"PK\x03\x04".to_vec(), "a zip archive; unpack it and name what was in it".to_owned()),
+            (b"\x93NUMPX".to_vec(), format!("{not}the magic bytes are missing")),
             (good[..8].to_vec(), format!("{not}it ends after 8 bytes")),
             (good[..60].to_vec(), format!("{not}it ends after 60 bytes")),
             (good[..199].to_vec(), format!("{not}it ends after 199 bytes")),

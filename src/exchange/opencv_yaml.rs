@@ -9,6 +9,7 @@ use super::files::{Files, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::options::{ImportOptions, Pixels};
 use super::table::number;
+use super::values::{clipped, side_px};
 use crate::camera::Radial;
 use crate::geometry::rotation::{from_rotation_vector, rotation_vector};
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
@@ -81,7 +82,7 @@ fn entries(text: &str) -> Result<BTreeMap<String, Vec<f64>>, Problem> {
             number(&key, value).into_iter().collect()
         };
         if found.insert(key.clone(), values).is_some() {
-            return Err(at(Problem::Twice { what: "the key", name: key }));
+            return Err(at(Problem::Twice { what: "the key", name: clipped(&key) }));
         }
     }
     Ok(found)
@@ -96,13 +97,7 @@ fn camera(bytes: &[u8]) -> Result<(Pinhole, ImageSize), Problem> {
         }
         Err(Problem::Count { what: format!("{key} (numbers)"), wanted, found: values.len() })
     };
-    let side = |key: &str| -> Result<u32, Problem> {
-        let value = get(key, 1)?[0];
-        if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
-            return Ok(value as u32);
-        }
-        Err(Problem::OutOfRange { what: key.to_owned(), value, wanted: "a whole number from 1 to 65535" })
-    };
+    let side = |key: &str| -> Result<u32, Problem> { side_px(key, get(key, 1)?[0]) };
     let size = ImageSize::new(side("image_width")?, side("image_height")?);
     let k = get("camera_matrix", 9)?;
     if (k[0] / k[4] - 1.0).abs() > 1e-9 || k[1] != 0.0 {
@@ -152,13 +147,12 @@ impl CameraFormat for OpenCvYaml {
     }
 
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let one = |(name, bytes): (&str, &[u8])| {
-            let (pinhole, size) = camera(bytes).map_err(|problem| problem.within(name))?;
+        files.read_all(|name, bytes| {
+            let (pinhole, size) = camera(bytes)?;
             let file = name.rsplit('/').next().unwrap_or(name);
             let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-            Ok(FrameCamera::new(stem, Some(size), Shown::Camera(pinhole)))
-        };
-        files.sorted().into_iter().map(one).collect()
+            Ok(Some(FrameCamera::new(stem, Some(size), Shown::Camera(pinhole))))
+        })
     }
 }
 

@@ -139,11 +139,11 @@ impl Static {
 fn pose(root: &Node<'_>) -> Result<(Mat3, Vec3), Problem> {
     let mut rotation = Mat3::identity();
     let mut place = Vec3::zeros();
-    let transforms = root.key("transforms")?.items()?;
-    if transforms.is_empty() {
+    let transforms = root.key("transforms")?;
+    if transforms.count()? == 0 {
         return Err(Problem::Missing("a transform".to_owned()));
     }
-    for transform in transforms {
+    for transform in transforms.items()? {
         if transform.find("scale").is_some() {
             return Err(Problem::Unsupported {
                 what: transform.path().to_owned() + ".scale",
@@ -265,16 +265,16 @@ impl CameraFormat for OpenTrackIo {
     }
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (name, bytes) in files.sorted() {
+        let mut count = 0;
+        files.read_all(|_, bytes| {
             let mut known = Static::default();
-            let lines = text(bytes).map_err(|problem| problem.within(name))?.lines().enumerate();
-            for (index, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-                let read = read_line(line, &mut known, options, frames.len());
-                frames.push(read.map_err(|problem| problem.at_line(index + 1).within(name))?);
-            }
-        }
-        Ok(frames)
+            let lines = text(bytes)?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+            let read = |(index, line): (usize, &str)| {
+                count += 1;
+                read_line(line, &mut known, options, count - 1).map_err(|problem| problem.at_line(index + 1))
+            };
+            lines.map(read).collect::<Result<Vec<_>, _>>()
+        })
     }
 }
 

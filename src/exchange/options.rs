@@ -33,6 +33,21 @@ pub struct ExportOptions {
     pub sensor_width_mm: Option<f64>,
     /// How FreeD's zoom value says the focal length.
     pub zoom: Zoom,
+    /// What is known of the video as a recording of a match.
+    pub recording: Recording,
+}
+
+/// What a document does not know of a video and some formats want.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Recording {
+    /// The match's id in the other files about it.
+    pub match_id: Option<String>,
+    /// When the video begins, UTC: `2026-03-01T18:59:30Z`.
+    pub start: Option<String>,
+    /// Which of a stadium's cameras it is: `camera_1`, `tactical_wide`, `broadcast`, ….
+    pub perspective: Option<String>,
+    /// No person turned the camera.
+    pub is_automated: bool,
 }
 
 /// How files are read.

@@ -2,6 +2,7 @@
 
 use super::broadtrack::BroadTrack;
 use super::camera_format::CameraFormat;
+use super::cdf::Cdf;
 use super::chan::Chan;
 use super::clicked_frame::ClickFormat;
 use super::coco::Coco;
@@ -40,6 +41,7 @@ pub fn camera_format(format: Format) -> Option<&'static dyn CameraFormat> {
         Format::FreeDCsv => &FreeDCsv,
         Format::DeepSport => &DeepSport,
         Format::Chan => &Chan,
+        Format::Cdf => &Cdf,
         _ => return None,
     })
 }

@@ -158,11 +158,10 @@ fn stem(name: &str) -> &str {
 }
 
 fn read_files(files: &Files) -> Result<Vec<FrameCamera>, ExchangeError> {
-    let one = |(name, bytes): (&str, &[u8])| {
-        let frame = stem(name).strip_prefix(PREFIX).unwrap_or(stem(name)).to_owned();
-        read_file(&frame, bytes).map_err(|problem| problem.within(name))
-    };
-    files.sorted().into_iter().map(one).collect()
+    files.read_all(|name, bytes| {
+        let frame = stem(name).strip_prefix(PREFIX).unwrap_or(stem(name));
+        read_file(frame, bytes).map(Some)
+    })
 }
 
 impl CameraFormat for SoccerNet {
@@ -247,10 +246,10 @@ impl CameraFormat for PnlCalib {
             let value = parse(bytes)?;
             let root = Node::root(&value);
             let Ok(samples) = root.items() else { return Ok(None) };
-            let frames = samples.iter().enumerate().map(|(index, sample)| {
+            let frames = samples.enumerate().map(|(index, sample)| {
                 let image = sample.find("image_id").or_else(|| sample.find("image_ids"));
                 let name = image.map(|image| image.image_name()).transpose()?;
-                let pinhole = from_json(sample)?;
+                let pinhole = from_json(&sample)?;
                 let name = name.unwrap_or_else(|| format!("{index:06}"));
                 let size = size_by_principal_point(pinhole.principal_point);
                 Ok(FrameCamera::new(stem(&name), size, Shown::Camera(pinhole)))

@@ -5,10 +5,9 @@
 //! Source: SoccerNet/sn-calibration, SoccerNet/sn-gamestate.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
 use super::error::{ExchangeError, Problem};
 use super::files::Files;
-use super::format::Format;
 use super::labels::SOCCERNET_LINES;
 use super::node::{Node, parse};
 use super::options::{ImportOptions, LabelMap};
@@ -98,18 +97,12 @@ impl ClickFormat for SoccerNetLines {
         options: &ImportOptions,
         sizes: &Sizes<'_>,
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
-        let mut frames = Vec::new();
-        for (file, bytes) in files.sorted() {
+        files.read_all(|file, bytes| {
             let path = file.rsplit_once('.').map_or(file, |(path, _)| path);
-            let size = sizes(path).or(options.size).ok_or(ExchangeError::OptionNeeded {
-                format: Format::SoccerNetLines,
-                what: "how large its pictures are",
-                option: "--size WIDTHxHEIGHT or --images FOLDER",
-            })?;
-            let marks = read_file(bytes, size).map_err(|problem| problem.within(file))?;
-            frames.push(LabelledFrame { name: path.to_owned(), image: None, size, marks });
-        }
-        Ok(frames)
+            let size = sizes(path).or(options.size).ok_or_else(|| size_needed(path))?;
+            let marks = read_file(bytes, size)?;
+            Ok(Some(LabelledFrame { name: path.to_owned(), image: None, size, marks }))
+        })
     }
 
     fn own_labels(&self) -> LabelMap {
@@ -125,7 +118,7 @@ impl ClickFormat for SoccerNetLines {
 mod tests {
     use super::*;
     use crate::exchange::tests::{SIZE, clicked, exported, reference, text_of};
-    use crate::exchange::{ExportOptions, PointSource, export};
+    use crate::exchange::{ExportOptions, Format, PointSource, export};
     use std::path::Path;
 
     #[test]

@@ -2,7 +2,11 @@
 
 use super::error::Problem;
 use super::files::text;
+use super::values::{clipped, frame_number};
 use std::fmt::Write as _;
+
+/// The most columns of a table.
+const MAX_COLUMNS: usize = 1000;
 
 /// A table that was read: columns by name.
 pub struct Table {
@@ -27,7 +31,7 @@ impl Table {
         let header = rows.next().ok_or(Problem::Empty)?;
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
-                return Err(Problem::Twice { what: "the column", name: name.clone() });
+                return Err(Problem::Twice { what: "the column", name: clipped(name) });
             }
         }
         let rows: Vec<Vec<String>> = rows.collect();
@@ -63,7 +67,8 @@ impl Row<'_> {
     #[must_use]
     pub fn text(&self, column: &str) -> Option<&str> {
         let at = self.table.header.iter().position(|name| name == column)?;
-        self.table.rows[self.index].get(at).map(String::as_str).filter(|field| !field.is_empty())
+        let field = self.table.rows[self.index].get(at).map(String::as_str).filter(|field| !field.is_empty())?;
+        Some(field.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(field))
     }
 
     /// A finite number that may be absent.
@@ -72,6 +77,16 @@ impl Row<'_> {
     /// The field is none.
     pub fn find(&self, column: &str) -> Result<Option<f64>, Problem> {
         self.text(column).map(|field| number(column, field).map_err(|problem| problem.at_line(self.line()))).transpose()
+    }
+
+    /// The number of the frame, in the column `frame_index`, that may be absent.
+    ///
+    /// # Errors
+    /// The field is none.
+    pub fn frame_index(&self) -> Result<Option<u64>, Problem> {
+        const COLUMN: &str = "frame_index";
+        let number = self.find(COLUMN)?.map(|value| frame_number(COLUMN, value));
+        number.transpose().map_err(|problem| problem.at_line(self.line()))
     }
 
     /// A finite number.
@@ -103,11 +118,6 @@ pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
     line.split_whitespace().map(|field| number(what, field)).collect()
 }
 
-/// The beginning of a text, for a message.
-fn clipped(text: &str) -> String {
-    text.chars().take(40).collect()
-}
-
 fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
     let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());
     let mut quoted = false;
@@ -119,7 +129,13 @@ fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
                 field.push('"');
             }
             '"' => quoted = !quoted,
-            ',' if !quoted => row.push(std::mem::take(&mut field)),
+            ',' if !quoted => {
+                row.push(std::mem::take(&mut field));
+                if row.len() >= MAX_COLUMNS {
+                    let found = format!("line {} has more than {MAX_COLUMNS} columns", rows.len() + 1);
+                    return Err(Problem::NotFormat { wanted: "a table", found });
+                }
+            }
             '\r' if !quoted && letters.peek() == Some(&'\n') => {}
             '\n' if !quoted => {
                 row.push(std::mem::take(&mut field));
@@ -138,6 +154,18 @@ fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
     // Empty lines at the end and between.
     rows.retain(|row| row.len() > 1 || row.iter().any(|field| !field.is_empty()));
     Ok(rows)
+}
+
+/// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.
+fn is_formula(cell: &str) -> bool {
+    cell.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// A cell of somebody's words. One that a spreadsheet would take for a formula and calculate gets an apostrophe in front, which
+/// [`Row::text`] takes away again.
+#[must_use]
+pub fn text_cell(text: &str) -> String {
+    if is_formula(text) { format!("'{text}") } else { text.to_owned() }
 }
 
 /// Writes a row; fields with commas, quotes or line breaks are quoted.
@@ -170,6 +198,17 @@ mod tests {
         assert_eq!(row.text("y"), None);
         assert_eq!(row.number("z"), Ok(1.5));
         assert_eq!(row.number("y").unwrap_err().to_string(), "line 2: a value for y is missing");
+    }
+
+    #[test]
+    fn words_are_no_formulas_and_come_back() {
+        assert_eq!(text_cell("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
+        for words in ["=1+1", "+1", "-a.jpg", "@a", "'=1", "''=1", "'a", "a=1", "\t=1"] {
+            let mut table = "w,x\n".to_owned();
+            push_row(&[text_cell(words), "1".to_owned()], &mut table);
+            let table = Table::read(table.as_bytes()).unwrap();
+            assert_eq!(table.rows().next().unwrap().text("w"), Some(words));
+        }
     }
 
     #[test]

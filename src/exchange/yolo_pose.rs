@@ -5,7 +5,7 @@
 //! says which points change places when a picture is mirrored.
 
 use super::camera_format::has_ending;
-use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes};
+use super::clicked_frame::{ClickContext, ClickFormat, ClickedFrame, LabelledFrame, Mark, Sizes, size_needed};
 use super::coco::{in_order, is_keypoint};
 use super::error::{ExchangeError, Problem};
 use super::files::{Files, text};
@@ -91,9 +91,13 @@ fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec
         let what = "columns (class, box, and x y v for each keypoint)".to_owned();
         return Err(Problem::Count { what, wanted: wanted.max(8), found: values.len() });
     }
-    let points = values[5..].chunks_exact(3).enumerate().filter(|(_, point)| point[2] > 0.0);
+    let points = values[5..].chunks_exact(3).enumerate().filter(|(_, point)| point[2] != 0.0);
     points
         .map(|(index, point)| {
+            if ![1.0, 2.0].contains(&point[2]) {
+                let what = format!("the visibility of keypoint {index}");
+                return Err(Problem::OutOfRange { what, value: point[2], wanted: "0, 1 or 2" });
+            }
             if let Some(value) = point[..2].iter().find(|value| !(-0.01..=1.01).contains(*value)) {
                 let what = format!("keypoint {index}");
                 return Err(Problem::OutOfRange { what, value: *value, wanted: "between 0 and 1" });
@@ -147,26 +151,23 @@ impl ClickFormat for YoloPose {
     ) -> Result<Vec<LabelledFrame>, ExchangeError> {
         let yaml = files.get(DATA).map(text).transpose().map_err(|problem| problem.within(DATA))?;
         let names = yaml.and_then(names_of);
-        let mut frames = Vec::new();
-        for (file, bytes) in files.sorted().into_iter().filter(|(file, _)| has_ending(file, "txt")) {
+        files.read_all(|file, bytes| {
+            if !has_ending(file, "txt") {
+                return Ok(None);
+            }
             let stem = file.rsplit('/').next().and_then(|name| name.rsplit_once('.')).map_or(file, |(stem, _)| stem);
             let at_image = file.rsplit_once('.').map_or(file, |(path, _)| path).replacen("labels/", "images/", 1);
             let size = sizes(&at_image).or_else(|| sizes(stem)).or(options.size);
-            let size = size.ok_or(ExchangeError::OptionNeeded {
-                format: Format::YoloPose,
-                what: "how large its pictures are",
-                option: "--size WIDTHxHEIGHT or --images FOLDER",
-            })?;
-            let mut marks = Vec::new();
+            let size = size.ok_or_else(|| size_needed(&at_image))?;
             // A picture without labels has an empty file.
-            let lines = std::str::from_utf8(bytes).map_err(|error| Problem::NotUtf8 { offset: error.valid_up_to() });
-            for (index, line) in lines.map_err(|problem| problem.within(file))?.lines().enumerate() {
+            let lines = if bytes.is_empty() { "" } else { text(bytes)? };
+            let mut marks = Vec::new();
+            for (index, line) in lines.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
                 let of_line = marks_of(line, names.as_deref(), size);
-                marks.extend(of_line.map_err(|problem| problem.at_line(index + 1).within(file))?);
+                marks.extend(of_line.map_err(|problem| problem.at_line(index + 1))?);
             }
-            frames.push(LabelledFrame { name: stem.to_owned(), image: Some(at_image), size, marks });
-        }
-        Ok(frames)
+            Ok(Some(LabelledFrame { name: stem.to_owned(), image: Some(at_image), size, marks }))
+        })
     }
 }
 
@@ -218,7 +219,7 @@ mod tests {
         let error = YoloPose.read(&files, &ImportOptions::default(), &|_| None).unwrap_err().to_string();
         assert_eq!(
             error,
-            "yolo-pose does not say how large its pictures are; give --size WIDTHxHEIGHT or --images FOLDER"
+            "labels/a.txt: the size of \"images/a\" is not known; give --size WIDTHxHEIGHT or --images FOLDER"
         );
     }
 }

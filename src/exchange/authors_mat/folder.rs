@@ -2,11 +2,12 @@
 
 use super::mat_file::read_mat;
 use super::mat_value::{MatValue, named};
-use super::sequence::{AuthorsSequence, read_authors_sequence};
+use super::sequence::{AuthorsSequence, MAX_MAT_BYTES, read_authors_sequence};
 use super::{AuthorsError, MatError};
 use crate::camera::CameraBase;
 use crate::document::resolved;
 use crate::document::{Camera, CameraId, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, path_between};
+use crate::files::read_named;
 use crate::geometry::{Angle, ImageSize, Vec3};
 use crate::media;
 use std::fs;
@@ -18,6 +19,9 @@ const YARD_M: f64 = 0.9144;
 const SAME_BASE: f64 = 1e-6;
 /// The folder of the field's models, in the sequences' folder or beside it.
 const MODELS: &str = "util";
+
+/// The variable of a field's model.
+const MODEL_SIZE: &str = "model_size";
 
 /// The sequences of a folder.
 #[derive(Clone, Debug)]
@@ -95,7 +99,8 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
         let mut files = mat_files(&place)?;
         files.sort_by_key(|path| std::cmp::Reverse(begins_alike(path)));
         for path in files {
-            let bytes = fs::read(&path).map_err(|source| AuthorsError::Read { path: path.clone(), source })?;
+            let bytes =
+                read_named(&path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read { path: path.clone(), source })?;
             let found = model_size(&bytes).map_err(|source| AuthorsError::Mat { path: path.clone(), source })?;
             if let Some(size_yd) = found {
                 return Ok(Some((path, size_yd)));
@@ -107,8 +112,8 @@ fn field_model(folder: &Path) -> Result<Option<(PathBuf, [f64; 2])>, AuthorsErro
 
 /// Length and width of a field's model, yards: the larger number is the length.
 fn model_size(bytes: &[u8]) -> Result<Option<[f64; 2]>, MatError> {
-    let variables = read_mat(bytes)?;
-    let Some(&[a, b]) = named(&variables, "model_size").and_then(MatValue::numbers) else { return Ok(None) };
+    let variables = read_mat(bytes, &[MODEL_SIZE])?;
+    let Some(&[a, b]) = named(&variables, MODEL_SIZE).and_then(MatValue::numbers) else { return Ok(None) };
     Ok((a > 0.0 && b > 0.0 && a.is_finite() && b.is_finite()).then(|| [a.max(b), a.min(b)]))
 }
 

@@ -2,17 +2,22 @@
 //!
 //! Format: `MathWorks`, "MAT-File Format", 2023, chapter 1. A file is a header and a row of elements; an element is a tag (type,
 //! number of bytes) and its bytes. Whatever a damaged file says, nothing is read beyond it and nothing is reserved that its
-//! bytes cannot fill.
+//! bytes cannot fill. Only the variables that are asked for are unfolded and read.
 
-use super::mat_value::MatValue;
+use super::mat_value::{MatValue, Named};
 use flate2::read::ZlibDecoder;
 use std::io::Read as _;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// The header: text, an offset, the version and the order of bytes.
 const HEADER: usize = 128;
-/// What compressed elements may unfold to, bytes: far beyond any annotation, far below the memory of a machine.
-const MOST_UNFOLDED: u64 = 1 << 28;
+/// What the compressed variables that are asked for may unfold to together, bytes: twenty thousand annotated frames.
+const MOST_UNFOLDED: usize = 8 << 20;
+/// How much of a compressed variable is unfolded to find its name, bytes.
+const NAME_WITHIN: usize = 1024;
+/// The longest name of a structure's field, with its final 0: MATLAB's own limit.
+const MOST_LETTERS: f64 = 64.0;
 /// Structures and cells within each other.
 const MOST_NESTED: u32 = 16;
 
@@ -49,11 +54,11 @@ pub enum MatError {
     Compressed(String),
 }
 
-/// The variables of a MAT file, in their order.
+/// The variables of these names that a MAT file has, in its order.
 ///
 /// # Errors
 /// It is no MAT file of level 5, or it is damaged.
-pub fn read_mat(bytes: &[u8]) -> Result<Vec<(String, MatValue)>, MatError> {
+pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
     // An HDF5 file begins with 0x89 "HDF", after MATLAB's own 512 bytes of text or at once.
     if bytes.starts_with(b"\x89HDF") || bytes.starts_with(b"MATLAB 7.3") {
         return Err(MatError::Hdf5);
@@ -64,33 +69,46 @@ pub fn read_mat(bytes: &[u8]) -> Result<Vec<(String, MatValue)>, MatError> {
         _ => return Err(MatError::NotMat),
     };
     let mut reader = Reader { bytes, at: HEADER, big_endian };
-    let mut variables = Vec::new();
+    let mut variables = Named::new();
+    let mut left = MOST_UNFOLDED;
     while !reader.is_at_end() {
         let element = reader.element()?;
-        match element.kind {
-            ElementType::MATRIX => variables.push(element.inside(big_endian).matrix(0)?),
+        let at = element.at;
+        let read = match element.kind {
+            ElementType::MATRIX => element.inside(big_endian).variable(wanted)?,
             ElementType::COMPRESSED => {
-                let unfolded = unfold(element.bytes)?;
-                let mut inner = Reader { bytes: &unfolded, at: 0, big_endian };
-                let element = inner.element()?;
-                if element.kind == ElementType::MATRIX {
-                    variables.push(element.inside(big_endian).matrix(0)?);
+                // The name stands near the beginning; what nobody asked for stays folded.
+                let begin = unfold(element.bytes, NAME_WITHIN)?;
+                let mut inside = Reader { bytes: &begin, at: 0, big_endian };
+                if inside.skip_tag()? == ElementType::MATRIX && wanted.contains(&&*inside.matrix_head()?.name) {
+                    let unfolded = unfold(element.bytes, left + 1)?;
+                    left = left.checked_sub(unfolded.len()).ok_or_else(|| {
+                        MatError::Compressed(format!("it unfolds to more than {} MiB", MOST_UNFOLDED >> 20))
+                    })?;
+                    let element = Reader { bytes: &unfolded, at: 0, big_endian }.element()?;
+                    element.inside(big_endian).variable(wanted)?
+                } else {
+                    None
                 }
             }
             // Other top-level elements are not variables.
-            _ => {}
+            _ => None,
+        };
+        if let Some((name, value)) = read {
+            if variables.iter().any(|(known, _)| *known == name) {
+                return Err(MatError::Damaged { at, what: "a variable occurs twice" });
+            }
+            variables.push((name, value));
         }
     }
     Ok(variables)
 }
 
-fn unfold(bytes: &[u8]) -> Result<Vec<u8>, MatError> {
+/// The first bytes of a compressed element, `most` at most.
+fn unfold(bytes: &[u8], most: usize) -> Result<Vec<u8>, MatError> {
     let mut unfolded = Vec::new();
-    let read = ZlibDecoder::new(bytes).take(MOST_UNFOLDED + 1).read_to_end(&mut unfolded);
+    let read = ZlibDecoder::new(bytes).take(most as u64).read_to_end(&mut unfolded);
     read.map_err(|error| MatError::Compressed(error.to_string()))?;
-    if unfolded.len() as u64 > MOST_UNFOLDED {
-        return Err(MatError::Compressed(format!("it unfolds to more than {} MiB", MOST_UNFOLDED >> 20)));
-    }
     Ok(unfolded)
 }
 
@@ -125,6 +143,14 @@ impl ElementType {
             _ => None,
         }
     }
+}
+
+/// What an array begins with.
+struct Head {
+    class: u8,
+    count: usize,
+    rows: Option<f64>,
+    name: String,
 }
 
 /// An element: its type, its bytes and where they begin.
@@ -217,14 +243,37 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The inside of a `MATRIX` element: its name and what it holds.
-    fn matrix(&mut self, depth: u32) -> Result<(String, MatValue), MatError> {
+    /// The type of the next element, of which perhaps only the beginning is there.
+    fn skip_tag(&mut self) -> Result<ElementType, MatError> {
+        let kind = ElementType(self.word()?);
+        self.word()?;
+        Ok(kind)
+    }
+
+    /// The inside of a top-level `MATRIX` element, if it is asked for.
+    fn variable(&mut self, wanted: &[&str]) -> Result<Option<(Arc<str>, MatValue)>, MatError> {
+        let head = self.matrix_head()?;
+        if !wanted.contains(&&*head.name) {
+            return Ok(None);
+        }
+        let value = self.matrix_value(&head, 0)?;
+        Ok(Some((head.name.as_str().into(), value)))
+    }
+
+    /// What an array without a name holds.
+    fn matrix(&mut self, depth: u32) -> Result<MatValue, MatError> {
         if self.bytes.is_empty() {
-            return Ok((String::new(), MatValue::Numbers(Vec::new())));
+            return Ok(MatValue::Numbers(Vec::new()));
         }
         if depth > MOST_NESTED {
             return Err(MatError::Damaged { at: self.at, what: "structures lie too deep within each other" });
         }
+        let head = self.matrix_head()?;
+        self.matrix_value(&head, depth)
+    }
+
+    /// The head of a `MATRIX` element.
+    fn matrix_head(&mut self) -> Result<Head, MatError> {
         let Element { bytes: flags, at, .. } = self.element()?;
         let class = if self.big_endian { flags.get(3) } else { flags.first() };
         let class = *class.ok_or(MatError::Damaged { at, what: "an array has no class" })?;
@@ -235,15 +284,18 @@ impl<'a> Reader<'a> {
             count.checked_mul(size)
         });
         let count = count.ok_or(MatError::Damaged { at, what: "an array has no size" })?;
-        let name = words(&self.numbers()?);
-        let value = match class {
-            1 => MatValue::Cells(self.matrices(count, depth)?),
-            2 => self.structures(count, depth)?,
-            4 => MatValue::Words(self.letters(sizes.first().copied())?),
+        Ok(Head { class, count, rows: sizes.first().copied(), name: words(&self.numbers()?) })
+    }
+
+    /// What follows a head.
+    fn matrix_value(&mut self, head: &Head, depth: u32) -> Result<MatValue, MatError> {
+        Ok(match head.class {
+            1 => MatValue::Cells(self.matrices(head.count, depth)?),
+            2 => self.structures(head.count, depth)?,
+            4 => MatValue::Words(self.letters(head.rows)?),
             6..=15 => MatValue::Numbers(self.numbers()?),
             _ => MatValue::Other,
-        };
-        Ok((name, value))
+        })
     }
 
     /// How many `MATRIX` elements there are.
@@ -259,7 +311,7 @@ impl<'a> Reader<'a> {
                 if element.kind != ElementType::MATRIX {
                     return Err(MatError::Damaged { at: element.at, what: "an array is expected" });
                 }
-                element.inside(self.big_endian).matrix(depth + 1).map(|(_, value)| value)
+                element.inside(self.big_endian).matrix(depth + 1)
             })
             .collect()
     }
@@ -268,10 +320,10 @@ impl<'a> Reader<'a> {
         let at = self.at;
         let length = self.numbers()?.first().copied().unwrap_or(0.0);
         let names = self.numbers()?;
-        if !(1.0..=1024.0).contains(&length) {
+        if !(1.0..=MOST_LETTERS).contains(&length) {
             return Err(MatError::Damaged { at, what: "a structure's field names have no length" });
         }
-        let names: Vec<String> = names.chunks(length as usize).map(words).collect();
+        let names: Vec<Arc<str>> = names.chunks(length as usize).map(|name| words(name).into()).collect();
         let total = count.checked_mul(names.len()).ok_or(MatError::Damaged { at, what: "an array has no size" })?;
         let mut values = self.matrices(total, depth)?.into_iter();
         let element = |_| names.iter().cloned().zip(values.by_ref().take(names.len())).collect();

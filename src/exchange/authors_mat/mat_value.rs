@@ -1,5 +1,10 @@
 //! What a MATLAB variable holds.
 
+use std::sync::Arc;
+
+/// Fields of a structure or variables of a file: name and value, in order.
+pub type Named = Vec<(Arc<str>, MatValue)>;
+
 /// A MATLAB variable, or an entry of one. Sizes are left out: what is read here is rows of numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MatValue {
@@ -10,7 +15,7 @@ pub enum MatValue {
     /// A cell array.
     Cells(Vec<MatValue>),
     /// An array of structures: their fields by name, in order.
-    Structures(Vec<Vec<(String, MatValue)>>),
+    Structures(Vec<Named>),
     /// Something else: objects, functions, sparse matrices.
     Other,
 }
@@ -37,7 +42,7 @@ impl MatValue {
     }
 
     /// The structures; none for anything else.
-    pub fn structures(&self) -> Option<&[Vec<(String, Self)>]> {
+    pub fn structures(&self) -> Option<&[Named]> {
         match self {
             Self::Structures(structures) => Some(structures),
             _ => None,
@@ -46,6 +51,6 @@ impl MatValue {
 }
 
 /// A field or variable by its name.
-pub fn named<'a>(fields: &'a [(String, MatValue)], name: &str) -> Option<&'a MatValue> {
-    fields.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+pub fn named<'a>(fields: &'a [(Arc<str>, MatValue)], name: &str) -> Option<&'a MatValue> {
+    fields.iter().find(|(known, _)| **known == *name).map(|(_, value)| value)
 }

@@ -4,16 +4,19 @@ use super::AuthorsError;
 use super::mat_file::read_mat;
 use super::mat_value::{MatValue, named};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::files::read_named;
 use crate::geometry::rotation::{angle_between, from_rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, PixelBox, Vec3};
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// From their principal point, which counts from the first pixel's centre, to corner coordinates, px.
 const CORNER_FROM_CENTRE: f64 = 0.5;
 /// How far a frame's full camera may be from the base turned by its pan and tilt: beyond, one of them means something else.
 const MOST_APART_DEG: f64 = 0.5;
 const MOST_APART_M: f64 = 0.5;
+/// The largest MAT file that is read: features, which lie beside the annotations, are large.
+pub(super) const MAX_MAT_BYTES: u64 = 256 << 20;
 /// What follows a sequence's name in that of its file.
 const SUFFIX: &str = "_anno";
 
@@ -48,8 +51,10 @@ pub struct AuthorsFrame {
 /// # Errors
 /// The file cannot be read, or what it holds is not what the authors write.
 pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, AuthorsError> {
-    let bytes = fs::read(path).map_err(|source| AuthorsError::Read { path: path.to_path_buf(), source })?;
-    let variables = read_mat(&bytes).map_err(|source| AuthorsError::Mat { path: path.to_path_buf(), source })?;
+    let bytes =
+        read_named(path, MAX_MAT_BYTES).map_err(|source| AuthorsError::Read { path: path.to_path_buf(), source })?;
+    let variables = read_mat(&bytes, &["annotation", "meta"])
+        .map_err(|source| AuthorsError::Mat { path: path.to_path_buf(), source })?;
     let Some(annotation) = named(&variables, "annotation") else { return Ok(None) };
     let missing = |what: String| AuthorsError::Missing { path: path.to_path_buf(), what };
     let meta = named(&variables, "meta").and_then(MatValue::structures).and_then(<[_]>::first);
@@ -134,7 +139,7 @@ fn name_of(path: &Path) -> String {
 }
 
 /// Beside the file: a folder of the sequence's name, that which `meta` names, one of `images`; then the file's own folder.
-fn image_folders(path: &Path, name: &str, meta: &[(String, MatValue)]) -> Vec<PathBuf> {
+fn image_folders(path: &Path, name: &str, meta: &[(Arc<str>, MatValue)]) -> Vec<PathBuf> {
     let beside = path.parent().unwrap_or(Path::new(""));
     let told = ["base_dir", "seq"].into_iter().filter_map(|key| named(meta, key)?.words());
     // `base_dir` is a path on the authors' machine: what counts is its end.

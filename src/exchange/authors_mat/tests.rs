@@ -8,6 +8,9 @@ use crate::geometry::{PixelBox, Vec3};
 use std::fs;
 use std::path::Path;
 
+/// Every variable of these tests.
+const ALL: [&str; 6] = ["numbers", "words", "all", "deep", "annotation", "meta"];
+
 fn written(folder: &Path, name: &str, bytes: &[u8]) -> std::path::PathBuf {
     let path = folder.join(name);
     fs::create_dir_all(path.parent().unwrap()).unwrap();
@@ -24,32 +27,45 @@ fn both_orders_of_bytes_and_compression_read_the_same() {
             ("all", Out::Structures(vec![vec![("a", Out::Doubles(vec![7.0]))], vec![("a", Out::Words(""))]])),
         ]
     };
-    let plain = read_mat(&mat(&variables(), false, false)).unwrap();
-    assert_eq!(plain[0], ("numbers".to_owned(), MatValue::Numbers(vec![1.5, -2.0, 1e300])));
+    let plain = read_mat(&mat(&variables(), false, false), &ALL).unwrap();
+    assert_eq!(plain[0], ("numbers".into(), MatValue::Numbers(vec![1.5, -2.0, 1e300])));
     assert_eq!(plain[1].1.words(), Some("ä.jpg"));
-    assert_eq!(plain[2].1.structures().unwrap()[0], [("a".to_owned(), MatValue::Numbers(vec![7.0]))]);
+    assert_eq!(plain[2].1.structures().unwrap()[0], [("a".into(), MatValue::Numbers(vec![7.0]))]);
     for (big, compressed) in [(true, false), (false, true), (true, true)] {
-        assert_eq!(read_mat(&mat(&variables(), big, compressed)).unwrap(), plain, "{big} {compressed}");
+        assert_eq!(read_mat(&mat(&variables(), big, compressed), &ALL).unwrap(), plain, "{big} {compressed}");
     }
 }
 
 #[test]
+fn what_nobody_asked_for_stays_folded() {
+    let variables = [("features", Out::Doubles(vec![0.0; 4 << 20])), ("meta", Out::Doubles(vec![7.0]))];
+    let bytes = mat(&variables, false, true);
+    assert!(bytes.len() < 100_000, "32 MiB of zeros");
+    let wanted = [("meta".into(), MatValue::Numbers(vec![7.0]))];
+    assert_eq!(read_mat(&bytes, &["annotation", "meta"]).unwrap(), wanted);
+    let error = read_mat(&bytes, &["features"]).unwrap_err().to_string();
+    assert_eq!(error, "a compressed part of it cannot be unfolded: it unfolds to more than 8 MiB");
+    let twice = mat(&[("meta", Out::Doubles(vec![1.0])), ("meta", Out::Doubles(vec![2.0]))], false, true);
+    assert!(read_mat(&twice, &["meta"]).unwrap_err().to_string().ends_with("a variable occurs twice"));
+}
+
+#[test]
 fn damaged_files_are_named_and_never_panic() {
-    assert_eq!(read_mat(b"hello").unwrap_err(), MatError::NotMat);
-    assert_eq!(read_mat(b"\x89HDF\r\n").unwrap_err(), MatError::Hdf5);
+    assert_eq!(read_mat(b"hello", &ALL).unwrap_err(), MatError::NotMat);
+    assert_eq!(read_mat(b"\x89HDF\r\n", &ALL).unwrap_err(), MatError::Hdf5);
     for compressed in [false, true] {
         let whole = sequence(vec![frame("a.jpg", CAMERA)], compressed);
         // The end of an element that is not compressed may be padding; whatever it is, nothing panics.
         let mut refused = 0;
         for length in 0..whole.len() {
-            refused += usize::from(read_mat(&whole[..length]).is_err());
+            refused += usize::from(read_mat(&whole[..length], &ALL).is_err());
         }
         assert!(refused > whole.len() * 9 / 10, "{refused} of {}", whole.len());
         for at in 128..whole.len() {
             for byte in [0, 1, 0x7f, 0xff] {
                 let mut damaged = whole.clone();
                 damaged[at] = byte;
-                let _ = read_mat(&damaged);
+                let _ = read_mat(&damaged, &ALL);
             }
         }
     }
@@ -58,7 +74,7 @@ fn damaged_files_are_named_and_never_panic() {
     for _ in 0..100 {
         deep = Out::Structures(vec![vec![("a", deep)]]);
     }
-    assert!(matches!(read_mat(&mat(&[("deep", deep)], false, false)), Err(MatError::Damaged { .. })));
+    assert!(matches!(read_mat(&mat(&[("deep", deep)], false, false), &ALL), Err(MatError::Damaged { .. })));
 }
 
 #[test]

@@ -1,0 +1,139 @@
+//! Common Data Format (football match data, schema 0.3.2): the sheet of a video, as a small file beside an export. Export only.
+//!
+//! Axes and units are ours: the pitch's centre, metres, x along the touchlines, z up. It holds the camera's *place* only: no
+//! angles, no focal length, no lens, no frames. Frame rates are whole numbers: 29.97 cannot be said. Match, start and perspective
+//! are nothing that a document knows and nothing that is invented: they are asked for.
+//! Source: common-data-format-validator 0.1.1 (`schema/video.json`); arXiv 2505.15820.
+
+use super::camera_format::{CameraFormat, WriteContext, has_ending};
+use super::error::ExchangeError;
+use super::files::Files;
+use super::format::Format;
+use super::frame_camera::FrameCamera;
+use super::held::parts;
+use super::options::ImportOptions;
+use serde_json::json;
+
+/// The format.
+pub struct Cdf;
+
+/// Cameras nearer to each other than this are one, m.
+const SAME_PLACE_M: f64 = 1e-6;
+
+fn needed(what: &'static str, option: &'static str) -> ExchangeError {
+    ExchangeError::ExportNeeds { format: Format::Cdf, what, option }
+}
+
+impl CameraFormat for Cdf {
+    fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
+        parts(frame)?;
+        Ok(FrameCamera { name: format!("{index:06}"), ..frame.clone() })
+    }
+
+    fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
+        let said = "it holds the camera's place, the picture's size and the rate only: no angles, focal length, lens or frames";
+        vec![said.to_owned(), "the list of whistles is empty; fill it in where it is known".to_owned()]
+    }
+
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+        let cannot = |frame: &FrameCamera, why: String| {
+            let frame = frame.image.clone().unwrap_or_else(|| frame.name.clone());
+            ExchangeError::CannotHold { frame, format: Format::Cdf, why }
+        };
+        let recording = &context.options.recording;
+        let match_id = recording.match_id.as_deref().ok_or_else(|| needed("the match's id", "--match-id"))?;
+        let start = recording.start.as_deref().ok_or_else(|| needed("when the video begins", "--start-time"))?;
+        let perspective = recording.perspective.as_deref();
+        let perspective = perspective.ok_or_else(|| needed("the camera's perspective", "--perspective"))?;
+        let rate = context.rate.ok_or_else(|| needed("the frame rate", "--fps"))?;
+        let mut frames = held.iter();
+        let Some(first) = frames.next() else { return Ok(Files::default()) };
+        let (pinhole, size) = parts(first).map_err(|why| cannot(first, why))?;
+        for frame in frames {
+            let (other, other_size) = parts(frame).map_err(|why| cannot(frame, why))?;
+            if other_size != size || (other.position_m - pinhole.position_m).amax() > SAME_PLACE_M {
+                let why = "a sheet is of one camera; choose one with --camera";
+                return Err(cannot(frame, why.to_owned()));
+            }
+        }
+        if rate.frames % rate.seconds != 0 {
+            let why = format!("rates are whole numbers in it, and {:.2} frames a second is none", rate.per_second());
+            return Err(cannot(first, why));
+        }
+        let operation = if recording.is_automated { "automated" } else { "manual" };
+        let at = pinhole.position_m;
+        let sheet = json!({
+            "match": { "id": match_id },
+            "recording": {
+                "fps": rate.frames / rate.seconds,
+                "resolution": format!("{}x{}", size.width, size.height),
+                "start_time": start,
+                "type": "fixed camera",
+                "operation_type": operation,
+                "perspective": perspective,
+                "camera": { "x": at.x, "y": at.y, "z": at.z },
+            },
+            "whistles": [],
+        });
+        Ok(Files::one("video.json", format!("{sheet:#}\n").into_bytes()))
+    }
+
+    fn wanted(&self) -> &'static str {
+        "sheet (.json)"
+    }
+
+    fn is_wanted(&self, name: &str) -> bool {
+        has_ending(name, "json")
+    }
+
+    fn read(&self, _files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+        Err(ExchangeError::OneWay { format: Format::Cdf, what: "imported", instead: "exported" })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::exchange::tests::{reference, text_of};
+    use crate::exchange::{ExportOptions, Format, Rate, Recording, export};
+    use serde_json::{Value, json};
+    use std::path::Path;
+
+    fn options() -> ExportOptions {
+        let recording = Recording {
+            match_id: Some("m1".to_owned()),
+            start: Some("2026-03-01T18:59:30Z".to_owned()),
+            perspective: Some("camera_1".to_owned()),
+            is_automated: false,
+        };
+        ExportOptions { recording, ..ExportOptions::default() }
+    }
+
+    fn refusal(options: &ExportOptions) -> String {
+        export(reference().at(Path::new("/")), Format::Cdf, options).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_sheet_has_the_published_keys_and_no_other() {
+        let exported = export(reference().at(Path::new("/")), Format::Cdf, &options()).unwrap();
+        let sheet: Value = serde_json::from_str(&text_of(&exported.files, "video.json")).unwrap();
+        let wanted = json!({
+            "match": { "id": "m1" },
+            "recording": {
+                "fps": 25, "resolution": "1920x1080", "start_time": "2026-03-01T18:59:30Z", "type": "fixed camera",
+                "operation_type": "manual", "perspective": "camera_1", "camera": { "x": 0.0, "y": -60.0, "z": 18.0 },
+            },
+            "whistles": [],
+        });
+        assert_eq!(sheet, wanted);
+    }
+
+    #[test]
+    fn what_nobody_said_is_asked_for_and_a_broken_rate_refused() {
+        assert_eq!(refusal(&ExportOptions::default()), "cdf needs the match's id; give --match-id");
+        let mut silent = options();
+        silent.recording.start = None;
+        assert_eq!(refusal(&silent), "cdf needs when the video begins; give --start-time");
+        let ntsc = ExportOptions { rate: Some(Rate::new(30_000, 1001)), ..options() };
+        assert!(refusal(&ntsc).ends_with("rates are whole numbers in it, and 29.97 frames a second is none"));
+    }
+}
