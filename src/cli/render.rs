@@ -24,6 +24,8 @@ use std::sync::Arc;
 const MAP_MARGIN_M: f64 = 5.0;
 /// px per metre of the field map.
 const MAP_PX_PER_M: f64 = 12.0;
+/// The longest side of the field map: larger fields are drawn smaller.
+const MAP_LONGEST_PX: f64 = 4096.0;
 /// How bright the frame's picture lies on the field map.
 const MAP_BRIGHTNESS: f32 = 0.8;
 
@@ -124,7 +126,8 @@ fn render_top_view(
 }
 
 fn map_of(field: &FieldModel, camera: Option<&PtzCamera>) -> FieldMap {
-    let map = FieldMap::new(field, MAP_MARGIN_M, MAP_PX_PER_M);
+    let longest_m = field.length_m.max(field.width_m) + 2.0 * MAP_MARGIN_M;
+    let map = FieldMap::new(field, MAP_MARGIN_M, MAP_PX_PER_M.min(MAP_LONGEST_PX / longest_m));
     camera.map_or(map, |camera| map.turned_to(camera))
 }
 

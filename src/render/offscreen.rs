@@ -89,6 +89,8 @@ pub struct Offscreen {
 
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const CANVAS: CanvasId = CanvasId(0);
+/// The longest side that is drawn at a time, px: 64 MiB, a quarter of the buffer that every adapter gives.
+const TILE_PX: u32 = 4096;
 
 impl Offscreen {
     /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a software renderer.
@@ -139,19 +141,51 @@ impl Offscreen {
         if width == 0 || height == 0 || width > limit || height > limit {
             return Err(RenderError::BadSize { width, height, limit });
         }
-        let target = ReadbackTexture::new(&self.device, width, height);
-        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        let gpu = Gpu { device: &self.device, queue: &self.queue, encoder: &mut encoder };
-        self.renderer.prepare(gpu, CANVAS, view, layers);
-        target.draw(&mut encoder, &self.renderer, CANVAS, background);
-        self.queue.submit([encoder.finish()]);
-        let mut picture = target.read_back(&self.device)?;
+        let mut picture = self.in_tiles(view, background, layers, TILE_PX.min(limit))?;
         let labels = layers.iter().flat_map(|layer| match layer {
             Layer::Drawing(drawing) => drawing.labels.as_slice(),
             Layer::Picture(_) | Layer::Heat(..) => &[],
         });
         write_labels(&mut picture, view, labels)?;
         Ok(picture)
+    }
+
+    /// Draws a canvas without its labels, in tiles of at most so many px a side.
+    fn in_tiles(
+        &mut self,
+        view: &View,
+        background: Colour,
+        layers: &[Layer],
+        tile_px: u32,
+    ) -> Result<RgbaImage, RenderError> {
+        let [width, height] = view.size_px;
+        if width <= tile_px && height <= tile_px {
+            return self.tile(view, background, layers);
+        }
+        let mut picture = RgbaImage::new(width, height);
+        for top in (0..height).step_by(tile_px as usize) {
+            for left in (0..width).step_by(tile_px as usize) {
+                let tile = View {
+                    offset_px: [view.offset_px[0] - left as f32, view.offset_px[1] - top as f32],
+                    size_px: [tile_px.min(width - left), tile_px.min(height - top)],
+                    ..*view
+                };
+                let drawn = self.tile(&tile, background, layers)?;
+                image::imageops::replace(&mut picture, &drawn, i64::from(left), i64::from(top));
+            }
+        }
+        Ok(picture)
+    }
+
+    fn tile(&mut self, view: &View, background: Colour, layers: &[Layer]) -> Result<RgbaImage, RenderError> {
+        let [width, height] = view.size_px;
+        let target = ReadbackTexture::new(&self.device, width, height);
+        let mut encoder = self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let gpu = Gpu { device: &self.device, queue: &self.queue, encoder: &mut encoder };
+        self.renderer.prepare(gpu, CANVAS, view, layers);
+        target.draw(&mut encoder, &self.renderer, CANVAS, background);
+        self.queue.submit([encoder.finish()]);
+        target.read_back(&self.device)
     }
 }
 
@@ -235,6 +269,38 @@ mod tests {
     use super::*;
     use crate::scene::drawing::{Drawing, Stroke, StrokeGroup};
     use std::sync::Arc;
+
+    #[test]
+    fn tiles_are_parts_of_one_picture() {
+        let mut offscreen = Offscreen::new().unwrap();
+        let stroke = |points: Vec<[f32; 2]>, width_pt| Stroke {
+            points,
+            colour: Colour::rgb(255, 200, 0),
+            width_pt,
+            outline: None,
+            dash: None,
+        };
+        let strokes = vec![stroke(vec![[3.0, 5.0], [90.0, 61.0]], 3.0), stroke(vec![[0.0, 40.0], [99.0, 33.0]], 5.0)];
+        let group = StrokeGroup { strokes, opacity: 0.7, clip_px: None };
+        let drawing = Drawing { strokes: vec![group], ..Drawing::default() };
+        let mut pixels = RgbaImage::new(100, 70);
+        for (x, y, pixel) in pixels.enumerate_pixels_mut() {
+            *pixel = image::Rgba([(x * 2) as u8, (y * 3) as u8, ((x * y) % 251) as u8, 255]);
+        }
+        let pixels = crate::media::Picture::new(crate::geometry::ImageSize::new(100, 70), pixels.into_raw()).unwrap();
+        let layers = [
+            Layer::Picture(crate::render::PictureLayer { key: crate::render::PictureKey(1), pixels, brightness: 1.0 }),
+            Layer::Drawing(Arc::new(drawing)),
+        ];
+        let view = View::one_to_one([100, 70]);
+        let background = Colour::rgb(10, 20, 30);
+        let whole = offscreen.in_tiles(&view, background, &layers, 4096).unwrap();
+        let tiled = offscreen.in_tiles(&view, background, &layers, 32).unwrap();
+        assert_eq!(tiled.dimensions(), (100, 70));
+        let differs = |(a, b): (&u8, &u8)| a.abs_diff(*b) > 1;
+        let different = whole.as_raw().iter().zip(tiled.as_raw()).filter(|pair| differs(*pair)).count();
+        assert_eq!(different, 0, "rounding aside, no pixel differs");
+    }
 
     #[test]
     fn canvases_prepared_together_keep_their_own_views_and_layers() {

@@ -17,6 +17,9 @@ pub const SMOOTH_UP_TO_SCALE: f32 = 4.0;
 /// Pictures that stay on the GPU: the frame, its neighbours in both directions and one to compare with.
 const KEPT: NonZeroUsize = NonZeroUsize::MIN.saturating_add(5);
 
+/// A picture goes to the GPU in bands of so many bytes.
+const BAND_BYTES: usize = 32 << 20;
+
 /// Mip levels are chosen this much sharper than the scale asks for; trilinear filtering errs on the soft side.
 const SHARPER_LEVELS: f32 = 0.25;
 
@@ -139,12 +142,16 @@ fn upload(device: &wgpu::Device, queue: &wgpu::Queue, picture: &media::Picture) 
             | wgpu::TextureUsages::RENDER_ATTACHMENT,
         view_formats: &[],
     });
-    queue.write_texture(
-        texture.as_image_copy(),
-        rgba,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) },
-        size,
-    );
+    // A band at a time: the buffers through which they go are smaller than the largest pictures.
+    let band = (BAND_BYTES / (4 * width as usize)).max(1) as u32;
+    for (top, rows) in (0..height).step_by(band as usize).zip(rgba.chunks((4 * width * band) as usize)) {
+        let into =
+            wgpu::TexelCopyTextureInfo { origin: wgpu::Origin3d { x: 0, y: top, z: 0 }, ..texture.as_image_copy() };
+        let height = band.min(height - top);
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(4 * width), rows_per_image: Some(height) };
+        queue.write_texture(into, rows, layout, wgpu::Extent3d { width, height, depth_or_array_layers: 1 });
+    }
     texture
 }
 
