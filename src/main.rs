@@ -32,11 +32,22 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
     }
     match touchline::ui::run(document) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_about_display(&error.to_string()) => refuse(format!(
+            "the window cannot open: {error}. The display cannot be reached: look at DISPLAY, WAYLAND_DISPLAY and XAUTHORITY; \
+             the commands work without, see touchline --help"
+        )),
         Err(error) => refuse(format!(
             "the window cannot open: {error}. It needs a Vulkan or OpenGL driver (Debian: mesa-vulkan-drivers libegl1); the \
              commands work without, see touchline --help"
         )),
     }
+}
+
+/// Whether the window system did not answer, which no graphics driver mends.
+#[cfg(feature = "gui")]
+fn is_about_display(error: &str) -> bool {
+    let error = error.to_lowercase();
+    ["display", "wayland", "x11", "xlib", "event loop", "eventloop"].iter().any(|word| error.contains(word))
 }
 
 #[cfg(not(feature = "gui"))]

@@ -4,6 +4,7 @@ use super::messages::Messages;
 use super::output::{print, refuse_existing};
 use crate::document::Document;
 use crate::store::Location;
+use anyhow::bail;
 use std::path::{Path, PathBuf};
 
 /// The document that a command reads.
@@ -47,6 +48,19 @@ impl DocumentArg {
     }
 }
 
+/// Refuses a document whose paths cannot be written in it.
+///
+/// # Errors
+/// A name on the way to a frame is not UTF-8.
+pub fn refuse_unwritable(document: &Document, folder: &Path) -> anyhow::Result<()> {
+    match document.unwritable_path(folder) {
+        Some(path) => {
+            bail!("{path}: a document cannot name it, for a folder's name in it is not UTF-8; rename the folder")
+        }
+        None => Ok(()),
+    }
+}
+
 impl DocumentOutput {
     /// Refuses a path that exists; to be called before the work begins.
     ///
@@ -63,11 +77,14 @@ impl DocumentOutput {
     pub fn write(&self, document: &Document, folder: &Path) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
             let here = std::env::current_dir()?;
-            return print(&crate::document::document_to_string(&document.relocated(folder, &here))?);
+            let document = document.relocated(folder, &here);
+            refuse_unwritable(&document, &here)?;
+            return print(&crate::document::document_to_string(&document)?);
         };
         refuse_existing(path, self.force)?;
         let location = Location::for_new_document(path)?;
         let document = document.relocated(folder, location.folder());
+        refuse_unwritable(&document, location.folder())?;
         Ok(crate::store::write_document(&location, &document, self.force)?)
     }
 }

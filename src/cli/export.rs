@@ -5,15 +5,22 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
 use crate::document::FrameStatus;
-use crate::exchange::{ExportOptions, Format, KeypointNames, PointSource, Rate, Zoom, export as export_document};
+use crate::exchange::{
+    ExportOptions, Format, KeypointNames, PointSource, Rate, Recording, Zoom, export as export_document,
+};
+use crate::files::read_named_text;
 use crate::geometry::ImageSize;
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
+use std::path::Path;
+
+/// The largest table or map of labels that is read.
+pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 
 /// Writes a document in another format.
 ///
 /// The result is read again before it is written: a landmark that comes back elsewhere is an error. What the format cannot hold is
-/// said on standard error, in px.
+/// said on standard error, in px. Conventions, users and losses of every format: assets/formats.md.
 #[derive(clap::Args, Debug)]
 pub struct ExportArgs {
     #[command(flatten)]
@@ -56,16 +63,50 @@ pub struct ExportArgs {
     /// The width of the camera's sensor, mm, where the document does not know it.
     #[arg(long)]
     sensor_mm: Option<f64>,
+    /// The match's id in the other files about it (cdf).
+    #[arg(long)]
+    match_id: Option<String>,
+    /// When the video begins, UTC, such as 2026-03-01T18:59:30Z (cdf).
+    #[arg(long, value_parser = parse_start)]
+    start_time: Option<String>,
+    /// Which of the stadium's cameras it is (cdf).
+    #[arg(long, value_parser = PERSPECTIVES)]
+    perspective: Option<String>,
+    /// No person turned the camera (cdf).
+    #[arg(long)]
+    automated: bool,
     /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
     #[arg(long, default_value = "focal-px")]
     zoom: String,
 }
 
+/// The perspectives that the Common Data Format knows.
+const PERSPECTIVES: [&str; 8] = [
+    "tactical_wide",
+    "camera_1",
+    "high_behind_right",
+    "high_behind_left",
+    "cable_camera",
+    "16m_right",
+    "16m_left",
+    "broadcast",
+];
+
+/// A time in UTC as it is written.
+fn parse_start(text: &str) -> Result<String, String> {
+    let is_time = text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok();
+    is_time.then(|| text.to_owned()).ok_or_else(|| format!("{text} is no time in UTC such as 2026-03-01T18:59:30Z"))
+}
+
 /// Takes the name of a format that can go this way.
 pub(super) fn format_parser(goes: fn(Format) -> bool) -> impl clap::builder::TypedValueParser<Value = Format> {
     let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
+    let help = |format: Format| {
+        let lost = if format.exports() { format!(" (an export loses: {})", format.loses()) } else { String::new() };
+        format!("{}{lost}", format.title())
+    };
     let values: Vec<PossibleValue> =
-        formats.map(|format| PossibleValue::new(format.name()).help(format.title())).collect();
+        formats.map(|format| PossibleValue::new(format.name()).help(help(format))).collect();
     PossibleValuesParser::new(values)
         .try_map(|name| Format::from_name(&name).ok_or_else(|| format!("{name} is no format")))
 }
@@ -96,7 +137,8 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
         "focal-mm-x100" => return Ok(Zoom::FocalMmX100),
         file => file,
     };
-    let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the zoom table {file}"))?;
+    let text = read_named_text(Path::new(file), MAX_TABLE_BYTES);
+    let text = text.with_context(|| format!("cannot read the zoom table {file}"))?;
     let rows = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let row = |line: &str| {
         let (raw, focal) = line.split_once([',', ' ', '\t'])?;
@@ -138,6 +180,12 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         rate: args.fps,
         sensor_width_mm: args.sensor_mm,
         zoom: zoom_of(&args.zoom)?,
+        recording: Recording {
+            match_id: args.match_id.clone(),
+            start: args.start_time.clone(),
+            perspective: args.perspective.clone(),
+            is_automated: args.automated,
+        },
     };
     let exported = export_document(document.at(location.folder()), args.format, &options)?;
     for note in exported.loss.iter().map(ToString::to_string).chain(exported.notes.iter().cloned()) {

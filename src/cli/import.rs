@@ -2,14 +2,15 @@
 
 use super::Outcome;
 use super::document::DocumentOutput;
-use super::export::{format_parser, parse_size, zoom_of};
+use super::export::{MAX_TABLE_BYTES, format_parser, parse_size, zoom_of};
 use super::messages::Messages;
 use super::new::parameter;
 use crate::document::FieldSpec;
 use crate::exchange::{Format, ImportOptions, LabelMap, Pixels, import as import_document};
+use crate::files::read_named_text;
 use crate::geometry::ImageSize;
 use anyhow::Context as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Makes a document of the files of another program.
 #[derive(clap::Args, Debug)]
@@ -61,7 +62,8 @@ fn label_map(name: &str) -> anyhow::Result<LabelMap> {
         "roboflow-32-captions" => LabelMap::Roboflow32Captions,
         "soccernet" => LabelMap::SoccerNet,
         file => {
-            let text = std::fs::read_to_string(file).with_context(|| format!("cannot read the map {file}"))?;
+            let text = read_named_text(Path::new(file), MAX_TABLE_BYTES);
+            let text = text.with_context(|| format!("cannot read the map {file}"))?;
             LabelMap::Own(serde_json::from_str(&text).with_context(|| format!("{file} is no map of labels"))?)
         }
     })

@@ -47,15 +47,48 @@ impl Messages {
     }
 
     fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
+        let (frame, message) = (frame.map(bounded), &bounded(message));
         match (self, frame) {
-            (Self::Text, None) => one_line(&format!("touchline: {message}")),
-            (Self::Text, Some(frame)) => one_line(&format!("touchline: {frame}: {message}")),
+            (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
+            (Self::Text, Some(frame)) => plain(&one_line(&format!("touchline: {frame}: {message}"))),
             (Self::Json, None) => serde_json::json!({ "level": level, "message": message }).to_string(),
             (Self::Json, Some(frame)) => {
                 serde_json::json!({ "level": level, "frame": frame, "message": message }).to_string()
             }
         }
     }
+}
+
+/// The longest message; documents and file names may hold words of any length.
+const LONGEST: usize = 1000;
+
+/// A message without its middle if it is too long: what was wrong stands first, the way out last.
+fn bounded(message: &str) -> String {
+    let length = message.chars().count();
+    if length <= LONGEST {
+        return message.to_owned();
+    }
+    let (first, last) = (LONGEST * 2 / 3, LONGEST / 4);
+    let begin: String = message.chars().take(first).collect();
+    let end: String = message.chars().skip(length - last).collect();
+    format!("{begin} … {} characters … {end}", length - first - last)
+}
+
+/// A line without characters that a terminal obeys or that turn the order of the others around.
+fn plain(line: &str) -> String {
+    let is_obeyed = |letter: char| {
+        letter.is_control()
+            || matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
+    };
+    let mut plain = String::with_capacity(line.len());
+    for letter in line.chars() {
+        if is_obeyed(letter) {
+            plain.extend(letter.escape_default());
+        } else {
+            plain.push(letter);
+        }
+    }
+    plain
 }
 
 fn one_line(text: &str) -> String {
@@ -72,5 +105,24 @@ mod tests {
         assert_eq!(text, "touchline: a.jpg: no base");
         let json = Messages::Json.line("error", None, "a \"b\"\nc");
         assert_eq!(json, r#"{"level":"error","message":"a \"b\"\nc"}"#);
+    }
+
+    #[test]
+    fn a_terminal_obeys_nothing_in_a_message() {
+        let hostile = "\u{1b}]0;owned\u{7} \u{1b}[2Jé\u{9b}31m a\u{202e}gpj.exe\r\u{200b}";
+        let text = Messages::Text.line("error", Some("\u{8}x.jpg"), hostile);
+        let wanted =
+            "touchline: \\u{8}x.jpg: \\u{1b}]0;owned\\u{7} \\u{1b}[2Jé\\u{9b}31m a\\u{202e}gpj.exe\\r\\u{200b}";
+        assert_eq!(text, wanted);
+    }
+
+    #[test]
+    fn a_long_message_keeps_what_was_wrong_and_the_way_out() {
+        let long = format!("wrong: {}; mend it so", "x".repeat(100_000));
+        for messages in [Messages::Text, Messages::Json] {
+            let line = messages.line("error", None, &long);
+            assert!(line.chars().count() < 1100, "{}", line.len());
+            assert!(line.contains("wrong: x") && line.contains("mend it so"), "{line}");
+        }
     }
 }

@@ -1,7 +1,8 @@
 //! The command line: one file per command.
 //!
 //! Results go to `-o` or standard output, messages and progress to standard error. Exit 0: done; 1: done, but some
-//! frames could not be (they are named); 2: wrong usage or unreadable input, in one line.
+//! frames could not be (they are named); 2: wrong usage or unreadable input, in one line; 130: stopped by Ctrl-C, what was done
+//! is kept.
 
 mod calibrate;
 mod check;
@@ -12,6 +13,7 @@ mod export;
 mod features;
 mod fields;
 mod import;
+mod interrupt;
 mod messages;
 mod new;
 mod output;
@@ -69,6 +71,8 @@ pub enum Outcome {
     Done,
     /// Exit 1: done, but some frames could not be; they have been named on standard error.
     SomeFailed,
+    /// Exit 130: stopped by Ctrl-C; what was done is kept, and it was said where.
+    Stopped,
 }
 
 /// What the program does after its arguments have been read.
@@ -115,13 +119,25 @@ pub fn run() -> Next {
     Next::Exit(exit_code(result, messages))
 }
 
+/// An error with its causes. Many errors say their cause themselves; it is not said again.
+fn said_once(error: &anyhow::Error) -> String {
+    let mut text = error.to_string();
+    for cause in error.chain().skip(1).map(ToString::to_string) {
+        if !text.contains(&cause) {
+            text = format!("{text}: {cause}");
+        }
+    }
+    text
+}
+
 /// The exit code of a command; what went wrong is said in one line.
 fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::SomeFailed) => ExitCode::from(1),
+        Ok(Outcome::Stopped) => ExitCode::from(interrupt::EXIT_CODE),
         Err(error) => {
-            messages.error(&format!("{error:#}"));
+            messages.error(&said_once(&error));
             ExitCode::from(2)
         }
     }
@@ -137,4 +153,19 @@ fn wrong_usage(error: &clap::Error) -> ExitCode {
     let messages = if std::env::args_os().any(|arg| arg == "--json") { Messages::Json } else { Messages::Text };
     messages.error(&format!("{what}; see touchline --help"));
     ExitCode::from(2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::said_once;
+    use anyhow::Context as _;
+
+    #[test]
+    fn a_cause_is_said_once() {
+        let cause = || std::io::Error::other("no space");
+        let named = crate::exchange::ExchangeError::Write { path: "a".into(), source: cause() };
+        assert_eq!(said_once(&anyhow::Error::from(named)), "cannot write a: no space");
+        let wrapped = Err::<(), _>(cause()).context("cannot read the map").unwrap_err();
+        assert_eq!(said_once(&wrapped), "cannot read the map: no space");
+    }
 }

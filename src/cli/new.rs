@@ -1,6 +1,7 @@
 //! `touchline new`: a project from a folder of images or a video.
 
 use super::Outcome;
+use super::document::refuse_unwritable;
 use super::messages::Messages;
 use super::output::refuse_existing;
 use crate::document::{FieldSpec, document_from_frames};
@@ -70,6 +71,7 @@ pub fn new(args: &NewArgs, messages: Messages) -> anyhow::Result<Outcome> {
         messages.frame_failed(name, &error.to_string());
     }
     ensure!(!made.document.frames.is_empty(), "{}: none of the images can be read", args.frames.display());
+    refuse_unwritable(&made.document, &folder)?;
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &made.document, args.force)?;
     messages.note(&format!("{}: {} frames", location.file().display(), made.document.frames.len()));

@@ -1,20 +1,31 @@
 //! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
-use crate::store::write_output;
+use crate::store::{write_new, write_output};
 use anyhow::{Context as _, bail};
 use std::io::Write as _;
 use std::path::Path;
 
-/// Refuses a path that exists, unless `force`; to be called before the work begins.
+/// Refuses a path that exists, unless `force`, and one where nothing can be written; to be called before the work begins.
 ///
 /// # Errors
-/// Something is there.
+/// Something is there, or the folder takes no file.
 pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
-    if !force && path.exists() && !is_empty_folder(path) {
+    let there = std::fs::metadata(path);
+    if !force && there.is_ok() && !is_empty_folder(path) {
         bail!("{} already exists; give --force to replace it, or another -o", path.display());
     }
-    Ok(())
+    if there.is_ok_and(|there| !there.is_file() && !there.is_dir()) {
+        // A pipe or a device: nothing is made beside it.
+        return Ok(());
+    }
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    // Folders that are missing are made; what holds them must take them.
+    let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else { return Ok(()) };
+    let tried = tempfile::Builder::new().prefix(".touchline-").suffix(".tmp").tempfile_in(folder);
+    tried
+        .map(drop)
+        .with_context(|| format!("cannot write {}: nothing can be made in {}", path.display(), folder.display()))
 }
 
 /// An empty folder counts as absent.
@@ -40,7 +51,12 @@ pub fn print(text: &str) -> anyhow::Result<()> {
 /// Something is there already and `force` was not given, or the file cannot be written; nothing was changed then.
 pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> {
     refuse_existing(path, force)?;
-    write_output(path, bytes).with_context(|| format!("cannot write {}", path.display()))
+    let is_new = !force && std::fs::symlink_metadata(path).is_err();
+    let written = if is_new { write_new(path, bytes) } else { write_output(path, bytes) };
+    if written.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::AlreadyExists) {
+        bail!("{} was made by another program meanwhile; give --force to replace it, or another -o", path.display());
+    }
+    written.with_context(|| format!("cannot write {}", path.display()))
 }
 
 #[cfg(test)]

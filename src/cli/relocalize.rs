@@ -3,16 +3,24 @@
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::features::{FeaturesArg, tell_refusal};
+use super::interrupt::Interrupt;
 use super::messages::Messages;
 use super::output::write_file;
 use crate::app::where_to_label::where_to_label;
-use crate::document::{Document, DocumentAt, FieldSpec, Frame, document_from_bytes, path_between};
+use crate::document::{Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between};
+use crate::files::read_named;
 use crate::media::{FrameReader, FrameSource, image_size};
 use crate::proposals::{Coverage, FramePictures, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
+
+/// The largest forest that is read.
+const MAX_FOREST_BYTES: u64 = 8 << 30;
+
+/// Ctrl-C is looked at between so many frames.
+const BETWEEN_STOPS: usize = 16;
 
 /// Finds the cameras of frames that nobody clicked, from a trained forest.
 #[derive(clap::Args, Debug)]
@@ -33,6 +41,9 @@ pub struct RelocalizeArgs {
     /// Pull each answer onto the painted lines, where they decide.
     #[arg(long)]
     snap: bool,
+    /// Leave frames that are answered already as they are: to go on where an earlier run was stopped.
+    #[arg(long)]
+    resume: bool,
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
@@ -54,13 +65,16 @@ fn probability(text: &str) -> Result<f64, String> {
 /// The forest or the input cannot be read, the cameras' bases differ, or the result cannot be written.
 pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
-    let bytes = std::fs::read(&args.forest).with_context(|| format!("cannot read {}", args.forest.display()))?;
+    let interrupt = Interrupt::listen();
+    let bytes =
+        read_named(&args.forest, MAX_FOREST_BYTES).with_context(|| format!("cannot read {}", args.forest.display()))?;
     let model = ForestModel::from_bytes(&bytes).with_context(|| args.forest.display().to_string())?;
     let taught = document_from_bytes(model.document.as_bytes()).with_context(|| args.forest.display().to_string())?;
     let Input { mut document, file, folder, skipped } = read_input(args, taught.clone(), messages)?;
     adopt_bases(&mut document, &taught, &model)?;
     let before = document.clone();
-    let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| document.frames[index].is_open()).collect();
+    let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
+    let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_asked(&document.frames[index])).collect();
     let options = RelocalizeOptions {
         predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
         pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },
@@ -69,14 +83,21 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     let pictures = FramePictures { document: &document, folder: &folder, options: model.features, store: &store };
     let bar = messages.progress(asked.len(), "Relocalizing");
     let mut reader = FrameReader::new();
-    let proposals = pictures.each(&mut reader, &asked, |index, _, found| {
-        let proposal = propose(&document, index, found, (&model, 0), &options);
-        bar.inc(1);
-        ControlFlow::Continue(proposal)
-    });
+    let mut proposals = Vec::with_capacity(asked.len());
+    for some in asked.chunks(BETWEEN_STOPS) {
+        if interrupt.is_pressed() {
+            break;
+        }
+        let of_some = pictures.each(&mut reader, some, |index, _, found| {
+            let proposal = propose(&document, index, found, (&model, 0), &options);
+            bar.inc(1);
+            ControlFlow::Continue(proposal)
+        });
+        proposals.extend(of_some.unwrap_or_default());
+    }
     bar.finish_and_clear();
     tell_refusal(&store, messages);
-    let mut proposals = proposals.unwrap_or_default();
+    let looked_at = proposals.len();
     let at = document.at(&folder);
     LineEvidence::of(at, &mut reader, args.snap)?.judge(at, &mut reader, &mut proposals, args.min_confidence);
     let mut answered = 0;
@@ -90,11 +111,26 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     }
     document.count_edits_since(&before);
     write(&args.output, &document, &folder)?;
+    if looked_at < asked.len() {
+        let kept =
+            args.output.output.as_ref().map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
+        messages.note(&format!(
+            "stopped: {looked_at} of {} frames were looked at, {answered} answered; they are in {kept}. Give that document with \
+             --resume for the rest",
+            asked.len()
+        ));
+        return Ok(Outcome::Stopped);
+    }
     tell_where_to_label(document.at(&folder), messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
     messages
         .note(&format!("{answered} frames answered, {failed} not, {passed} left unchanged (with clicks, or accepted)"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Whether an earlier run has answered a frame.
+fn is_answered(frame: &Frame) -> bool {
+    frame.status == FrameStatus::Suggested && frame.ptz.is_some()
 }
 
 /// Says which frame to label next. Where the references of a document without any look is not known: the forest may have

@@ -123,3 +123,44 @@ fn damaged_input_is_one_line() {
     let ran = touchline(folder.path(), "import nothing --format soccernet -o out.json");
     assert!(ran.stderr.starts_with("touchline: cannot read nothing: "), "{}", ran.stderr);
 }
+
+#[test]
+fn the_place_of_the_output_is_tried_before_the_work() {
+    let folder = tempfile::tempdir().unwrap();
+    document(folder.path());
+    let ran = touchline(folder.path(), "export missing.json --format csv -o doc.json/x.csv");
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("x.csv: nothing can be made in "), "before the document is read: {}", ran.stderr);
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert_eq!(left, ["doc.json"]);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn pipes_and_names_that_no_document_can_write_are_refused() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt as _;
+    let folder = tempfile::tempdir().unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(folder.path().join("pipe.json")).status().unwrap().success());
+    let frames = folder.path().join(OsStr::from_bytes(b"frames-\xff"));
+    fs::create_dir(&frames).unwrap();
+    image::RgbImage::new(64, 36).save(frames.join("1.png")).unwrap();
+    let new = |field: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_touchline"));
+        command.current_dir(folder.path()).args(["new", "project", "--field", field, "--frames"]).arg(&frames);
+        let output = command.output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (code, said) = new("./pipe.json");
+    assert_eq!(code, Some(2));
+    assert!(said.contains("cannot be read: it is a pipe, not a file") && said.lines().count() == 1, "{said}");
+    let (code, said) = new("soccer");
+    assert_eq!(code, Some(2));
+    assert!(
+        said.ends_with("a document cannot name it, for a folder's name in it is not UTF-8; rename the folder\n"),
+        "{said}"
+    );
+    assert!(!folder.path().join("project/project.json").exists());
+    let ran = touchline(folder.path(), "relocalize pipe.json a.png -o out.json");
+    assert_eq!((ran.code, ran.stderr.as_str()), (2, "touchline: cannot read pipe.json: it is a pipe, not a file\n"));
+}

@@ -95,6 +95,12 @@ fn a_forest_of_the_references_answers_the_other_frames() {
     let named = |frame: &Frame| ran.stderr.contains(&format!("Begin with {}.", frame.name()));
     assert_eq!(next.clone().any(|frame| named(frame)), next.count() > 0, "{}", ran.stderr);
     assert_eq!(ran.code, i32::from(answered < 5), "{}", ran.stderr);
+    let again = touchline(&folder, "relocalize forest.tlf answers.json --resume -o again.json");
+    let said = format!("touchline: 0 frames answered, {} not, {} left unchanged", 5 - answered, 5 + answered);
+    assert!(again.stderr.contains(&said), "{}", again.stderr);
+    for (frame, before) in document(&folder.join("again.json")).frames.iter().zip(&answers.frames) {
+        assert!(frame.status != FrameStatus::Suggested || frame == before, "what was answered stays: {}", frame.name());
+    }
 }
 
 #[test]
