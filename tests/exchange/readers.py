@@ -18,6 +18,8 @@ import numpy as np
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 sys.path.insert(0, os.path.join(ROOT, "assets", "python"))
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import soccernet_score  # noqa: E402
 import touchline_dataset  # noqa: E402
 
 WIDTH, HEIGHT = 1920, 1080
@@ -212,10 +214,13 @@ def body_rotation(pan_left, tilt, roll):
 
 
 def opentrackio(exports, truths, world):
+    import jsonschema
+
     lines = open(exports.make("opentrackio", "camera.jsonl"), encoding="utf-8").read().splitlines()
     pairs, static = [], None
     for truth, line in zip(truths, lines, strict=True):
         sample = json.loads(line)
+        jsonschema.validate(sample, SAMPLE, jsonschema.Draft202012Validator)
         static = sample.get("static", static)
         mm = static["camera"]["activeSensorPhysicalDimensions"]["width"] / static["camera"]["activeSensorResolution"]["width"]
         place, turned = sample["transforms"][0]["translation"], sample["transforms"][0]["rotation"]
@@ -382,6 +387,84 @@ def dataset(exports, truths, world):
     return worst(pairs)
 
 
+# What a sample of OpenTrackIO 1.0.1 must hold here, from its schema's types (draft 2020-12).
+NUMBER, COUNT = {"type": "number"}, {"type": "integer", "minimum": 0}
+RATE = {"type": "object", "required": ["num", "denom"], "properties": {"num": COUNT, "denom": COUNT}, "additionalProperties": False}
+
+
+def exactly(**properties):
+    return {"type": "object", "required": list(properties), "properties": properties, "additionalProperties": False}
+
+
+SAMPLE = {
+    "type": "object",
+    "required": ["protocol", "sampleId", "sourceId", "lens", "transforms", "timing"],
+    "properties": {
+        "protocol": exactly(name={"const": "OpenTrackIO"}, version={"const": [1, 0, 1]}),
+        "sampleId": {"type": "string", "pattern": "^urn:uuid:[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$"},
+        "sourceId": {"type": "string", "pattern": "^urn:uuid:[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$"},
+        "sourceNumber": COUNT,
+        "tracker": exactly(status={"type": "string"}, recording={"type": "boolean"}, notes={"type": "string", "maxLength": 1023}),
+        "timing": exactly(
+            mode={"enum": ["internal", "external"]}, sampleRate=RATE, sequenceNumber=COUNT,
+            timecode=exactly(hours={**COUNT, "maximum": 23}, minutes={**COUNT, "maximum": 59}, seconds={**COUNT, "maximum": 59},
+                             frames=COUNT, frameRate=RATE, dropFrame={"type": "boolean"})),
+        "lens": exactly(
+            pinholeFocalLength={"type": "number", "exclusiveMinimum": 0}, projectionOffset=exactly(x=NUMBER, y=NUMBER),
+            entrancePupilOffset=NUMBER,
+            distortion={"type": "array", "minItems": 1, "items": exactly(
+                model={"type": "string"}, radial={"type": "array", "items": NUMBER, "minItems": 1})}),
+        "transforms": {"type": "array", "minItems": 1, "items": exactly(
+            id={"type": "string"}, translation=exactly(x=NUMBER, y=NUMBER, z=NUMBER),
+            rotation=exactly(pan=NUMBER, tilt=NUMBER, roll=NUMBER))},
+        "static": exactly(camera={"type": "object", "required": ["activeSensorResolution", "activeSensorPhysicalDimensions"]}),
+    },
+    "additionalProperties": False,
+}
+
+
+def deepsport(exports, _truths, _world):
+    """Cameras that calib3d projects with, imported here; the largest distance of the court's points."""
+    from calib3d import Calib, Point3D
+
+    length, width = 28.0, 15.0
+    points = np.array([(x, y, z) for x in np.linspace(-14, 14, 9) for y in np.linspace(-7.5, 7.5, 7) for z in (0, 3.05)])
+    folder = os.path.join(exports.folder, "deepsport")
+    os.mkdir(folder)
+    wanted = []
+    for index, (pan, tilt, f, k1) in enumerate([(0, -14, 1500.0, 0.0), (-18, -12, 2100.0, -0.08), (21, -17, 1800.0, 0.05)]):
+        truth = Truth(leaning(0.01, -0.005, 0.02), (1.5, -21.0, 9.0), pan, tilt, f, k1, 0.0, (957.25, 541.5))
+        rotation = truth.R @ np.diag([1.0, -1, -1])
+        centre = np.array([truth.C[0] + length / 2, width / 2 - truth.C[1], -truth.C[2]]) * 100
+        translation = -rotation @ centre
+        matrix = np.array([[f, 0, truth.pp[0] - 0.5], [0, f, truth.pp[1] - 0.5], [0, 0, 1]])
+        lens = np.array([k1, 0, 0, 0, 0])
+        calibration = {"img_width": WIDTH, "img_height": HEIGHT, "KK": matrix.ravel().tolist(), "kc": lens.tolist(),
+                       "R": rotation.ravel().tolist(), "T": translation.tolist()}
+        with open("%s/camcourt1_%d.json" % (folder, index), "w", encoding="utf-8") as file:
+            json.dump({"calibration": calibration}, file)
+        theirs = np.stack([points[:, 0] + length / 2, width / 2 - points[:, 1], -points[:, 2]]) * 100
+        calib = Calib(width=WIDTH, height=HEIGHT, T=translation.reshape(3, 1), R=rotation, K=matrix, k=lens)
+        wanted.append(np.asarray(calib.project_3D_to_2D(Point3D(theirs))).T + 0.5)
+    path = os.path.join(exports.folder, "deepsport.json")
+    command = [exports.program, "import", folder, "--format", "deepsport", "--field", "basketball_fiba", "-o", path]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    data = touchline_dataset.load(path)
+    assert len(data) == 3
+    return worst([(pixels, data.project(index, points)) for index, pixels in enumerate(wanted)])
+
+
+def cdf(exports, truths, _world):
+    import cdf as common_data_format
+
+    options = ["--match-id", "m1", "--start-time", "2026-03-01T18:59:30Z", "--perspective", "camera_1", "--camera", "main"]
+    path = exports.make("cdf", "video.json", *options, "--fps", "25")
+    common_data_format.VideoSchemaValidator().validate_schema(sample=path, mode="extreme")
+    place = json.load(open(path, encoding="utf-8"))["recording"]["camera"]
+    return np.abs(np.array([place["x"], place["y"], place["z"]]) - truths[0].C).max()
+
+
 READERS = [
     ("soccernet", soccernet, "its formulas, cv2.projectPoints", 1e-6),
     ("csv", csv, "pandas.read_csv, cv2.projectPoints", 1e-6),
@@ -393,9 +476,11 @@ READERS = [
     ("colmap", colmap, "pycolmap", 1e-6),
     ("opencv", opencv, "cv2.FileStorage, cv2.projectPoints", 1e-6),
     ("usda", usd, "usd-core, the camera's frustum", 1e-3),
-    ("opentrackio", opentrackio, "its formulas, scipy", 1e-6),
+    ("opentrackio", opentrackio, "jsonschema, its formulas, scipy", 1e-6),
     ("freed", freed, "its table of bytes, scipy", 7e-3),
     ("chan", chan, "scipy, order zxy", 1e-6),
+    ("deepsport", deepsport, "calib3d (imported)", 1e-6),
+    ("cdf", cdf, "common-data-format-validator, mode extreme", 0.0),
     ("json", dataset, "assets/python/touchline_dataset.py", 1e-6),
 ]
 
@@ -413,6 +498,12 @@ def main():
             if not off <= allowed:
                 failed.append(name)
             print("%-12s %-42s %.1e px%s" % (name, reader, off, "" if off <= allowed else "  TOO FAR, allowed %g" % allowed))
+    # At the step of the task's own script, and at one that leaves nothing to where its points fall at the picture's border.
+    for step_m, least in ((0.9, 0.98), (0.05, 0.995)):
+        same, every, apart = soccernet_score.compared(sys.argv[1], step_m)
+        print("JaC, a point every %g m: %d of %d scores are equal, the means differ by %.1e" % (step_m, same, every, apart))
+        if same < least * every or apart > 2e-3:
+            failed.append("JaC")
     sys.exit("failed: " + ", ".join(failed) if failed else 0)
 
 
