@@ -11,7 +11,7 @@ const MAX_COLUMNS: usize = 1000;
 /// A table that was read: columns by name.
 pub struct Table {
     header: Vec<String>,
-    rows: Vec<Vec<String>>,
+    rows: Vec<Box<[String]>>,
 }
 
 /// A row and its line.
@@ -28,13 +28,13 @@ impl Table {
     /// It is no text, has an open quote, or a row has more or fewer fields than the header.
     pub fn read(bytes: &[u8]) -> Result<Self, Problem> {
         let mut rows = split(text(bytes)?)?.into_iter();
-        let header = rows.next().ok_or(Problem::Empty)?;
+        let header = rows.next().ok_or(Problem::Empty)?.into_vec();
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
                 return Err(Problem::Twice { what: "the column", name: clipped(name) });
             }
         }
-        let rows: Vec<Vec<String>> = rows.collect();
+        let rows: Vec<Box<[String]>> = rows.collect();
         for (index, row) in rows.iter().enumerate() {
             if row.len() != header.len() {
                 let problem = Problem::Count { what: "fields".to_owned(), wanted: header.len(), found: row.len() };
@@ -118,8 +118,10 @@ pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
     line.split_whitespace().map(|field| number(what, field)).collect()
 }
 
-fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
-    let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());
+/// Rows of fields; they are boxed, as a table may have many short ones.
+fn split(text: &str) -> Result<Vec<Box<[String]>>, Problem> {
+    let mut rows: Vec<Box<[String]>> = Vec::new();
+    let (mut row, mut field) = (Vec::new(), String::new());
     let mut quoted = false;
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
@@ -139,7 +141,7 @@ fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
             '\r' if !quoted && letters.peek() == Some(&'\n') => {}
             '\n' if !quoted => {
                 row.push(std::mem::take(&mut field));
-                rows.push(std::mem::take(&mut row));
+                rows.push(row.drain(..).collect());
             }
             other => field.push(other),
         }
@@ -149,7 +151,7 @@ fn split(text: &str) -> Result<Vec<Vec<String>>, Problem> {
     }
     if !field.is_empty() || !row.is_empty() {
         row.push(field);
-        rows.push(row);
+        rows.push(row.into());
     }
     // Empty lines at the end and between.
     rows.retain(|row| row.len() > 1 || row.iter().any(|field| !field.is_empty()));

@@ -527,7 +527,7 @@ fn what_can_be_read_can_be_recovered_however_deep_it_is() {
     // One level more is refused when it is read, not when it is recovered.
     let text = fs::read_to_string(location.file()).unwrap().replace("\"deepest\": ", "\"deepest\": [");
     let text = text.replacen("1]", "1]]", 1);
-    fs::write(&path.with_extension("json"), &text).unwrap();
+    fs::write(path.with_extension("json"), &text).unwrap();
     let refused = read(&path.with_extension("json")).unwrap_err().to_string();
     assert!(refused.contains("lists and objects lie more than 100 deep within each other"), "{refused}");
 }
