@@ -1,7 +1,7 @@
 //! Black bars along the borders of pictures: above and below a wide film, beside a narrow one.
 
 use super::reduced::ReducedPicture;
-use super::standing_edges::StandingGraphic;
+use super::standing_graphic::StandingGraphic;
 use crate::geometry::PixelBox;
 
 /// Black after compression, grey levels.

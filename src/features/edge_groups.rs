@@ -1,7 +1,7 @@
 //! Edges that lie together on the screen.
 
 use super::reduced::EdgeKind;
-use super::standing_edges::StandingEdge;
+use super::standing_graphic::StandingEdge;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Edges are joined by cells of this side, px of the reduced picture.

@@ -35,6 +35,7 @@ mod sift;
 mod spread;
 mod standing;
 mod standing_edges;
+mod standing_graphic;
 
 pub use binary::{BinaryDescriptor, BinaryFeatures, BinaryKind, extract_binary};
 pub use burnt_in::{BurntIn, BurntInGraphic, burnt_in};
@@ -47,4 +48,5 @@ pub use keypoint::{Features, Keypoint};
 pub use options::{Detector, FeatureOptions};
 pub use reduced::{ReducedPicture, has_moved};
 pub(crate) use standing::{STANDING_PX, WHOLE_PICTURE, place_share};
-pub use standing_edges::{StandingGraphic, standing_graphics};
+pub use standing_edges::standing_graphics;
+pub use standing_graphic::StandingGraphic;

@@ -9,6 +9,7 @@
 use super::black_bars::black_bars;
 use super::edge_groups::{EdgeGroup, joined};
 use super::reduced::{EdgeKind, ReducedPicture, Slope, views};
+use super::standing_graphic::{CAP, StandingEdge, StandingGraphic};
 use crate::geometry::PixelBox;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -21,9 +22,6 @@ const WINDOWS: [usize; 3] = [32, 16, 8];
 
 /// A window has at least as many views.
 const LEAST_VIEWS_IN_WINDOW: usize = 7;
-
-/// A slope counts at most this, grey levels over two px: one strong edge of the stadium is not many weak ones of a watermark.
-const CAP: f32 = 12.0;
 
 /// The least mean slope, grey levels over two px, and the least distance of it from zero in standard errors.
 const LEAST_MEAN: f32 = 1.5;
@@ -38,9 +36,6 @@ const ALONG: f32 = 0.7;
 /// The variance of a slope that does not change, squared grey levels: rounding.
 const LEAST_VARIANCE: f32 = 0.25;
 
-/// A graphic is shown in a picture if its slopes there make this share of their mean.
-const SHOWN: f32 = 0.5;
-
 /// It is not shown for a moment in at most so many pictures running.
 const LONGEST_GAP: usize = 1;
 
@@ -54,63 +49,6 @@ const LARGEST: f64 = 0.35;
 
 /// Boxes reach beyond the edges, px of the reduced picture.
 const MARGIN: f64 = 1.5;
-
-/// An edge that stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct StandingEdge {
-    pub column: usize,
-    pub row: usize,
-    /// Its mean slope, capped.
-    pub slope: Slope,
-}
-
-/// A graphic that stands on the screen in some pictures.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StandingGraphic {
-    /// The box that holds it, px.
-    pub pixel_box: PixelBox,
-    /// The first picture with it, by its place.
-    pub first: usize,
-    /// The last one.
-    pub last: usize,
-    edges: Vec<StandingEdge>,
-}
-
-impl StandingGraphic {
-    /// A box that is there in all of some pictures, with no edges to know it by.
-    pub(super) const fn throughout(pixel_box: PixelBox, count: usize) -> Self {
-        Self { pixel_box, first: 0, last: count.saturating_sub(1), edges: Vec::new() }
-    }
-
-    /// How many edges of the reduced pictures stand.
-    #[must_use]
-    pub fn edges(&self) -> usize {
-        self.edges.len()
-    }
-
-    /// Whether another picture of the same size shows it.
-    #[must_use]
-    pub fn is_shown_in(&self, picture: &ReducedPicture) -> bool {
-        let (mut seen, mut mean) = (0.0, 0.0);
-        for edge in &self.edges {
-            let within = edge.column + 1 < picture.width && edge.row + 1 < picture.height;
-            let slope = if within { picture.slope(edge.column, edge.row).capped(CAP) } else { Slope::default() };
-            seen += slope.dot(edge.slope.unit());
-            mean += edge.slope.strength();
-        }
-        seen >= SHOWN * mean
-    }
-
-    /// Whether two are one: seen at the same place at the same time, or one a part of the other.
-    fn is_also(&self, other: &Self) -> bool {
-        let at_once = self.first <= other.last && other.first <= self.last;
-        let (one, two) = (&self.pixel_box, &other.pixel_box);
-        let along =
-            |a: f64, a_length: f64, b: f64, b_length: f64| ((a + a_length).min(b + b_length) - a.max(b)).max(0.0);
-        let shared = along(one.x, one.width, two.x, two.width) * along(one.y, one.height, two.y, two.height);
-        at_once && shared > 0.5 * (one.width * one.height).min(two.width * two.height)
-    }
-}
 
 /// Finds the graphics that stand in all or some neighbouring ones of the pictures of one camera, in their order of time as far as
 /// they have one; those that are shown longest first. Nothing is found in fewer than six pictures, in pictures that differ in
