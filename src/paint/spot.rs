@@ -105,6 +105,9 @@ impl Shape {
         let here = camera.image_from_world_jacobian(field.landmark_in_world(landmark)).ok()?;
         let px_a_metre: Matrix2<f64> = here.by_world.fixed_columns::<2>(0).into_owned();
         let metres_a_px = px_a_metre.try_inverse()?;
+        if !px_a_metre.iter().all(|value| value.is_finite()) {
+            return None;
+        }
         // The extents of an ellipse along the picture's axes, and its narrow side.
         let radius_m = 0.5 * diameter_m;
         let extent = |axis: usize| radius_m * px_a_metre.row(axis).norm();
