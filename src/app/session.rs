@@ -12,6 +12,7 @@ use super::tracking::{LastCarried, Tracking};
 use super::unclicked::UnclickedWork;
 use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
+use crate::calibrate::FoundCamera;
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
 use crate::geometry::ImagePoint;
@@ -20,6 +21,7 @@ use crate::scene::uncertainty::UncertaintyView;
 use crate::store::Orphan;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// How many candidates are offered at the cursor.
 pub const OFFERED: usize = 5;
@@ -97,6 +99,8 @@ pub struct Session {
     pub snapping: Option<Snapping>,
     /// What is being done about a camera without a click.
     pub unclicked: UnclickedWork,
+    /// The camera that was found last without a click, for its map.
+    pub found_camera: Option<Arc<FoundCamera>>,
     /// How many snaps have been asked for.
     pub snap_tickets: u64,
     /// The cameras of frames before they were snapped.

@@ -4,7 +4,9 @@ use crate::calibrate::{
     Abstention, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
     UnclickedProgress, WatchUnclicked, camera_without_clicks,
 };
-use crate::document::{CameraId, Document, FrameId};
+use crate::document::{CameraId, Click, Document, FrameId, Target};
+use crate::field::LandmarkId;
+use crate::geometry::ImagePoint;
 use crate::media::ReadFrames;
 use crate::proposals::read_picture;
 use std::path::PathBuf;
@@ -109,8 +111,41 @@ pub struct Searching {
 pub struct TwoCameras {
     /// The one that explains more, and the other.
     pub cameras: [Arc<FoundCamera>; 2],
-    /// The click that decides: its frame and what to click, in words.
-    pub deciding: Option<(FrameId, String)>,
+    /// The click that decides.
+    pub deciding: Option<DecidingClick>,
+}
+
+/// The click that decides between two cameras.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DecidingClick {
+    /// Its frame.
+    pub frame: FrameId,
+    /// What is to be clicked there.
+    pub landmark: LandmarkId,
+    /// Where the one camera and the other have it, px.
+    image: [ImagePoint; 2],
+    /// Both in words.
+    says: String,
+}
+
+/// A click decides if it is at least so many times nearer to where one camera has it than to where the other has.
+const NEARER: f64 = 2.0;
+
+impl DecidingClick {
+    /// Which of the two cameras a document's click speaks for; none without the click, or where it lies between them.
+    pub(super) fn decided(&self, document: &Document) -> Option<usize> {
+        let frame = &document.frames[document.frames.position_of(&self.frame)?];
+        let is_it = |click: &&Click| click.target == Some(Target::Landmark(self.landmark.clone()));
+        let click = frame.clicks.iter().find(is_it)?;
+        let [here, there] = self.image.map(|image| image.distance_px(click.image));
+        if NEARER * here < there {
+            Some(0)
+        } else if NEARER * there < here {
+            Some(1)
+        } else {
+            None
+        }
+    }
 }
 
 impl Searching {
@@ -140,7 +175,8 @@ impl TwoCameras {
         let deciding = deciding.map(|deciding| {
             let [here, there] = deciding.image.map(|image| format!("({:.0}, {:.0})", image.x, image.y));
             let says = format!("{} is at {here} px with the first and at {there} px with the other", label(&deciding));
-            (order.document.frames[deciding.frame].id.clone(), says)
+            let frame = order.document.frames[deciding.frame].id.clone();
+            DecidingClick { frame, landmark: deciding.landmark, image: deciding.image, says }
         });
         Self { cameras: cameras.map(|found| order.named(found)), deciding }
     }
@@ -151,7 +187,7 @@ impl TwoCameras {
         let [best, other] = [0, 1].map(|which| place(&self.cameras[which].found));
         let by = self.deciding.as_ref().map_or_else(
             || "Try each and look at the lines.".to_owned(),
-            |(_, says)| format!("One look decides: {says}."),
+            |deciding| format!("One click decides: {}.", deciding.says),
         );
         format!("Two places for the camera explain the paint: {best}, and {other}. {by}")
     }
@@ -182,7 +218,7 @@ pub(super) fn describe_abstention(why: &Abstention) -> String {
 
 fn why_not(why: &Abstention) -> String {
     match why {
-        Abstention::Uncertain { doubts } => {
+        Abstention::Uncertain { doubts, .. } => {
             let doubts: Vec<String> = doubts.iter().map(Doubt::to_string).collect();
             format!("the best answer is not certain ({})", doubts.join("; "))
         }
@@ -202,7 +238,7 @@ fn what_helps(why: &Abstention) -> String {
                 .to_owned()
         }
         Abstention::LittlePaint { .. } => "Add wide frames: the centre circle and both penalty areas".to_owned(),
-        Abstention::Uncertain { doubts } => view_missing(doubts),
+        Abstention::Uncertain { doubts, .. } => view_missing(doubts),
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     };
     format!("{missing}, or click 4 landmarks on 2 wide frames.")

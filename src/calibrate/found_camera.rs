@@ -1,7 +1,9 @@
 //! A camera that was found without a click, on its way into a document that has been edited meanwhile.
 
 use super::{UnclickedCamera, UnclickedFrame, record_found};
+use crate::camera::Ptz;
 use crate::document::{CameraId, Document, FrameId};
+use crate::geometry::ImageSize;
 
 /// A camera that was found without a click, and which camera of a document it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,6 +22,14 @@ impl FoundCamera {
     pub fn of(document: &Document, camera: &CameraId, found: UnclickedCamera) -> Self {
         let frames = found.frames.iter().map(|frame| document.frames[frame.index].id.clone()).collect();
         Self { camera: camera.clone(), found, frames }
+    }
+
+    /// Where the frames that a document still has look, with their places in it and the sizes of their pictures.
+    pub fn looks<'a>(&'a self, document: &'a Document) -> impl Iterator<Item = (usize, (Ptz, ImageSize))> + 'a {
+        self.frames.iter().zip(&self.found.frames).filter_map(|(id, of_found)| {
+            let index = document.frames.position_of(id)?;
+            Some((index, (of_found.ptz, document.frames[index].image_size)))
+        })
     }
 
     /// Writes base, crown and suggestions into a document. Frames in which somebody has clicked or decided stay as they are.

@@ -3,7 +3,9 @@
 use super::Outcome;
 use super::messages::Messages;
 use super::new::parameter;
-use super::output::refuse_existing;
+use super::other_cameras::split_off;
+use super::output::{refuse_existing, write_file};
+use super::rest::answer_the_rest;
 use crate::calibrate::{
     DecidingLandmark, UnclickedAnswer, UnclickedCamera, UnclickedProgress, camera_without_clicks, describe_size,
     record_found,
@@ -11,15 +13,18 @@ use crate::calibrate::{
 use crate::document::{CameraId, Document, DocumentAt, FieldSize, FieldSpec, document_from_frames};
 use crate::media::{FrameReader, FrameSource};
 use crate::proposals::{PictureError, read_picture};
+use crate::scene::paint_map::{PaintMapFrame, PaintMapScene, paint_map_picture};
 use crate::store::Location;
 use anyhow::{Context as _, bail, ensure};
+use image::DynamicImage;
 use std::collections::BTreeSet;
+use std::io::Cursor;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 /// Makes a project from a folder of images or a video and finds its camera without a click: where it stands, its lens, and
-/// each frame's pan, tilt and focal length, as suggestions.
+/// each frame's pan, tilt and focal length, as suggestions. The frames that were not looked at follow from those that were.
 #[derive(clap::Args, Debug)]
 pub struct CalibrateArgs {
     /// The folder of images, or the video.
@@ -38,6 +43,14 @@ pub struct CalibrateArgs {
     /// The camera is found from this many frames at most, spread over all of them.
     #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(3..=300))]
     look_at: u32,
+    /// Also write a picture of what was found: the paint that stays while the camera turns, over pan and tilt, and the field's lines
+    /// as the base has them. Where they fall together the base is right.
+    #[arg(long, value_name = "FILE.png")]
+    panorama: Option<PathBuf>,
+    /// Answer only the frames that are looked at. Else a video's other frames are carried from them, and other images are asked of
+    /// a forest that learns from them.
+    #[arg(long)]
+    found_only: bool,
     /// Make the project although the folder holds something; a project in it is kept as project.json.bak.
     #[arg(long)]
     force: bool,
@@ -54,6 +67,11 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         "{} is a file; give a folder for the project",
         args.output.display()
     );
+    if let Some(panorama) = &args.panorama {
+        let is_png = panorama.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
+        ensure!(is_png, "--panorama {}: a PNG is written, so its name must end with .png", panorama.display());
+        refuse_existing(panorama, args.force)?;
+    }
     let mut field = FieldSpec::new(&args.field);
     ensure!(!field.is_file(), "{}: calibrate takes the templates that are built in", args.field);
     field.params = args.set.iter().cloned().collect();
@@ -84,6 +102,8 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
     };
     record_found(&mut document, &camera, &found);
     say(&found, messages);
+    let all = with_others(&mut document, &folder, (camera, *found), args.look_at as usize, messages)?;
+    let rest = if args.found_only { (0, 0) } else { answer_the_rest(&mut document, &folder, &all, messages)? };
     let location = Location::for_new_document(&folder.join(""))?;
     crate::store::write_document(&location, &document, args.force)?;
     new_folder.keep();
@@ -91,10 +111,79 @@ pub fn calibrate(args: &CalibrateArgs, messages: Messages) -> anyhow::Result<Out
         "{}: {} frames, {} with a suggested camera, {} of them snapped to the painted lines",
         location.file().display(),
         document.frames.len(),
-        found.frames.len(),
-        found.snapped_count(),
+        all.iter().map(|found| found.frames.len()).sum::<usize>(),
+        all.iter().map(UnclickedCamera::snapped_count).sum::<usize>(),
     ));
-    Ok(if made.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+    if rest != (0, 0) {
+        messages.note(&format!("of the other frames {} got a suggested camera, {} none", rest.0, rest.1));
+    }
+    if let Some(panorama) = &args.panorama {
+        for (number, found) in all.iter().enumerate() {
+            write_file(&numbered(panorama, number), &panorama_png(&document, found)?, args.force)?;
+        }
+    }
+    Ok(if made.left_out.is_empty() && rest.1 == 0 { Outcome::Done } else { Outcome::SomeFailed })
+}
+
+/// The camera that was found, and those of the frames that hang together with none of its frames: each becomes a camera of its own,
+/// with a search of its own.
+fn with_others(
+    document: &mut Document,
+    folder: &Path,
+    (camera, found): (CameraId, UnclickedCamera),
+    look_at: usize,
+    messages: Messages,
+) -> anyhow::Result<Vec<UnclickedCamera>> {
+    let mut all = vec![found];
+    let mut of = camera;
+    while let Some(last) = all.last() {
+        let looked_at: Vec<usize> = last.frames.iter().map(|frame| frame.index).collect();
+        let Some(other) = split_off(document, &of, &looked_at, &last.others) else { break };
+        let count = last.others.len();
+        match look_for(&document.at(folder), &other, look_at, messages)? {
+            UnclickedAnswer::Found(found) => {
+                messages.note(&format!("{count} frames are of another camera, {other}:"));
+                record_found(document, &other, &found);
+                say(&found, messages);
+                all.push(*found);
+                of = other;
+            }
+            UnclickedAnswer::Two { best, other: rival, deciding } => {
+                let says = two_answers(document, &best, &rival, deciding.as_ref());
+                messages.note(&format!("{count} frames are of another camera, {other}: {says}"));
+                break;
+            }
+            UnclickedAnswer::Abstained(why) => {
+                messages.note(&format!("{count} frames are of another camera, {other}: {why}"));
+                break;
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// The file of a camera's panorama: the first one's as named, the others' with their numbers.
+fn numbered(panorama: &Path, number: usize) -> PathBuf {
+    if number == 0 {
+        return panorama.to_path_buf();
+    }
+    let stem = panorama.file_stem().unwrap_or_default().to_string_lossy();
+    panorama.with_file_name(format!("{stem}_{}.png", number + 1))
+}
+
+/// The picture of what was found.
+fn panorama_png(document: &Document, found: &UnclickedCamera) -> anyhow::Result<Vec<u8>> {
+    let frames: Vec<_> =
+        found.frames.iter().map(|frame| (frame.ptz, document.frames[frame.index].image_size)).collect();
+    let scene = PaintMapScene { base: &found.base, field: &found.field, frames: &frames, paint: &found.paint };
+    let picture = PaintMapFrame::of(&scene).and_then(|frame| paint_map_picture(&scene, &frame));
+    let picture = picture.context("there is no frame for a panorama")?;
+    let size = picture.size();
+    let image = image::RgbaImage::from_raw(size.width, size.height, picture.rgba().to_vec());
+    let mut png = Cursor::new(Vec::new());
+    let image = DynamicImage::from(image.context("a panorama without pixels")?).to_rgb8();
+    image.write_to(&mut png, image::ImageFormat::Png).context("cannot encode the PNG")?;
+    Ok(png.into_inner())
 }
 
 /// A folder for the project; frames are named from it, so it has to be there while they are read. One that was made and stays
@@ -182,7 +271,7 @@ fn say(found: &UnclickedCamera, messages: Messages) {
     let (at, sigma, evidence) = (found.base.position_m, found.base.sigma.position_m, &found.evidence);
     messages.note(&format!(
         "position ({:.2}, {:.2}, {:.2}) ± ({:.2}, {:.2}, {:.2}) m, crown {:.2} m",
-        at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.crown_m
+        at.x, at.y, at.z, sigma.x, sigma.y, sigma.z, found.field.crown_m
     ));
     messages.note(&format!(
         "{} frames; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \

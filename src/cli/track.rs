@@ -6,9 +6,10 @@ use super::messages::Messages;
 use crate::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip,
 };
-use crate::document::Fields;
+use crate::document::{Document, Fields};
 use crate::media::FrameReader;
 use std::ops::{ControlFlow, RangeInclusive};
+use std::path::Path;
 
 /// Carries the cameras of solved frames to their neighbours, and adjusts all frames of a clip together.
 #[derive(clap::Args, Debug)]
@@ -44,12 +45,40 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, mut document } = args.document.load(messages)?;
     let before = document.clone();
-    let fields = Fields::of(before.at(location.folder()))?;
     let options =
         TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
+    let carried = carry(&mut document, location.folder(), args.frames.as_ref(), &options, messages)?;
+    document.count_edits_since(&before);
+    args.output.write(&document, location.folder())?;
+    messages.note(&format!("{} frames carried, {} not", carried.frames, carried.failed));
+    Ok(if carried.failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+}
+
+/// Frames to which cameras were carried, and those to which they were not.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CarriedFrames {
+    /// How many got a camera.
+    pub frames: usize,
+    /// How many did not.
+    pub failed: usize,
+}
+
+/// Carries the cameras of a document's clips to their other frames.
+///
+/// # Errors
+/// The field is not valid, or a picture cannot be read.
+pub fn carry(
+    document: &mut Document,
+    folder: &Path,
+    within: Option<&RangeInclusive<usize>>,
+    options: &TrackClipOptions,
+    messages: Messages,
+) -> anyhow::Result<CarriedFrames> {
+    let before = document.clone();
+    let fields = Fields::of(before.at(folder))?;
     let mut reader = FrameReader::new();
-    let (mut carried, mut failed) = (0, 0);
-    for clip in clips(before.at(location.folder()), args.frames.as_ref()) {
+    let mut all = CarriedFrames::default();
+    for clip in clips(before.at(folder), within) {
         let (Some(first), Some(last)) = (clip.frames.first(), clip.frames.last()) else { continue };
         let name = format!("{} to {}", first.source, last.source);
         let bar = messages.progress(2 * clip.frames.len(), "Tracking");
@@ -66,21 +95,14 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
             }
             ControlFlow::Continue(())
         };
-        let tracked = track_clip(
-            before.at(location.folder()),
-            &clip,
-            field,
-            &mut reader,
-            &options,
-            &mut ClipEvidence::default(),
-            &mut watch,
-        );
+        let mut evidence = ClipEvidence::default();
+        let tracked = track_clip(before.at(folder), &clip, field, &mut reader, options, &mut evidence, &mut watch);
         bar.finish_and_clear();
         match tracked {
             Ok(tracked) => {
-                record_tracked(&mut document, &tracked);
-                carried += tracked.frames.len();
-                failed += tracked.missed.len();
+                record_tracked(document, &tracked);
+                all.frames += tracked.frames.len();
+                all.failed += tracked.missed.len();
                 messages.note(&format!(
                     "{name}: {} frames carried, {} held to their painted lines, points {:.2} px, widened {:.1} times",
                     tracked.frames.len(),
@@ -103,14 +125,11 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
                 }
             }
             Err(error @ (TrackClipError::NothingKnown { .. } | TrackClipError::NoBase { .. })) => {
-                failed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
+                all.failed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
                 messages.frame_failed(&name, &error.to_string());
             }
             Err(error) => return Err(error.into()),
         }
     }
-    document.count_edits_since(&before);
-    args.output.write(&document, location.folder())?;
-    messages.note(&format!("{carried} frames carried, {failed} not"));
-    Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
+    Ok(all)
 }

@@ -156,7 +156,7 @@ pub(super) fn halves_apart_px(
 }
 
 /// How far apart the overlays of two cameras of one base are, px: the median over the picture.
-pub(super) fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
+pub(crate) fn overlays_apart_px(camera: &PtzCamera, other: Ptz, size: ImageSize) -> f64 {
     const PLACES: u32 = 5;
     let other = PtzCamera::new(*camera.base(), other);
     let at = |index: u32, extent: u32| (f64::from(index) + 0.5) / f64::from(PLACES) * f64::from(extent);

@@ -41,6 +41,7 @@ mod surface;
 mod unexplained;
 
 pub use agreement::Agreement;
+pub(crate) use check::overlays_apart_px;
 pub use check::{LineCheck, LineVerdict, check_lines};
 pub use error::SnapError;
 pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};

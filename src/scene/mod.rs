@@ -6,6 +6,7 @@ pub mod drawing;
 pub mod field_map;
 pub mod next_click;
 pub mod overlay;
+pub mod paint_map;
 mod style;
 pub mod timeline;
 pub mod uncertainty;

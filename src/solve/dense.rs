@@ -40,6 +40,31 @@ impl DenseEquations {
     }
 }
 
+impl DenseEquations {
+    /// The covariance of all parameters; none where a direction is left open.
+    pub fn covariance(&self) -> Option<DMatrix<f64>> {
+        /// A parameter that is known to no more than this share of what others say of it is open.
+        const OPEN: f64 = 1e-12;
+        let mut scale = self.matrix.diagonal();
+        if scale.iter().any(|information| !(*information > 0.0)) {
+            return None;
+        }
+        scale.apply(|information| *information = information.sqrt().recip());
+        let scaled = DMatrix::from_fn(scale.len(), scale.len(), |row, column| {
+            let lower = self.matrix[(row.max(column), row.min(column))];
+            lower * scale[row] * scale[column]
+        });
+        let factor = scaled.cholesky()?;
+        if factor.l_dirty().diagonal().iter().any(|root| root * root < OPEN) {
+            return None;
+        }
+        let inverse = factor.inverse();
+        Some(DMatrix::from_fn(scale.len(), scale.len(), |row, column| {
+            inverse[(row, column)] * scale[row] * scale[column]
+        }))
+    }
+}
+
 impl Equations for DenseEquations {
     type Step = DVector<f64>;
 
@@ -82,9 +107,20 @@ mod tests {
     }
 
     #[test]
+    fn the_covariance_is_that_of_what_was_measured() {
+        let mut equations = DenseEquations::zero(2);
+        let one = |value: f64| Vector1::new(value);
+        equations.add(&one(0.3), 2.0, &[(0, one(1.0))], Loss::Squared);
+        equations.add(&one(0.1), 1.0, &[(1, one(1.0)), (0, one(-1.0))], Loss::Squared);
+        let covariance = equations.covariance().unwrap();
+        assert!((covariance[(0, 0)] - 4.0).abs() < 1e-12 && (covariance[(1, 1)] - 5.0).abs() < 1e-12);
+        assert!((covariance[(0, 1)] - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
     fn a_parameter_that_nothing_measures_has_no_step() {
         let mut equations = DenseEquations::zero(2);
         equations.add(&Vector1::new(1.0), 1.0, &[(0, Vector1::new(1.0))], Loss::Squared);
-        assert!(equations.step(1e-3).is_none());
+        assert!(equations.step(1e-3).is_none() && equations.covariance().is_none());
     }
 }

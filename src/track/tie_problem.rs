@@ -1,6 +1,7 @@
 //! The least-squares problem of frames tied to each other: every match is one direction, seen by two frames.
 
 use super::Tie;
+use super::anchor_residual::Hold;
 use super::axis::{USUAL_TILT, upright_from_common};
 use super::tie_residual::{Sight, View, by_turn};
 use crate::camera::{FocalCurve, PanTilt, Ptz};
@@ -45,6 +46,8 @@ pub(super) struct Tied<'a> {
     pub sigma: [f64; 2],
     /// Whether the mean of the focal lengths' logarithms stays.
     pub fixed_scale: bool,
+    /// What is known of the frames where their base is; none where only the ties are.
+    pub held: Option<&'a [Hold]>,
 }
 
 #[derive(Clone, Debug)]
@@ -54,7 +57,7 @@ pub(super) struct TiedState {
 }
 
 /// The parameters of the lens stand first.
-const LENS: usize = 2;
+pub(super) const LENS: usize = 2;
 
 impl Problem for Tied<'_> {
     type State = TiedState;
@@ -140,6 +143,13 @@ impl Tied<'_> {
         let off = [at.lens.value - self.expected.value, at.lens.per_1000_px - self.expected.per_1000_px];
         for (place, (off, sigma)) in off.into_iter().zip(self.sigma).enumerate() {
             equations.add(&Vector1::new(off), sigma, &[(place, one)], SURE);
+        }
+        if let Some(held) = self.held {
+            let ptz = at.ptz();
+            for hold in held {
+                hold.add(ptz[hold.frame], LENS + own * hold.frame, equations);
+            }
+            return;
         }
         let gauge = match self.freedom {
             Freedom::Any => 0..3,

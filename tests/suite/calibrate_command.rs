@@ -2,10 +2,15 @@
 #![cfg(feature = "opencv")]
 
 use crate::program::touchline;
+use std::collections::BTreeSet;
 use std::fs;
+use std::ops::ControlFlow;
 use std::path::Path;
-use touchline::document::{Document, FrameStatus, SolutionSource, document_from_bytes};
+use touchline::calibrate::{UnclickedAnswer, camera_without_clicks, record_found};
+use touchline::document::{Click, Document, FrameStatus, SolutionSource, document_from_bytes, document_to_string};
 use touchline::geometry::ImagePoint;
+use touchline::media::FrameReader;
+use touchline::proposals::read_picture;
 
 fn document(path: &Path) -> Document {
     document_from_bytes(&fs::read(path).unwrap()).unwrap()
@@ -27,12 +32,33 @@ fn worst_px(found: &Document, truth: &Document, frame: usize) -> f64 {
     pixels.filter_map(apart).fold(0.0, f64::max)
 }
 
+/// What the search makes of a new project in which somebody has clicked wrong places all over, written without these clicks.
+fn without_a_click(folder: &Path) -> String {
+    let bare = document(&folder.join("project.json"));
+    let mut clicked = bare.clone();
+    for (index, frame) in clicked.frames.iter_mut().enumerate() {
+        let at = ImagePoint::new(100.0 + 50.0 * index as f64, 300.0);
+        frame.clicks = ["centre_mark", "halfway_far", "penalty_mark_left"]
+            .map(|landmark| Click::landmark(landmark.into(), at.moved(touchline::geometry::Vec2::new(9.0, 4.0))))
+            .to_vec();
+    }
+    let mut reader = FrameReader::new();
+    let mut picture = |index: usize| read_picture(&mut reader, &clicked.frames[index], folder).ok();
+    let camera = clicked.cameras[0].id.clone();
+    let answer =
+        camera_without_clicks(clicked.at(folder), &camera, 40, &mut picture, &|_| ControlFlow::Continue(())).unwrap();
+    let UnclickedAnswer::Found(found) = answer else { panic!("{answer:?}") };
+    let mut written = bare;
+    record_found(&mut written, &camera, &found);
+    document_to_string(&written).unwrap()
+}
+
 #[test]
 fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in_it() {
     let place = tempfile::tempdir().unwrap();
     let drawn = touchline(place.path(), "synth -o match --frames 12 --seed 5 --size 960x540 --preset easy");
     assert_eq!(drawn.code, 0, "{}", drawn.stderr);
-    let ran = touchline(place.path(), "calibrate match/images -o found");
+    let ran = touchline(place.path(), "calibrate match/images -o found --panorama map.png");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let (found, truth) =
         (document(&place.path().join("found/project.json")), document(&place.path().join("match/truth.json")));
@@ -47,10 +73,15 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         let off_px = worst_px(&found, &truth, frame);
         assert!(off_px < 5.0, "frame {frame}: {off_px} px");
     }
-    let again = touchline(place.path(), "calibrate match/images -o again");
-    assert_eq!(again.code, 0);
-    let text = |name: &str| fs::read_to_string(place.path().join(name).join("project.json")).unwrap();
-    assert_eq!(text("found"), text("again"), "same input, same bytes");
+    let map = image::open(place.path().join("map.png")).unwrap().to_rgb8();
+    let colours: BTreeSet<[u8; 3]> = map.pixels().map(|pixel| pixel.0).collect();
+    assert!(colours.contains(&[255, 138, 36]) && colours.contains(&[235, 238, 235]), "lines and paint: {colours:?}");
+
+    let made = touchline(place.path(), "new again --frames match/images --field soccer");
+    assert_eq!(made.code, 0, "{}", made.stderr);
+    let again = without_a_click(&place.path().join("again"));
+    let text = fs::read_to_string(place.path().join("found/project.json")).unwrap();
+    assert_eq!(text, again, "the same input gives the same bytes, whatever people clicked");
 
     let other = touchline(place.path(), "calibrate match/images -o other --field basketball_fiba");
     assert_eq!((other.code, other.stderr.trim_end().lines().count()), (2, 1), "{}", other.stderr);
@@ -77,6 +108,7 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
         ("calibrate grey -o found --field cricket", "no field template is named"),
         ("calibrate grey -o found --set length_m=3", "length_m"),
         ("calibrate grey -o empty --look-at 2", "--look-at"),
+        ("calibrate grey -o found --panorama map.jpg", "must end with .png"),
     ] {
         let ran = touchline(place.path(), arguments);
         assert_eq!((ran.code, ran.stderr.trim_end().lines().count()), (2, 1), "{arguments}: {}", ran.stderr);

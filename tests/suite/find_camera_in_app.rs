@@ -33,8 +33,12 @@ fn found(frames: usize, sideways_m: f64) -> UnclickedCamera {
     let known = base();
     let sigma = BaseSigma { position_m: Vec3::new(0.3, 0.4, 0.0), ..known.sigma };
     let base = CameraBase { position_m: known.position_m + Vec3::new(sideways_m, 0.0, 0.0), sigma, ..known };
-    let frames = (0..frames - 1).map(|index| UnclickedFrame { index, ptz: ptz(index), snapped: None }).collect();
-    UnclickedCamera { base, crown_m: 0.0, sizes: Vec::new(), frames, evidence: UnclickedEvidence::default() }
+    let frames = (0..frames - 1)
+        .map(|index| UnclickedFrame { index, ptz: ptz(index), uncertainty: None, snapped: None })
+        .collect();
+    let field = touchline::field::builtin("soccer").unwrap().default_model().unwrap();
+    let evidence = UnclickedEvidence::default();
+    UnclickedCamera { base, field, sizes: Vec::new(), frames, others: Vec::new(), paint: Vec::new(), evidence }
 }
 
 fn order(bench: &Bench) -> UnclickedOrder {
@@ -137,12 +141,15 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
              view to the next, all of one camera that stands still, or click 4 landmarks on 2 wide frames.",
         ),
         (
-            Abstention::Uncertain { doubts: vec![Doubt::LinesMissing { lines: vec!["Centre circle".to_owned()] }] },
+            Abstention::Uncertain {
+                doubts: vec![Doubt::LinesMissing { lines: vec!["Centre circle".to_owned()] }],
+                best: None,
+            },
             "No camera is given: the best answer is not certain (no paint lies where Centre circle should be). A view of \
              Centre circle is missing: add frames that show it, or click 4 landmarks on 2 wide frames.",
         ),
         (
-            Abstention::Uncertain { doubts: vec![Doubt::FewSnapped { snapped: 3, frames: 9 }] },
+            Abstention::Uncertain { doubts: vec![Doubt::FewSnapped { snapped: 3, frames: 9 }], best: None },
             "No camera is given: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
              picture). Wide views of both ends and of the middle are missing: add such frames, or click 4 landmarks on 2 wide \
              frames.",
@@ -190,4 +197,32 @@ fn of_two_answers_each_can_be_tried_and_undone() {
     assert!(!has_base(&bench.app));
     bench.command(Command::StopFindCamera);
     assert!(bench.app.why_not(Command::TryFirstCamera).is_some());
+}
+
+#[test]
+fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
+    for (at, x_m) in [((403.0, 298.0), Some(1.0)), ((640.0, 305.0), None), ((905.0, 312.0), Some(31.0))] {
+        let mut bench = Bench::new(unknown(5));
+        bench.command(Command::FindCamera);
+        let deciding = DecidingLandmark {
+            frame: 3,
+            landmark: "halfway_far".into(),
+            image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
+        };
+        let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
+        report(&mut bench, Ok(UnclickedAnswer::Two { best, other, deciding: Some(deciding) }));
+        bench.act(Action::GoTo(3));
+        bench.act(Action::Pick(touchline::document::Target::Landmark("halfway_far".into())));
+        bench.act(Action::Press { at: ImagePoint::new(at.0, at.1), on: None });
+        bench.act(Action::Release);
+        let found_x_m = bench.app.open().unwrap().document.cameras[0].base().map(|base| base.position_m.x);
+        assert_eq!(found_x_m.map(f64::round), x_m, "{at:?}");
+        let waits = matches!(bench.app.session.unclicked, UnclickedWork::Two(_));
+        assert_eq!(waits, x_m.is_none(), "between the two nothing is decided");
+        if x_m.is_some() {
+            bench.command(Command::Undo);
+            assert!(!has_base(&bench.app), "one step");
+            assert_eq!(bench.app.open().unwrap().document.frames[3].clicks.len(), 1, "the click stays");
+        }
+    }
 }

@@ -66,12 +66,17 @@ impl App {
         let UnclickedWork::Searching(searching) = std::mem::take(&mut self.session.unclicked) else { return };
         let order = searching.order;
         match answer.map(|answer| *answer) {
-            Ok(UnclickedAnswer::Found(found)) => self.session.unclicked = UnclickedWork::Found(order.named(*found)),
+            Ok(UnclickedAnswer::Found(found)) => {
+                let found = order.named(*found);
+                self.session.found_camera = Some(Arc::clone(&found));
+                self.session.unclicked = UnclickedWork::Found(found);
+            }
             Ok(UnclickedAnswer::Two { best, other, deciding }) => {
                 let label = |deciding: &DecidingLandmark| self.label(&Target::Landmark(deciding.landmark.clone()));
                 let two = TwoCameras::of(&order, [*best, *other], deciding, label);
                 let offers = [("Try the first", Command::TryFirstCamera), ("Try the other", Command::TryOtherCamera)];
                 self.session.notify_with(Level::Warning, two.describe(), offers);
+                self.session.found_camera = Some(Arc::clone(&two.cameras[0]));
                 self.session.unclicked = UnclickedWork::Two(Box::new(two));
                 self.session.panel = SidePanel::Camera;
             }
@@ -95,7 +100,11 @@ impl App {
         let is_busy = self.session.mode != Mode::Idle
             || self.session.bulk.is_some()
             || self.open.as_ref().is_none_or(|open| open.history.is_open());
-        if is_busy || !matches!(self.session.unclicked, UnclickedWork::Found(_)) {
+        if is_busy {
+            return;
+        }
+        self.decide_by_click();
+        if !matches!(self.session.unclicked, UnclickedWork::Found(_)) {
             return;
         }
         let UnclickedWork::Found(found) = std::mem::take(&mut self.session.unclicked) else { return };
@@ -108,6 +117,17 @@ impl App {
         self.use_found_camera(found);
     }
 
+    /// Of two cameras the one for which the deciding click speaks is taken, once it is there.
+    fn decide_by_click(&mut self) {
+        let (UnclickedWork::Two(two), Some(open)) = (&self.session.unclicked, &self.open) else { return };
+        let Some(which) = two.deciding.as_ref().and_then(|deciding| deciding.decided(&open.document)) else { return };
+        let found = Arc::clone(&two.cameras[which]);
+        self.session.unclicked = UnclickedWork::Idle;
+        self.session.retract(Command::TryFirstCamera);
+        self.session.retract(Command::TryOtherCamera);
+        self.use_found_camera(found);
+    }
+
     /// Takes over one of two cameras that explain the paint alike: one step of undo each.
     pub(super) fn try_camera(&mut self, which: usize) {
         if let UnclickedWork::Two(two) = &self.session.unclicked {
@@ -117,6 +137,7 @@ impl App {
     }
 
     fn use_found_camera(&mut self, found: Arc<FoundCamera>) {
+        self.session.found_camera = Some(Arc::clone(&found));
         self.change_in_bulk(Step::on_document("Find the camera"), BulkChange::Unclicked(found));
     }
 

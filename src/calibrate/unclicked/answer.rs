@@ -1,11 +1,8 @@
 //! What a search without clicks answers.
 
-use super::{Abstention, UnclickedEvidence};
-use crate::camera::{CameraBase, Ptz};
+use super::{Abstention, UnclickedCamera};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
-use crate::paint::Snapped;
-use crate::solve::base::FittedSize;
 
 /// The answer of a search that came to its end.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,40 +20,6 @@ pub enum UnclickedAnswer {
     },
     /// No answer is certain enough.
     Abstained(Abstention),
-}
-
-/// A camera that was found, and the frames that it was found from.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnclickedCamera {
-    /// The base, in the pan gauge of the conventions.
-    pub base: CameraBase,
-    /// The height of the pitch's crown, m.
-    pub crown_m: f64,
-    /// The lengths of the field that were fitted; none where its size is known, or where the one assumed explains the paint as well.
-    pub sizes: Vec<FittedSize>,
-    /// The frames that hang together and show enough paint.
-    pub frames: Vec<UnclickedFrame>,
-    /// What speaks for it.
-    pub evidence: UnclickedEvidence,
-}
-
-impl UnclickedCamera {
-    /// How many frames agree with the painted lines of their own picture.
-    #[must_use]
-    pub fn snapped_count(&self) -> usize {
-        self.frames.iter().filter(|frame| frame.snapped.is_some()).count()
-    }
-}
-
-/// A frame of a camera that was found.
-#[derive(Clone, Debug, PartialEq)]
-pub struct UnclickedFrame {
-    /// Its place in the document.
-    pub index: usize,
-    /// Pan, tilt and focal length by all frames together.
-    pub ptz: Ptz,
-    /// The same pulled onto the painted lines of its own picture; none where these do not decide.
-    pub snapped: Option<Snapped>,
 }
 
 /// A landmark that two answers see in places far apart: one click on it in one frame decides between them.

@@ -1,8 +1,9 @@
 //! A document's camera found without a click: its frames looked at, the bases that explain their paint, and the best of these
 //! asked of every frame's own picture.
 
-use super::candidates::{Candidate, OVER_RIVAL, SAME_M, Stop, candidates};
+use super::candidates::{Candidate, Neighbours, OVER_RIVAL, SAME_M, Stop, candidates};
 use super::deciding::deciding_landmark;
+use super::held::Held;
 use super::traces::FrameTraces;
 use super::venue::Venue;
 use super::{
@@ -11,6 +12,7 @@ use super::{
 };
 use crate::calibrate::snap_frame;
 use crate::document::{CameraId, Document, DocumentAt, FrameStatus};
+use crate::geometry::ImageSize;
 use crate::media::Picture;
 use crate::paint::SnapOptions;
 use rayon::prelude::*;
@@ -18,6 +20,10 @@ use rayon::prelude::*;
 /// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
 /// real and drawn matches, wrong ones .5 and less.
 const MIN_SNAPPED: f64 = 0.75;
+
+/// With a rival that explains nearly as much, this share has to agree with the one and at most that with the other.
+const OVER_REFUTED: f64 = 0.85;
+const REFUTED: f64 = 0.65;
 
 /// Pictures that are held in memory together.
 const AT_ONCE: usize = 8;
@@ -68,31 +74,34 @@ impl Search<'_> {
             |other: &Candidate| (other.base.position_m - best.base.position_m).norm() > SAME_M && other.score() > 0.0;
         let rival = places.find(is_elsewhere);
         let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
-        let rivalled = best.score() < OVER_RIVAL * rival_score;
-        let other = rival.filter(|rival| rivalled && rival.doubts.is_empty());
-        let mut doubts = best.doubts.clone();
-        if rivalled && other.is_none() {
-            doubts.push(Doubt::Rival);
-        }
+        let other = rival.filter(|_| best.score() < OVER_RIVAL * rival_score);
+        let doubts = best.doubts.clone();
         if !doubts.is_empty() {
-            return Err(Abstention::Uncertain { doubts }.into());
+            let mut best = unsnapped(best, &frames);
+            best.evidence.rival = rival_score;
+            return Err(Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into());
         }
         let mut best = self.snapped(best, &frames, picture)?;
         best.evidence.rival = rival_score;
         let Some(other) = other else {
             return match few_snapped(&best) {
-                Some(doubt) => Err(Abstention::Uncertain { doubts: vec![doubt] }.into()),
+                Some(doubt) => Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(best)) }.into()),
                 None => Ok(UnclickedAnswer::Found(Box::new(best))),
             };
         };
+        let is_doubted = !other.doubts.is_empty();
         let mut other = self.snapped(other, &frames, picture)?;
         other.evidence.rival = best.evidence.score();
-        let few: Vec<Doubt> = [&best, &other].into_iter().filter_map(few_snapped).collect();
-        if !few.is_empty() {
-            // Where one of two is refuted only now, the search has not told them apart by itself.
-            return Err(Abstention::Uncertain { doubts: [vec![Doubt::Rival], few].concat() }.into());
+        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
+        if snapped_share(&best) >= OVER_REFUTED && snapped_share(&other) <= REFUTED {
+            return Ok(UnclickedAnswer::Found(Box::new(best)));
         }
-        let deciding = deciding_landmark(self.document, &self.venue.assumed, &best, &other);
+        let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(few_snapped).collect();
+        if is_doubted || !few.is_empty() {
+            few.insert(0, Doubt::Rival);
+            return Err(Abstention::Uncertain { doubts: few, best: Some(Box::new(best)) }.into());
+        }
+        let deciding = deciding_landmark(self.document, &best, &other);
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
@@ -121,30 +130,33 @@ impl Search<'_> {
         Ok((read, traces))
     }
 
-    /// A candidate's frames pulled onto the paint of their own pictures. `frames` are the places of those looked at.
+    /// A candidate's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
+    /// that stay uncertain go. `frames` are the places of those looked at.
     fn snapped(
         &self,
         candidate: Candidate,
         frames: &[usize],
         picture: PictureOfFrame<'_>,
     ) -> Result<UnclickedCamera, Stop> {
-        let pointed = frames.iter().zip(&candidate.ptz);
-        let frames = pointed.filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, snapped: None }));
-        let Candidate { base, field, sizes, evidence, .. } = candidate;
-        let mut found = UnclickedCamera { base, crown_m: field.crown_m, sizes, frames: frames.collect(), evidence };
+        let neighbours = candidate.neighbours.clone();
+        let mut found = unsnapped(candidate, frames);
+        let Some(held) = Held::of(&found.base, &neighbours, &neighbours.holds, self.size(frames, &neighbours)) else {
+            return Ok(found);
+        };
+        found.frames = held.frames(&neighbours, frames);
         // Snapping reads the clicks of a frame; here there are none.
         let mut document = self.document.clone();
         for frame in &found.frames {
             document.frames[frame.index].clicks.clear();
         }
         super::record_found(&mut document, self.camera, &found);
-        let of = found.frames.len();
+        let (of, field) = (found.frames.len(), &found.field);
         for (chunk, some) in found.frames.chunks_mut(AT_ONCE).enumerate() {
             self.told(UnclickedProgress::Snapping { done: chunk * AT_ONCE, of })?;
             let places: Vec<usize> = some.iter().map(|frame| frame.index).collect();
             let snapped = |(index, picture): &(usize, Picture)| {
                 let snapped =
-                    snap_frame(&document, &document.frames[*index], &field, picture, &SnapOptions::default()).ok();
+                    snap_frame(&document, &document.frames[*index], field, picture, &SnapOptions::default()).ok();
                 (*index, snapped.map(|(_, snapped)| snapped))
             };
             let snapped: Vec<_> = pictures_of(&places, picture).par_iter().map(snapped).collect();
@@ -154,14 +166,38 @@ impl Search<'_> {
                 }
             }
         }
+        held.settle(&mut found, &neighbours);
         Ok(found)
     }
+
+    /// The size of the frames that hang together.
+    fn size(&self, frames: &[usize], neighbours: &Neighbours) -> ImageSize {
+        let first = neighbours.group.first().and_then(|place| frames.get(*place));
+        first.map_or(ImageSize::new(0, 0), |index| self.document.frames[*index].image_size)
+    }
+}
+
+/// A candidate as it is before its frames are pulled onto the paint of their own pictures.
+fn unsnapped(candidate: Candidate, frames: &[usize]) -> UnclickedCamera {
+    let pointed = frames.iter().zip(&candidate.ptz);
+    let pointed = pointed
+        .filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None }));
+    let pointed = pointed.collect();
+    let Candidate { base, field, sizes, evidence, neighbours, .. } = candidate;
+    let is_other = |place: &usize| neighbours.group.binary_search(place).is_err();
+    let others = (0..frames.len()).filter(is_other).map(|place| frames[place]).collect();
+    UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence }
+}
+
+/// The share of the frames that agree with their own paint, of those that show enough of it.
+fn snapped_share(found: &UnclickedCamera) -> f64 {
+    found.snapped_count() as f64 / found.evidence.frames.max(1) as f64
 }
 
 /// The doubt about a camera with which few frames agree.
 fn few_snapped(found: &UnclickedCamera) -> Option<Doubt> {
-    let (snapped, frames) = (found.snapped_count(), found.frames.len());
-    ((snapped as f64) < MIN_SNAPPED * frames as f64).then_some(Doubt::FewSnapped { snapped, frames })
+    let (snapped, frames) = (found.snapped_count(), found.evidence.frames);
+    (snapped_share(found) < MIN_SNAPPED).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
 /// Some frames' pictures with their places; those that cannot be read are left out.

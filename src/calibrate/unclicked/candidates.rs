@@ -13,13 +13,18 @@ use crate::field::FieldModel;
 use crate::geometry::{ImageSize, Vec3};
 use crate::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use crate::solve::base::FittedSize;
-use crate::track::{Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+use crate::track::{Hold, Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+use rayon::prelude::*;
+use std::sync::Arc;
 
 /// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
 const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
 
 /// Places that are adjusted with all frames.
 const ADJUSTED: usize = 5;
+
+/// The best of these are moved to neighbouring sizes of the field.
+const CLIMBING: usize = 2;
 
 /// Two answers this near to each other are one, m.
 pub(super) const SAME_M: f64 = 1.5;
@@ -56,6 +61,23 @@ pub(super) struct Candidate {
     pub ptz: Vec<Option<Ptz>>,
     pub evidence: UnclickedEvidence,
     pub doubts: Vec<Doubt>,
+    pub neighbours: Neighbours,
+}
+
+/// How the frames of a group hold each other. Frames are numbered within the group.
+#[derive(Clone)]
+pub(super) struct Neighbours {
+    /// Their places among the frames looked at.
+    pub group: Vec<usize>,
+    pub ties: Arc<Vec<Tie>>,
+    /// Where they look by the ties alone.
+    pub turns: Vec<Ptz>,
+    /// By the paint of all together; none for those that show too little.
+    pub ptz: Vec<Option<Ptz>>,
+    /// Their paint that stays.
+    pub paint: Vec<FramePaint>,
+    /// What their own paint says.
+    pub holds: Vec<Hold>,
 }
 
 impl Candidate {
@@ -96,7 +118,8 @@ pub(super) fn candidates(
     }
     starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
 
-    let mut joints: Vec<(Joint, UnclickedEvidence)> = Vec::new();
+    let ties = Arc::new(tied.ties.clone());
+    let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
     let mut tried = 0;
     for start in &starts {
         if tried == ADJUSTED {
@@ -104,28 +127,41 @@ pub(super) fn candidates(
         }
         told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED })?;
         let base = start.base(size);
-        if joints.iter().any(|(joint, _)| (joint.start_m - base.position_m).norm() < SAME_M) {
+        if joints.iter().any(|(joint, ..)| (joint.start_m - base.position_m).norm() < SAME_M) {
             continue;
         }
         tried += 1;
         let adjusted = |sized: Option<&Venue>| {
             let field = &fields[start.hypothesis.field];
-            let joint = joint(field, sized, &start.paint, base, &start.turns.ptz, size)?;
+            let ptz: Vec<Option<Ptz>> = start.turns.ptz.iter().copied().map(Some).collect();
+            let joint = joint(field, sized, &start.paint, base, (&ptz, &tied.ties), size)?;
             let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
             Some((joint, evidence))
         };
         let as_assumed = (start.hypothesis.field == 0).then(|| adjusted(None)).flatten();
         let sized = venue.is_open().then(|| adjusted(Some(venue))).flatten();
-        joints.extend(of_one_size(as_assumed, sized, venue.is_known));
+        let better = of_one_size(as_assumed, sized, venue.is_known);
+        joints.extend(better.map(|(joint, evidence)| (joint, evidence, start)));
     }
     joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
-    let candidate = |(joint, evidence): (Joint, UnclickedEvidence)| {
+    if venue.is_open() && !venue.is_known {
+        let climbing = joints.len().min(CLIMBING);
+        for (done, (joint, evidence, start)) in joints.iter_mut().take(climbing).enumerate() {
+            told(UnclickedProgress::Sizing { done, of: climbing })?;
+            climb((joint, evidence), venue, start, &tied, size);
+        }
+        joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
+    }
+    let candidate = |(joint, evidence, start): (Joint, UnclickedEvidence, &Start)| {
         let mut ptz = vec![None; frames.len()];
         for (frame, found) in group.iter().zip(&joint.ptz) {
             ptz[*frame] = *found;
         }
         let doubts = evidence.doubts(&joint);
-        Candidate { base: joint.base, field: joint.field, sizes: joint.sizes, ptz, evidence, doubts }
+        let (group, ties, holds) = (group.clone(), Arc::clone(&ties), joint.holds());
+        let (turns, paint) = (start.turns.ptz.clone(), start.paint.clone());
+        let neighbours = Neighbours { group, ties, turns, ptz: joint.ptz, paint, holds };
+        Candidate { base: joint.base, field: joint.field, sizes: joint.sizes, ptz, evidence, doubts, neighbours }
     };
     Ok(joints.into_iter().map(candidate).collect())
 }
@@ -150,6 +186,36 @@ fn of_one_size(
     }
     evidence.other_size_m = Some([sized.0.field.length_m, sized.0.field.width_m]);
     Some((assumed, evidence))
+}
+
+/// Moves a base to neighbouring sizes of the field as long as another one explains more: the fit of the size alone stays where
+/// wrong lines have been taken for each other.
+fn climb(
+    (joint_here, evidence_here): (&mut Joint, &mut UnclickedEvidence),
+    venue: &Venue,
+    start: &Start,
+    tied: &Group,
+    size: ImageSize,
+) {
+    /// So much more is explained by a better size.
+    const BETTER: f64 = 1.01;
+    const STEPS: usize = 3;
+    for _ in 0..STEPS {
+        let beside = venue.beside(&joint_here.field);
+        let tried = beside.par_iter().filter_map(|field| {
+            let from = (joint_here.ptz.as_slice(), tied.ties.as_slice());
+            let joint = joint(field, Some(venue), &start.paint, joint_here.base, from, size)?;
+            let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
+            Some((joint, evidence))
+        });
+        let tried: Vec<(Joint, UnclickedEvidence)> = tried.collect();
+        let best = tried.into_iter().max_by(|a, b| a.1.score().total_cmp(&b.1.score()));
+        let Some((mut joint, evidence)) = best.filter(|(_, it)| it.score() > BETTER * evidence_here.score()) else {
+            return;
+        };
+        joint.start_m = joint_here.start_m;
+        (*joint_here, *evidence_here) = (joint, evidence);
+    }
 }
 
 /// The largest group of frames of one size that hang together.

@@ -3,7 +3,6 @@
 use super::{DecidingLandmark, UnclickedCamera, UnclickedFrame};
 use crate::camera::PtzCamera;
 use crate::document::Document;
-use crate::field::FieldModel;
 
 /// Nearer to each other than this a click does not tell two places apart, px at 1920 px width.
 const MIN_APART_PX: f64 = 40.0;
@@ -11,20 +10,20 @@ const MIN_APART_PX: f64 = 40.0;
 /// The landmark of the ground that two answers see farthest apart within one picture.
 pub(super) fn deciding_landmark(
     document: &Document,
-    field: &FieldModel,
     best: &UnclickedCamera,
     other: &UnclickedCamera,
 ) -> Option<DecidingLandmark> {
-    let fields = [best, other].map(|found| FieldModel { crown_m: found.crown_m, ..field.clone() });
     let mut farthest: Option<(f64, DecidingLandmark)> = None;
     for one in &best.frames {
         let Some(two) = other.frames.iter().find(|two| two.index == one.index) else { continue };
         let size = document.frames[one.index].image_size;
         let cameras = [(best, one), (other, two)]
             .map(|(found, frame): (&UnclickedCamera, &UnclickedFrame)| PtzCamera::new(found.base, frame.ptz));
-        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+        for landmark in best.field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
             let seen = |which: usize| {
-                let at = cameras[which].image_from_world(fields[which].landmark_in_world(landmark)).ok()?;
+                let field = &[best, other][which].field;
+                let landmark = field.landmark(landmark.id.as_str())?;
+                let at = cameras[which].image_from_world(field.landmark_in_world(landmark)).ok()?;
                 size.contains(at).then_some(at)
             };
             let (Some(here), Some(there)) = (seen(0), seen(1)) else { continue };

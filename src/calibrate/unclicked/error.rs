@@ -1,5 +1,6 @@
 //! Why there is no base without clicks.
 
+use super::{Doubt, UnclickedCamera};
 use crate::features::FeatureError;
 use crate::field::FieldError;
 use crate::track::TrackError;
@@ -55,73 +56,8 @@ pub enum Abstention {
     Uncertain {
         /// What speaks against it.
         doubts: Vec<Doubt>,
-    },
-}
-
-/// What speaks against an answer.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum Doubt {
-    /// Paint lies where the field has no line.
-    #[error("{:.0} % of the paint lies on no line", 100.0 * .share)]
-    Unexplained {
-        /// Of the paint that stays.
-        share: f64,
-    },
-    /// Lines should be seen and are not.
-    #[error("{:.0} % of the lines are not seen where they should be", 100.0 * .share)]
-    Unseen {
-        /// Of the lines on open ground.
-        share: f64,
-    },
-    /// Few lines were seen.
-    #[error("only {lines} lines are seen")]
-    FewLines {
-        /// How many.
-        lines: usize,
-    },
-    /// Whole lines are missing.
-    #[error("no paint lies where {} should be", .lines.join(", "))]
-    LinesMissing {
-        /// Their names.
-        lines: Vec<String>,
-    },
-    /// The paint is near its lines, not on them.
-    #[error("paint lies {residual_px:.1} px off its lines")]
-    OffLines {
-        /// The median, px at 1920 px width.
-        residual_px: f64,
-    },
-    /// Two halves of the frames give two bases.
-    #[error("two halves of the frames disagree by {halves_m:.1} m")]
-    HalvesDisagree {
-        /// How far they lie apart, m.
-        halves_m: f64,
-    },
-    /// Camera heads are levelled.
-    #[error("the camera would lean by {roll_deg:.1}°")]
-    Leans {
-        /// Its roll, degrees.
-        roll_deg: f64,
-    },
-    /// The stated size of the field explains less than another.
-    #[error("a field of {length_m:.1} × {width_m:.1} m explains the paint better than the stated size")]
-    OtherSize {
-        /// The length that explains more, m.
-        length_m: f64,
-        /// The width, m.
-        width_m: f64,
-    },
-    /// Another place for the camera is as good.
-    #[error("another place explains the paint nearly as well")]
-    Rival,
-    /// Frames do not agree with their own paint.
-    #[error("only {snapped} of {frames} frames agree with the painted lines of their own picture")]
-    FewSnapped {
-        /// Frames that agree.
-        snapped: usize,
-        /// Frames that were asked.
-        frames: usize,
+        /// It, as far as it was looked at.
+        best: Option<Box<UnclickedCamera>>,
     },
 }
 

@@ -4,11 +4,12 @@ use super::pitch_map::PitchMap;
 use super::venue::Venue;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImagePoint, ImageSize, Vec3, median};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, median};
 use crate::solve::base::{
     AdjustOptions, AdjustedBase, BaseModel, CameraClicks, CrownModel, FittedSize, FrameClicks, LensModel, adjust_base,
 };
 use crate::solve::{Loss, Observation};
+use crate::track::{Hold, Tie, hold_frames};
 
 /// How far paint may lie from the line that it is taken for, round by round, px at 1920 px width.
 const REACH_PX: [f64; 6] = [40.0, 25.0, 14.0, 8.0, 5.0, 4.0];
@@ -18,6 +19,9 @@ const CROWN_FROM: usize = 3;
 
 /// After these rounds the field's size is fitted, where it is open: once coarsely, once among lines that are sure.
 const SIZE_AFTER: [usize; 2] = [1, 3];
+
+/// After these rounds frames that have strayed from where their neighbours have them are brought back.
+const HELD_AFTER: [usize; 2] = [2, 3];
 
 /// 1-σ of the middle of a stroke, px at 1920 px width, with what its neighbours have in common with it.
 const SIGMA_PX: f64 = 1.5;
@@ -34,6 +38,10 @@ const MIN_FRAMES: usize = 3;
 /// No position is known better along any axis, m: on real matches it is .06 to .64 m from the one fitted to people's clicks, where
 /// the paint's scatter alone says .05.
 const MIN_SIGMA_M: f64 = 0.3;
+
+/// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
+/// much.
+const HOLD_SIGMAS: f64 = 2.0;
 
 /// Paint of a frame, px.
 pub(super) type FramePaint = Vec<ImagePoint>;
@@ -69,6 +77,57 @@ impl Joint {
     }
 }
 
+/// The frames as their paint and the ties between them have them.
+fn held_by_ties(
+    base: &CameraBase,
+    ptz: &[Option<Ptz>],
+    taken: &[FrameClicks],
+    ties: &[Tie],
+    size: ImageSize,
+) -> Vec<Option<Ptz>> {
+    // Frames that take part, numbered among themselves.
+    let part: Vec<usize> = (0..ptz.len()).filter(|frame| ptz[*frame].is_some()).collect();
+    let place = |frame: usize| part.binary_search(&frame).ok();
+    let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
+    let ties: Vec<Tie> = ties.iter().filter_map(inside).collect();
+    let start: Vec<Ptz> = ptz.iter().copied().flatten().collect();
+    let holds = holds(base, ptz, taken).into_iter();
+    let holds: Vec<Hold> = holds.filter_map(|hold| Some(Hold { frame: place(hold.frame)?, ..hold })).collect();
+    let Some(held) = hold_frames(base, &start, &ties, &holds, size) else { return ptz.to_vec() };
+    let mut brought = ptz.to_vec();
+    for (frame, held) in part.into_iter().zip(held) {
+        brought[frame] = Some(held.ptz);
+    }
+    brought
+}
+
+/// What the paint of each frame says of its camera.
+fn holds(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<Hold> {
+    let of_frame = |(frame, (ptz, taken)): (usize, (&Option<Ptz>, &FrameClicks))| {
+        let ptz = (*ptz)?;
+        let camera = PtzCamera::new(*base, ptz);
+        let mut information = Mat3::zeros();
+        for seen in &taken.observations {
+            let Some((off_px, by_ptz)) = seen.shape.residual_by_ptz(&camera, seen.image) else { continue };
+            // The loss of the last round.
+            let sigmas_squared = off_px.norm_squared() / seen.sigma_px.powi(2);
+            let weight = 1.0 / (1.0 + sigmas_squared / HOLD_SIGMAS.powi(2));
+            information += by_ptz.transpose() * by_ptz * (weight / seen.sigma_px.powi(2));
+        }
+        let by_log_focal = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, ptz.focal_px));
+        let information = by_log_focal * information * by_log_focal;
+        Some(Hold { frame, ptz, information, loss: Loss::Cauchy { c: HOLD_SIGMAS } })
+    };
+    ptz.iter().zip(taken).enumerate().filter_map(of_frame).collect()
+}
+
+impl Joint {
+    /// What the paint of each frame says of its camera.
+    pub fn holds(&self) -> Vec<Hold> {
+        holds(&self.base, &self.ptz, &self.taken)
+    }
+}
+
 /// Adjusts a base and its frames to paint, from a start on a field; with a venue whose size is open, the field's size too. None
 /// where too few frames show paint near the lines.
 pub(super) fn joint(
@@ -76,14 +135,14 @@ pub(super) fn joint(
     sized: Option<&Venue>,
     paint: &[FramePaint],
     start: CameraBase,
-    ptz: &[Ptz],
+    (ptz, ties): (&[Option<Ptz>], &[Tie]),
     size: ImageSize,
 ) -> Option<Joint> {
     let scale = size.scale_from_1920();
     let mut field = start_field.clone();
     let mut map = PitchMap::of(&field);
     let mut base = start;
-    let mut ptz: Vec<Option<Ptz>> = ptz.iter().copied().map(Some).collect();
+    let mut ptz = ptz.to_vec();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
     for (round, reach_px) in REACH_PX.into_iter().enumerate() {
         let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
@@ -103,6 +162,9 @@ pub(super) fn joint(
         let crowned = FieldModel { crown_m: adjusted.crown_m, ..field };
         taken = on_field(taken, &crowned);
         field = crowned;
+        if HELD_AFTER.contains(&round) {
+            ptz = held_by_ties(&base, &ptz, &taken, ties, size);
+        }
         let Some(venue) = sized.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
         let Some(fitted) = venue.fitted(&field, &taken, &base, &ptz, &model, (size.width, &options)) else { continue };
         (field, sizes) = fitted;

@@ -39,6 +39,13 @@ pub enum UnclickedProgress {
         /// Of how many at most.
         of: usize,
     },
+    /// Neighbouring sizes of the field are tried.
+    Sizing {
+        /// Places done.
+        done: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// Frames are pulled onto the paint of their own pictures.
     Snapping {
         /// Frames done.
@@ -60,6 +67,7 @@ impl UnclickedProgress {
             | Self::Tying { done, of }
             | Self::Trying { done, of, .. }
             | Self::Adjusting { done, of }
+            | Self::Sizing { done, of }
             | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
             Self::Gathering => 0.0,
         }
@@ -77,6 +85,9 @@ impl fmt::Display for UnclickedProgress {
                 write!(f, "trying {} places, round {} of {of}", count(places), (done + 1).min(of))
             }
             Self::Adjusting { done, of } => write!(f, "adjusting, {} of {} places", count(done), count(of)),
+            Self::Sizing { done, of } => {
+                write!(f, "trying other sizes of the field, {} of {} places", count(done), count(of))
+            }
             Self::Snapping { done, of } => write!(f, "snapping {} of {} frames", count(done), count(of)),
         }
     }

@@ -2,7 +2,9 @@
 
 use super::UnclickedCamera;
 use crate::calibrate::record_snapped;
+use crate::camera::PtzCamera;
 use crate::document::{CameraId, Document, FramePtz, FrameStatus, Solution, SolutionSource};
+use crate::solve::Uncertainty;
 
 /// Writes a found camera into a document: base, size of the field, crown, and its frames as suggestions. References stay as they are.
 pub fn record_found(document: &mut Document, camera: &CameraId, found: &UnclickedCamera) {
@@ -12,7 +14,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Unclicke
     let Some(of_document) = document.camera_mut(camera) else { return };
     let field = if of_document.field.is_some() { of_document.field.as_mut() } else { Some(&mut document.field) };
     if let Some(field) = field {
-        field.set_crown_m(found.crown_m);
+        field.set_crown_m(found.field.crown_m);
     }
     for of_found in &found.frames {
         let Some(frame) = document.frames.get_mut(of_found.index) else { continue };
@@ -24,7 +26,14 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Unclicke
         }
         let lens = Some(found.base.distortion.radial_at(of_found.ptz.focal_px)).filter(|lens| !lens.is_none());
         frame.ptz = Some(FramePtz::new(of_found.ptz, lens));
-        frame.solution = Some(Solution { source: Some(SolutionSource::Markings), ..Solution::default() });
+        let camera = PtzCamera::new(found.base, of_found.ptz);
+        let known = of_found.uncertainty.as_ref();
+        frame.solution = Some(Solution {
+            source: Some(SolutionSource::Markings),
+            covariance: known.map(Uncertainty::ptz_covariance_deg),
+            worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
+            ..Solution::default()
+        });
         if let Some(snapped) = &of_found.snapped {
             record_snapped(frame, &found.base, snapped);
         }

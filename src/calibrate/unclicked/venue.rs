@@ -10,6 +10,9 @@ use crate::solve::base::{AdjustOptions, BaseModel, FittedSize, FrameClicks, Size
 /// far.
 const LEVEL_SHARE: f64 = 0.125;
 
+/// Neighbouring sizes differ by this much, m.
+const STEP_M: f64 = 2.5;
+
 /// A field, and how its size may differ.
 pub(super) struct Venue {
     /// As the document has it.
@@ -44,6 +47,21 @@ impl Venue {
             levels.extend(corners);
         }
         levels
+    }
+
+    /// Fields a little longer, shorter, wider and narrower than one, within the rules.
+    pub fn beside(&self, field: &FieldModel) -> Vec<FieldModel> {
+        let Some(open) = &self.open else { return Vec::new() };
+        let params = open.params_of(field);
+        let here: Vec<f64> = params.iter().map(|param| param.assumed_m).collect();
+        let steps = (0..here.len()).flat_map(|param| [-STEP_M, STEP_M].map(|step_m| (param, step_m)));
+        let moved = steps.filter_map(|(param, step_m)| {
+            let mut moved = here.clone();
+            moved[param] += step_m;
+            let allowed = params[param].min_m..=params[param].max_m;
+            allowed.contains(&moved[param]).then(|| open.sized(&moved)).flatten()
+        });
+        moved.map(|moved| FieldModel { crown_m: field.crown_m, ..moved }).collect()
     }
 
     /// Whether another size is possible.

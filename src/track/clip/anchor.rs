@@ -39,7 +39,7 @@ impl Anchor {
 }
 
 /// From one camera to another: pan rad, tilt rad, log of the focal length.
-pub(super) fn offset(from: Ptz, to: Ptz) -> Vec3 {
+pub(in crate::track) fn offset(from: Ptz, to: Ptz) -> Vec3 {
     Vec3::new(to.pan.turn_from(from.pan).radians(), (to.tilt - from.tilt).radians(), (to.focal_px / from.focal_px).ln())
 }
 
@@ -59,7 +59,7 @@ pub(super) fn by_log_focal(covariance: &Mat3, focal_px: f64) -> Mat3 {
 }
 
 /// The reverse of [`by_log_focal`].
-pub(super) fn by_focal_px(covariance: &Mat3, focal_px: f64) -> Mat3 {
+pub(in crate::track) fn by_focal_px(covariance: &Mat3, focal_px: f64) -> Mat3 {
     by_log_focal(covariance, 1.0 / focal_px)
 }
 

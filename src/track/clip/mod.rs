@@ -10,7 +10,7 @@
 //! The base of the camera is known and stays as it is.
 
 mod adjust;
-mod anchor;
+pub(super) mod anchor;
 mod carry;
 mod envelope;
 mod equations;

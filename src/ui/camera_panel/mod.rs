@@ -7,6 +7,7 @@ mod field;
 mod masks;
 mod numbers;
 mod over_time;
+mod paint_map;
 mod position_view;
 mod unclicked;
 
@@ -41,6 +42,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 field::show(panel, ui);
             }
             unclicked::show(panel, ui, &camera);
+            paint_map::show(panel, ui, &camera);
             estimate::show(panel, ui, &camera);
             over_time::show(panel, ui, &camera);
             if camera.base().is_some() {

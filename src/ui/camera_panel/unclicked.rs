@@ -47,9 +47,9 @@ fn decided(panel: &mut Panel<'_>, ui: &mut Ui, two: &TwoCameras) {
     ui.horizontal_wrapped(|ui| {
         command(panel, ui, "Try the first", Command::TryFirstCamera);
         command(panel, ui, "Try the other", Command::TryOtherCamera);
-        let shown = two.deciding.as_ref().and_then(|(frame, _)| panel.app.open()?.document.frames.position_of(frame));
+        let shown = two.deciding.as_ref().and_then(|click| panel.app.open()?.document.frames.position_of(&click.frame));
         if let Some(shown) = shown
-            && ui.button("Go there").on_hover_text("Go to the frame that tells them apart.").clicked()
+            && ui.button("Go there").on_hover_text("Go to the frame whose click decides.").clicked()
         {
             panel.actions.push(Action::GoTo(shown));
         }

@@ -1,0 +1,165 @@
+//! What was answered, held against the truth.
+
+use std::fmt;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::time::Instant;
+use touchline::calibrate::{Abstention, UnclickedAnswer, UnclickedCamera, camera_without_clicks, record_found};
+use touchline::camera::PtzCamera;
+use touchline::document::Document;
+use touchline::field::FieldModel;
+use touchline::geometry::ImagePoint;
+use touchline::media::FrameReader;
+use touchline::proposals::read_picture;
+
+/// Every answered frame's overlay is at most so far off at the worst place of the ground that it shows, px of the picture.
+const RIGHT_PX: f64 = 5.0;
+
+/// Frames that are looked at, as the program does where nothing else is asked for.
+const LOOK_AT: usize = 40;
+
+/// How many answers were of which kind.
+#[derive(Clone, Copy, Default)]
+pub struct Tally {
+    pub right: usize,
+    pub wrong: usize,
+    pub two: usize,
+    pub abstained: usize,
+}
+
+impl Tally {
+    pub fn add(&mut self, other: &Self) {
+        self.right += other.right;
+        self.wrong += other.wrong;
+        self.two += other.two;
+        self.abstained += other.abstained;
+    }
+}
+
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let tries = self.right + self.wrong + self.two + self.abstained;
+        write!(
+            f,
+            "{tries} tried: {} right, {} wrong shown as good, {} with two answers, {} abstained",
+            self.right, self.wrong, self.two, self.abstained
+        )
+    }
+}
+
+/// The answer to a document's frames, and how long it took, s.
+pub fn answer(document: &Document, folder: &Path) -> (UnclickedAnswer, f64) {
+    let start = Instant::now();
+    let mut reader = FrameReader::new();
+    let mut picture = |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
+    let camera = &document.cameras[0].id;
+    let watch = |_| ControlFlow::Continue(());
+    let answer = camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch).unwrap();
+    (answer, start.elapsed().as_secs_f64())
+}
+
+/// How far off each answered frame is at the worst place of the ground that it shows, px.
+pub fn worst_px(
+    document: &Document,
+    found: &UnclickedCamera,
+    truth: &[PtzCamera],
+    field: &FieldModel,
+) -> Vec<(usize, f64)> {
+    let mut recorded = document.clone();
+    let camera = document.cameras[0].id.clone();
+    record_found(&mut recorded, &camera, found);
+    let of_frame = |index: usize| {
+        let frame = &recorded.frames[index];
+        let (found, exact) = (recorded.pointed(frame)?, &truth[index]);
+        let (columns, rows) = (8, 6);
+        let pixels = (0..columns * rows).map(|place| {
+            let share = |at: u32, of: u32| (f64::from(at) + 0.5) / f64::from(of);
+            ImagePoint::new(
+                share(place % columns, columns) * f64::from(frame.image_size.width),
+                share(place / columns, rows) * f64::from(frame.image_size.height),
+            )
+        });
+        let apart = |pixel: ImagePoint| {
+            let on_field =
+                |at: &touchline::geometry::Vec3| at.x.abs() < 0.5 * field.length_m && at.y.abs() < 0.5 * field.width_m;
+            let ground = exact.plane_from_image(pixel, 0.0).filter(on_field)?;
+            Some(found.image_from_world(ground).map_or(f64::INFINITY, |image| image.distance_px(pixel)))
+        };
+        let worst = pixels.filter_map(apart).fold(0.0, f64::max);
+        Some((index, worst))
+    };
+    (0..truth.len()).filter_map(of_frame).collect()
+}
+
+/// One line of a table, and what kind of answer it was. `truth` is none where nothing can be right.
+pub fn judged(
+    document: &Document,
+    answer: &UnclickedAnswer,
+    truth: Option<(&[PtzCamera], &FieldModel)>,
+) -> (String, Tally) {
+    let judge = |found: &UnclickedCamera| {
+        let Some((truth, field)) = truth else { return (f64::INFINITY, "nothing is right".to_owned()) };
+        let frames = worst_px(document, found, truth, field);
+        let off_m = truth.first().map_or(f64::NAN, |exact| (found.base.position_m - exact.base().position_m).norm());
+        let worst = frames.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, f64::INFINITY));
+        let says = format!(
+            "{off_m:.2} m off (σ {:.2}), size {:+.2} {:+.2} m (σ {:?}), worst {:.1} px (frame {}), {} of {} frames answered, {} snapped, over: {}",
+            found.base.sigma.position_m.norm(),
+            found.field.length_m - field.length_m,
+            found.field.width_m - field.width_m,
+            found.sizes.iter().map(|size| format!("{:.2}", size.sigma_m)).collect::<Vec<_>>(),
+            worst.1,
+            worst.0,
+            frames.len(),
+            truth.len(),
+            found.snapped_count(),
+            over(&frames, found),
+        );
+        (worst.1, format!("{says}; {}", speaks(found)))
+    };
+    match answer {
+        UnclickedAnswer::Found(found) => {
+            let (worst, says) = judge(found);
+            let right = worst <= RIGHT_PX;
+            let tally = Tally { right: usize::from(right), wrong: usize::from(!right), ..Tally::default() };
+            (format!("{}: {says}", if right { "right" } else { "WRONG" }), tally)
+        }
+        UnclickedAnswer::Two { best, other, deciding } => {
+            let deciding = deciding.as_ref().map(|deciding| deciding.landmark.as_str());
+            let says = format!("two: {} / {}; deciding {deciding:?}", judge(best).1, judge(other).1);
+            (says, Tally { two: 1, ..Tally::default() })
+        }
+        UnclickedAnswer::Abstained(why) => {
+            let best = match why {
+                Abstention::Uncertain { best: Some(best), .. } => judge(best).1,
+                _ => String::new(),
+            };
+            (format!("abstained: {why} [{best}]"), Tally { abstained: 1, ..Tally::default() })
+        }
+    }
+}
+
+/// The frames that are not right.
+fn over(frames: &[(usize, f64)], found: &UnclickedCamera) -> String {
+    let is_snapped = |index: usize| found.frames.iter().any(|frame| frame.index == index && frame.snapped.is_some());
+    let over: Vec<String> = frames
+        .iter()
+        .filter(|(_, px)| *px > RIGHT_PX)
+        .map(|(index, px)| format!("{index}{}={px:.1}", if is_snapped(*index) { "s" } else { "" }))
+        .collect();
+    if over.is_empty() { "none".to_owned() } else { over.join(" ") }
+}
+
+/// What speaks for an answer.
+fn speaks(found: &UnclickedCamera) -> String {
+    let evidence = &found.evidence;
+    format!(
+        "explained {:.2}, visible {:.2}, rival {:.2}, {} lines, {:.2} px, halves {:.2} m",
+        evidence.explained,
+        evidence.visible,
+        evidence.rival / evidence.score(),
+        evidence.lines.len(),
+        evidence.residual_px,
+        evidence.halves_m
+    )
+}

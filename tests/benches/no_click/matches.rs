@@ -1,0 +1,83 @@
+//! Drawn matches: cameras from corner to halfway line, fields of all sizes, three presets.
+
+use super::answers::{Tally, answer, judged};
+use super::drawing::{SIZE, draw, shots};
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+use touchline::camera::CameraBase;
+use touchline::document::FieldSpec;
+use touchline::field::{FieldModel, builtin};
+use touchline::geometry::Vec3;
+use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
+
+/// Frames of a match.
+const FRAMES: usize = 20;
+
+/// Seconds between them.
+const STEP_S: f64 = 4.7;
+
+/// What is drawn.
+pub struct DrawnMatch {
+    pub field: FieldModel,
+    pub position_m: Vec3,
+    pub preset: Preset,
+    pub seed: u64,
+}
+
+/// A soccer field.
+pub fn soccer(length_m: f64, width_m: f64, crown_m: f64) -> FieldModel {
+    let params = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    builtin("soccer").unwrap().model(&params, crown_m).unwrap()
+}
+
+/// How a preset takes pictures, seconds apart.
+pub fn shoot(preset: Preset) -> ShootOptions {
+    ShootOptions { step_s: STEP_S, ..preset.shoot() }
+}
+
+/// The camera of a preset at a place.
+pub fn base(preset: Preset, position_m: Vec3) -> CameraBase {
+    CameraBase { position_m, ..preset.shoot().main_camera(SIZE) }
+}
+
+impl DrawnMatch {
+    /// The match of a number: everything spread evenly over what is possible (Weyl sequences of square roots of primes).
+    pub fn of(number: usize) -> Self {
+        let spread =
+            |prime: f64, from: f64, to: f64| from + (to - from) * ((number as f64 + 0.5) * prime.sqrt()).fract();
+        let field = soccer(spread(2.0, 100.0, 110.0), spread(3.0, 64.0, 75.0), spread(5.0, 0.0, 0.3));
+        let behind_m = spread(7.0, 18.0, 45.0);
+        let position_m = Vec3::new(
+            spread(11.0, -0.5, 0.5) * field.length_m,
+            -0.5 * field.width_m - behind_m,
+            spread(13.0, 6.0, 30.0),
+        );
+        let preset = [Preset::Easy, Preset::Paper, Preset::Hard][number % 3];
+        Self { field, position_m, preset, seed: 1000 + number as u64 }
+    }
+}
+
+pub fn drawn(pictures: &Path, numbers: Range<usize>) -> Tally {
+    println!("\n## drawn: {FRAMES} frames of {}x{}, {STEP_S} s apart\n", SIZE.width, SIZE.height);
+    println!("| match | field, m | camera, m | answer | s |\n|---|---|---|---|---|");
+    let mut all = Tally::default();
+    for number in numbers {
+        let DrawnMatch { field, position_m, preset, seed } = DrawnMatch::of(number);
+        let shoot = shoot(preset);
+        let options = StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field.clone(), seed) };
+        let scene = stadium(&options);
+        let shots = shots(&scene, &base(preset, position_m), &shoot, FRAMES, seed);
+        let folder = pictures.join(format!("match-{number:02}"));
+        let drawn = draw(&folder, &[(&scene, &shots)], shoot.jpeg_quality, FieldSpec::new("soccer"));
+        let (answer, seconds) = answer(&drawn.document, &folder);
+        let (says, tally) = judged(&drawn.document, &answer, Some((&drawn.truth, &field)));
+        println!(
+            "| {number} {preset:?} | {:.1} × {:.1} | ({:.1}, {:.1}, {:.1}) | {says} | {seconds:.0} |",
+            field.length_m, field.width_m, position_m.x, position_m.y, position_m.z
+        );
+        all.add(&tally);
+    }
+    println!("\n{all}");
+    all
+}
