@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check bench demo experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema bench demo experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -37,6 +37,10 @@ check: build-packages ## formatting, lints and documentation, warnings refused
 	cargo fmt --check
 	cargo clippy --all-targets -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
+
+schema: build-packages ## make the JSON Schema of documents from their types again
+	cargo run --quiet --no-default-features --features schema --bin document-schema > target/touchline.schema.json
+	mv target/touchline.schema.json assets/touchline.schema.json
 
 bench: build-packages ## run the benchmarks (tests/benches/README.md has past figures)
 	cargo bench

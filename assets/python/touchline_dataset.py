@@ -1,8 +1,10 @@
 """Reads a touchline dataset (or project.json) with numpy alone.
 
     from touchline_dataset import load
-    data = load("dataset.json")
+    data = load("dataset")                                          # a folder, or its dataset.json
     pixels = data.project(0, [[0.0, 0.0, 0.0], [0.0, 34.0, 0.0]])   # world metres -> px of frame 0
+    lines = data.overlay(0)                                         # the field's lines as frame 0 shows them, px
+    train = [i for i in range(len(data)) if data.split[i] == "train"]
 
 World: origin at the field's centre, x right along its length seen from the main camera, y away from that camera, z up, metres.
 Pixels: (0, 0) is the top-left corner of the picture; libraries that count from the first pixel's centre (OpenCV, COCO) need 0.5 less.
@@ -10,6 +12,7 @@ Angles: pan positive to the right, tilt positive up; x_cam = R (X - C), camera x
 Licence: MIT, as touchline.
 """
 
+import csv
 import json
 import os
 
@@ -35,14 +38,17 @@ class Dataset:
     sigma       (n, 3) 1-sigma of pan, tilt (degrees) and focal length (px); NaN where not known
     confidence  (n,) NaN where not known
     clicks      list of lists of (name, x, y, is_line, is_check)
+    split       list: train, validation, test; empty where the dataset is not divided
+    label       list: where each camera comes from: clicked, snapped, suggested_and_accepted, interpolated, ... (frames.csv)
     """
 
-    def __init__(self, document):
+    def __init__(self, document, folder=".", rows=(), fields=None):
         if document.get("format") != "touchline":
             raise ValueError("this is no touchline document")
         if document.get("version") != 1:
             raise ValueError("version %r is newer than this reader" % document.get("version"))
-        self.document = document
+        self.document, self.folder = document, folder
+        self._fields = {camera: field for field in (fields or {}).get("fields", []) for camera in field["cameras"]}
         cameras = {camera["id"]: camera for camera in document["cameras"]}
         frames = [f for f in document["frames"] if f.get("ptz") and cameras[f["camera"]].get("position_m")]
         self.unsolved = len(document["frames"]) - len(frames)
@@ -71,6 +77,9 @@ class Dataset:
         covariances = [np.array(s["covariance"], float) if s.get("covariance") else np.full((3, 3), np.nan) for s in solutions]
         self.sigma = np.sqrt(np.array([np.diag(c) for c in covariances], float).reshape(-1, 3))
         self.confidence = np.array([s.get("confidence", np.nan) for s in solutions], float)
+        known = {row["id"]: row for row in rows}
+        self.split = [known.get(f.get("id"), {}).get("split", "") for f in frames]
+        self.label = [known.get(f.get("id"), {}).get("label", "") for f in frames]
         self.clicks = [[_click(c) for c in f.get("clicks", []) if "landmark" in c or "line" in c] for f in frames]
 
     def __len__(self):
@@ -94,6 +103,25 @@ class Dataset:
         pixels[(camera[:, 2] <= 1e-6 * np.linalg.norm(camera, axis=1)) | folded] = np.nan
         return pixels
 
+    def picture(self, index):
+        """The path of a frame's picture."""
+        return os.path.join(self.folder, self.images[index])
+
+    def field(self, index):
+        """The field that a frame shows: template, length_m, width_m, landmarks and lines by name, m."""
+        return self._fields[self.cameras[index]]
+
+    def overlay(self, index):
+        """Pixels (m, 2) of the field's lines by name; NaN for what lies more than half a picture outside."""
+        lines = {}
+        for name, points in self.field(index)["lines"].items():
+            pixels = self.project(index, points)
+            with np.errstate(invalid="ignore"):
+                near = ((pixels > -0.5 * self.size[index]) & (pixels < 1.5 * self.size[index])).all(axis=1)
+            if near.any():
+                lines[name] = np.where(near[:, None], pixels, np.nan)
+        return lines
+
     def opencv(self, index):
         """(rotation matrix, t, camera matrix, distortion) of a frame in OpenCV's pixels, for cv2.projectPoints."""
         matrix = self.K[index].copy()
@@ -106,8 +134,18 @@ def load(path):
     if os.path.isdir(path):
         names = [os.path.join(path, name) for name in ("dataset.json", "project.json")]
         path = next((name for name in names if os.path.exists(name)), names[0])
+    folder = os.path.dirname(path) or "."
+    # The pictures without distortion have what they share with the others one folder up.
+    beside = [[os.path.join(folder, up, name) for name in ("frames.csv", "fields.json")] for up in ("", "..")]
+    tables = next((names for names in beside if all(map(os.path.exists, names))), None)
+    rows, fields = [], None
+    if tables is not None:
+        with open(tables[0], encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        with open(tables[1], encoding="utf-8") as file:
+            fields = json.load(file)
     with open(path, encoding="utf-8") as file:
-        return Dataset(json.load(file))
+        return Dataset(json.load(file), folder, rows, fields)
 
 
 def _lens(camera, ptz):

@@ -8,6 +8,7 @@ use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::tracking::TrackAction;
+use super::transfer::TransferAction;
 use super::unclicked::UnclickedFailure;
 use super::{Chord, Command, Compared, TrainerStatus, VideoAction, WatchPanicked};
 use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
@@ -251,6 +252,8 @@ pub enum Action {
     },
     /// Cameras are carried through a clip.
     Track(TrackAction),
+    /// Something is exported or imported.
+    Transfer(TransferAction),
     /// A camera was looked for without a click, or why that was not possible.
     CameraSearched {
         /// Which search.
@@ -376,8 +379,6 @@ pub enum Action {
     },
     /// The window closes, or another document is opened, although edits are only in memory.
     LeaveUnsaved,
-    /// The dataset was written.
-    Exported(PathBuf),
     /// A copy was written.
     Copied(PathBuf),
     /// The window asked to close.
@@ -449,7 +450,8 @@ impl Action {
             | Self::TypeName(_)
             | Self::HighlightName(_)
             | Self::OfferLines(_) => ActionKind::Navigation,
-            Self::Video(VideoAction::MoveCut { .. })
+            Self::Transfer(TransferAction::TakeOver)
+            | Self::Video(VideoAction::MoveCut { .. })
             | Self::Nudge { .. }
             | Self::TakeName(_)
             | Self::Pick(_)
@@ -487,6 +489,7 @@ impl Action {
             | Self::FindCameraProgress { .. }
             | Self::CameraSearched { .. }
             | Self::Track(_)
+            | Self::Transfer(_)
             | Self::BulkProgress { .. }
             | Self::BulkSolved { .. }
             | Self::CameraWatched { .. }
@@ -512,7 +515,6 @@ impl Action {
             | Self::OrphanSaved { .. }
             | Self::OrphanPutAway { .. }
             | Self::LeaveUnsaved
-            | Self::Exported(_)
             | Self::Copied(_)
             | Self::CloseRequested => ActionKind::Report,
             Self::SetOverlayStyle(_) | Self::AssignKey(..) | Self::ResetKeys | Self::SetDetails(_) => {

@@ -15,6 +15,8 @@ pub enum Command {
     Save,
     SaveAs,
     Export,
+    ExportDataset,
+    Import,
     Orphans,
     Quit,
     Undo,
@@ -199,7 +201,9 @@ rows! {
     OpenDemo, "open_demo", File, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
     Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
     SaveAs, "save_as", File, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
-    Export, "export", File, "Export dataset…", "Write the labelled frames as one JSON file.", ["Ctrl+E"];
+    Import, "import", File, "Import labels…", "Read clicks or cameras of another program and join them with this document, after a look. One step of undo.", [];
+    Export, "export", File, "Export…", "Write the document in one of many formats; what a format does not hold is said before.", ["Ctrl+E"];
+    ExportDataset, "export_dataset", File, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
     Orphans, "orphans", File, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
     Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
     Undo, "undo", Edit, "Undo", "Undo the last change. If it is on another frame, the first press goes to its frame first.", ["Ctrl+Z"];
@@ -417,6 +421,8 @@ impl Command {
             | Self::OpenDemo
             | Self::SaveAs
             | Self::Export
+            | Self::ExportDataset
+            | Self::Import
             | Self::Orphans
             | Self::Redo
             | Self::NextFrame

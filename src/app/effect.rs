@@ -4,6 +4,7 @@ use super::bulk::BulkOrder;
 use super::paint_orders::{LineCheckOrder, PointSnapOrder, SnapOrder};
 use super::session::Question;
 use super::tracking::TrackOrder;
+use super::transfer::TransferOrder;
 use super::unclicked::UnclickedOrder;
 use super::{BurntInSearch, CameraWatch, ShotSearch, TrainerOrder};
 use crate::document::{CameraId, Document, Edit, History};
@@ -62,15 +63,10 @@ pub enum Effect {
         /// Where.
         folder: PathBuf,
     },
-    /// Write the dataset.
-    Export {
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        from: PathBuf,
-        /// Where.
-        file: PathBuf,
-    },
+    /// Export, write or import something, report `TransferAction::Progress` on the way and what came of it in the end.
+    Transfer(Box<TransferOrder>),
+    /// Nobody waits any more for an export or import.
+    CancelTransfer,
     /// Give up what is being opened.
     CancelOpening,
     /// Open a fresh copy of the demo match.

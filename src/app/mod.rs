@@ -38,6 +38,7 @@ mod settings;
 mod shot_search;
 pub mod tracking;
 mod trainer;
+pub mod transfer;
 pub mod unclicked;
 mod update;
 mod versioned;

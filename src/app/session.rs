@@ -9,12 +9,14 @@ use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::tracking::{LastCarried, Tracking};
+use super::transfer::Transfer;
 use super::unclicked::UnclickedWork;
 use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
 use crate::calibrate::FoundCamera;
 use crate::camera::PtzCamera;
 use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
+use crate::exchange::Format;
 use crate::geometry::ImagePoint;
 use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
@@ -111,6 +113,8 @@ pub struct Session {
     pub doubted: Option<Doubted>,
     /// What is done with the video of the shown frame.
     pub video: VideoState,
+    /// What was chosen for exports and imports, and what is under way.
+    pub transfer: Transfer,
     next_notice: u64,
 }
 
@@ -267,6 +271,8 @@ pub enum Dialog {
     ChangedOutside,
     /// Edits that were set aside.
     Orphans,
+    /// Exports, datasets and imports.
+    Transfer,
     /// Edits would be lost.
     NotSaved(Leaving),
 }
@@ -375,8 +381,12 @@ pub enum Question {
     Video,
     /// Where to write a copy of the project.
     CopyTo,
-    /// Where to write the dataset.
-    ExportTo,
+    /// Where to write the document in a format.
+    ExportAs(Format),
+    /// The folder for a dataset.
+    DatasetTo,
+    /// The file or folder of a format to import.
+    ImportFrom(Format),
     /// The document to take a camera from.
     CameraFrom,
     /// Another annotator's document of the same frames.

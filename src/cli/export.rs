@@ -1,15 +1,17 @@
 //! `touchline export`: the document in another format.
 
 use super::Outcome;
+use super::dataset::{DatasetArgs, write_dataset};
 use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use super::output::{print, refuse_existing};
-use crate::document::FrameStatus;
+use crate::document::{FrameStatus, Stage};
 use crate::exchange::{
-    ExportOptions, Format, KeypointNames, PointSource, Rate, Recording, Zoom, export as export_document,
+    ExportOptions, Format, FrameChoice, Gaps, KeypointNames, PointSource, Rate, Recording, Timecode, Zoom,
+    export as export_document,
 };
 use crate::files::read_named_text;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImageSize, Vec3};
 use anyhow::{Context as _, bail};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::path::Path;
@@ -26,11 +28,13 @@ pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
     /// The format.
-    #[arg(long, value_parser = format_parser(Format::exports))]
-    format: Format,
+    #[arg(long, value_parser = format_parser(Format::exports), required_unless_present = "dataset")]
+    format: Option<Format>,
+    #[command(flatten)]
+    dataset: DatasetArgs,
     #[command(flatten)]
     output: DocumentOutput,
-    /// Only frames of these statuses; without it all that are not rejected.
+    /// Only frames of these statuses; without it all that are not rejected (in a dataset: references).
     #[arg(long, value_delimiter = ',', value_parser = parse_status)]
     status: Vec<FrameStatus>,
     /// Only frames of these cameras.
@@ -45,7 +49,7 @@ pub struct ExportArgs {
     /// Another dialect of the format: gamestate (soccernet-lines).
     #[arg(long, value_parser = ["gamestate"])]
     variant: Option<String>,
-    /// Homographies of pictures whose distortion has been taken out.
+    /// Homographies of pictures whose distortion has been taken out; in a dataset these pictures as well.
     #[arg(long)]
     undistorted: bool,
     /// The names of keypoints.
@@ -57,6 +61,15 @@ pub struct ExportArgs {
     /// What happens to keypoints outside of the picture.
     #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
     outside: String,
+    /// Up to so many frames that are missing between solved frames of a video get cameras between theirs, marked as interpolated.
+    #[arg(long, value_name = "FRAMES", conflicts_with = "takes")]
+    interpolate: Option<u64>,
+    /// A gap between the frames of a video begins a new take, in a file of its own.
+    #[arg(long)]
+    takes: bool,
+    /// The timecode of the video's first frame, such as 10:00:00:00, or 10:00:00;00 where numbers are dropped (29.97).
+    #[arg(long, value_name = "TIMECODE", value_parser = parse_timecode)]
+    start: Option<Timecode>,
     /// Frames a second, such as 25, 29.97 or 30000/1001; without it from the frames' times.
     #[arg(long, value_parser = parse_rate)]
     fps: Option<Rate>,
@@ -75,6 +88,12 @@ pub struct ExportArgs {
     /// No person turned the camera (cdf).
     #[arg(long)]
     automated: bool,
+    /// The origin of a studio's stage on the field, m, such as 0,-20,0: tracks (opentrackio, freed, usda, chan) are in its axes.
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_point, allow_hyphen_values = true)]
+    stage_origin: Option<Vec3>,
+    /// Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    stage_heading: Option<f64>,
     /// How FreeD's zoom value says the focal length: focal-px, focal-mm-x100, or a file of two columns, raw value and focal length in px.
     #[arg(long, default_value = "focal-px")]
     zoom: String,
@@ -98,6 +117,24 @@ fn parse_start(text: &str) -> Result<String, String> {
     is_time.then(|| text.to_owned()).ok_or_else(|| format!("{text} is no time in UTC such as 2026-03-01T18:59:30Z"))
 }
 
+impl ExportArgs {
+    /// The stage that was named.
+    fn stage(&self) -> Option<Stage> {
+        let heading = self.stage_heading.filter(|degrees| degrees.is_finite());
+        (self.stage_origin.is_some() || heading.is_some())
+            .then(|| Stage { heading_deg: heading.unwrap_or(0.0), ..Stage::at(self.stage_origin.unwrap_or_default()) })
+    }
+
+    /// What happens where frames are missing.
+    fn gaps(&self) -> Gaps {
+        match self.interpolate {
+            Some(most) => Gaps::Interpolate(most),
+            None if self.takes => Gaps::Takes,
+            None => Gaps::Keep,
+        }
+    }
+}
+
 /// Takes the name of a format that can go this way.
 pub(super) fn format_parser(goes: fn(Format) -> bool) -> impl clap::builder::TypedValueParser<Value = Format> {
     let formats = Format::ALL.into_iter().filter(move |format| goes(*format));
@@ -113,9 +150,7 @@ pub(super) fn format_parser(goes: fn(Format) -> bool) -> impl clap::builder::Typ
 
 /// A status as documents write it.
 fn parse_status(text: &str) -> Result<FrameStatus, String> {
-    let all =
-        [FrameStatus::New, FrameStatus::Draft, FrameStatus::Suggested, FrameStatus::Reference, FrameStatus::Rejected];
-    let found = all.into_iter().find(|status| status.as_str() == text);
+    let found = FrameStatus::ALL.into_iter().find(|status| status.as_str() == text);
     found.ok_or_else(|| format!("{text} is none of new, draft, suggested, reference, rejected"))
 }
 
@@ -128,6 +163,18 @@ pub(super) fn parse_size(text: &str) -> Result<ImageSize, String> {
 
 fn parse_rate(text: &str) -> Result<Rate, String> {
     Rate::parse(text).ok_or_else(|| format!("{text} is no frame rate such as 25, 29.97 or 30000/1001"))
+}
+
+fn parse_timecode(text: &str) -> Result<Timecode, String> {
+    Timecode::parse(text).ok_or_else(|| format!("{text} is no timecode such as 10:00:00:00 or 10:00:00;00"))
+}
+
+/// `0,-20,0`.
+fn parse_point(text: &str) -> Result<Vec3, String> {
+    let parts: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|m: &f64| m.is_finite())).collect();
+    let point = parts.and_then(|parts| <[f64; 3]>::try_from(parts).ok()).map(Vec3::from);
+    point.ok_or_else(|| format!("{text} is no point such as 0,-20,0"))
 }
 
 /// How a zoom value says the focal length, by name or from a file.
@@ -158,19 +205,28 @@ pub(super) fn zoom_of(name: &str) -> anyhow::Result<Zoom> {
 pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> {
     args.output.refuse_existing()?;
     let Loaded { location, document } = args.document.load(messages)?;
-    if args.format == Format::Json && args.status.is_empty() && args.camera.is_empty() && args.min_confidence.is_none()
-    {
-        args.output.write(&document.to_dataset(), location.folder())?;
-        return Ok(Outcome::Done);
-    }
     let known = |name: &&String| document.cameras.iter().any(|camera| camera.id.as_str() == name.as_str());
     if let Some(unknown) = args.camera.iter().find(|name| !known(name)) {
         bail!("there is no camera {unknown:?} in the document");
     }
-    let options = ExportOptions {
+    let frames = FrameChoice {
         statuses: args.status.clone(),
         cameras: args.camera.iter().map(|name| name.as_str().into()).collect(),
         min_confidence: args.min_confidence,
+    };
+    let Some(format) = args.format else {
+        let at = document.at(location.folder());
+        return write_dataset(at, &args.dataset, frames, args.undistorted, args.output.force, messages);
+    };
+    if format == Format::Json && frames == FrameChoice::default() {
+        args.output.write(&document.to_dataset(), location.folder())?;
+        return Ok(Outcome::Done);
+    }
+    let options = ExportOptions {
+        frames,
+        gaps: args.gaps(),
+        start: args.start,
+        stage: args.stage(),
         size: args.size,
         game_state: args.variant.as_deref() == Some("gamestate"),
         undistorted: args.undistorted,
@@ -187,7 +243,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             is_automated: args.automated,
         },
     };
-    let exported = export_document(document.at(location.folder()), args.format, &options)?;
+    let exported = export_document(document.at(location.folder()), format, &options)?;
     for note in exported.loss.iter().map(ToString::to_string).chain(exported.notes.iter().cloned()) {
         messages.note(&note);
     }
@@ -199,7 +255,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             refuse_existing(path, args.output.force)?;
             exported.write(path, args.output.force)?;
         }
-        None if args.format.is_folder() => bail!("{} makes a folder; name it with -o", args.format),
+        None if exported.is_folder() => bail!("{format} makes a folder; name it with -o"),
         None => {
             let bytes = exported.files.sorted().first().map_or(&[][..], |(_, bytes)| bytes);
             print(std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?)?;

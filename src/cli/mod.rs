@@ -6,6 +6,7 @@
 
 mod calibrate;
 mod check;
+mod dataset;
 mod document;
 mod evaluate;
 mod experiment;
@@ -52,7 +53,7 @@ enum Command {
     Check(check::CheckArgs),
     Evaluate(evaluate::EvaluateArgs),
     Experiment(experiment::ExperimentArgs),
-    Export(export::ExportArgs),
+    Export(Box<export::ExportArgs>),
     Fields(fields::FieldsArgs),
     Import(import::ImportArgs),
     New(new::NewArgs),

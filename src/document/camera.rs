@@ -11,20 +11,25 @@ const EXACT_ROTATION: f64 = 1e-14;
 
 /// A camera of the document: its picture, and its base as far as it is known.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Camera {
     /// Its name; frames refer to it.
     pub id: CameraId,
     /// The size of its pictures, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535))))]
     #[serde(rename = "image_size_px", with = "adapters::image_size")]
     pub image_size: ImageSize,
     /// The principal point, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     #[serde(rename = "principal_point_px", with = "adapters::image_point")]
     pub principal_point: ImagePoint,
     /// The centre of projection in `world`, m.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 3]>"))]
     #[serde(default, with = "adapters::optional_vector", skip_serializing_if = "Option::is_none")]
     pub position_m: Option<Vec3>,
     /// The rotation from `world` to `base` as the document states it, a rotation up to rounded digits
     /// ([`Camera::base`] tidies them).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
     #[serde(default, with = "adapters::optional_rotation", skip_serializing_if = "Option::is_none")]
     pub base_from_world: Option<Mat3>,
     /// The lens; absent: no distortion, unless a frame brings its own k₁.
@@ -34,17 +39,23 @@ pub struct Camera {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sigma: Option<CameraSigma>,
     /// Boxes that are excluded from feature detection in all frames: the score bug, a logo.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
     /// Further such boxes that count for a part of the frames, or that the program found itself.
     #[serde(rename = "masks", default, skip_serializing_if = "Vec::is_empty")]
     pub ranged_masks: Vec<RangedMask>,
     /// 1-σ of a click in its pictures, px, where it is known.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub click_noise_px: Option<f64>,
     /// The width of its sensor, mm, where it is known.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub sensor_width_mm: Option<f64>,
+    /// The stage of a virtual production in whose axes its tracks are written.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stage: Option<Stage>,
     /// The field this camera looks at, where it is not the document's.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub field: Option<FieldSpec>,
@@ -53,13 +64,40 @@ pub struct Camera {
     pub extra: Extra,
 }
 
+/// Where the stage of a virtual production lies on the field.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Stage {
+    /// Its origin in `world`, m.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
+    #[serde(with = "adapters::vector")]
+    pub origin_m: Vec3,
+    /// Where its y axis looks, seen from above: 0 is across the field, positive to the right, degrees.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(default, with = "adapters::number")]
+    pub heading_deg: f64,
+    /// Unknown keys.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+impl Stage {
+    /// A stage in the field's axes, with its origin there.
+    #[must_use]
+    pub fn at(origin_m: Vec3) -> Self {
+        Self { origin_m, heading_deg: 0.0, extra: Extra::new() }
+    }
+}
+
 /// The lens of a camera: Brown's model on normalised coordinates.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Distortion {
     /// k₁ by focal length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub k1: Option<K1Curve>,
     /// k₂ = this · k₁², at every focal length; absent: k₂ is zero. From 0.45 on the lens folds nowhere.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub k2_per_k1_squared: Option<f64>,
     /// Unknown keys, further coefficients among them.
@@ -69,14 +107,18 @@ pub struct Distortion {
 
 /// k₁ = `value` + `per_1000_px` · (f − `at_focal_px`) / 1000.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct K1Curve {
     /// The focal length at which `value` holds, px.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub at_focal_px: f64,
     /// k₁ there.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(with = "adapters::number")]
     pub value: f64,
     /// The change of k₁ per 1000 px of focal length.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub per_1000_px: f64,
     /// Unknown keys.
@@ -86,11 +128,14 @@ pub struct K1Curve {
 
 /// Prior 1-σ of a base in the document's units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CameraSigma {
     /// Along world x, y, z, m.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     #[serde(default, with = "adapters::vector")]
     pub position_m: Vec3,
     /// About world x, y, z (z is the pan gauge), degrees.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     #[serde(default, with = "adapters::vector")]
     pub rotation_deg: Vec3,
     /// Unknown keys.
@@ -126,6 +171,7 @@ impl Camera {
             ranged_masks: Vec::new(),
             click_noise_px: None,
             sensor_width_mm: None,
+            stage: None,
             field: None,
             extra: Extra::new(),
         }

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 /// The name of a camera, unique within a document.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct CameraId(Arc<str>);
 

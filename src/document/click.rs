@@ -7,12 +7,21 @@ use serde::{Deserialize, Serialize};
 
 /// What of the field a click shows.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Target {
     /// A landmark: the click is its image.
-    Landmark(#[serde(with = "adapters::name")] LandmarkId),
+    Landmark(
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
+        #[serde(with = "adapters::name")]
+        LandmarkId,
+    ),
     /// A line, circle or arc: the click lies somewhere on its image.
-    Line(#[serde(with = "adapters::name")] LineId),
+    Line(
+        #[cfg_attr(feature = "schema", schemars(with = "String"))]
+        #[serde(with = "adapters::name")]
+        LineId,
+    ),
 }
 
 impl Target {
@@ -55,6 +64,7 @@ impl Target {
 
 /// A click in a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(try_from = "ClickJson", into = "ClickJson")]
 pub struct Click {
     /// What it shows; none while it has no name. A project may contain such a click, a dataset never does.
@@ -97,15 +107,18 @@ impl Click {
 }
 
 #[derive(Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 struct ClickJson {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     landmark: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     line: Option<String>,
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     #[serde(with = "adapters::image_point")]
     image_px: ImagePoint,
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     check: bool,
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     snapped_sigma_px: Option<f64>,
     #[serde(flatten)]

@@ -10,14 +10,17 @@ const PLAUSIBLE_FACTOR: std::ops::RangeInclusive<f64> = 0.05..=20.0;
 
 /// An annotator's own click noise as a document keeps it (`click_noise`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClickNoise {
     /// The solve uses it.
     #[serde(rename = "use")]
     pub in_use: bool,
     /// The annotator's scatter as a multiple of the usual one.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", extend("exclusiveMinimum" = 0)))]
     #[serde(rename = "hand_factor", with = "adapters::positive")]
     pub factor: f64,
     /// The same for single landmarks.
+    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, f64>"))]
     #[serde(
         rename = "hand_factor_by_landmark",
         default,
@@ -26,6 +29,7 @@ pub struct ClickNoise {
     )]
     pub factor_by_landmark: BTreeMap<String, f64>,
     /// 1-σ of a click in each direction, px at 1920 px width, for people.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", extend("exclusiveMinimum" = 0)))]
     #[serde(with = "adapters::positive")]
     pub sigma_px: f64,
     /// Its 95 % interval, px.
@@ -39,6 +43,7 @@ pub struct ClickNoise {
 
 /// What a document keeps of the scatter of its clicks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum StoredClickNoise {
     /// An annotator's own.

@@ -16,10 +16,12 @@ const SIZE: [&str; 2] = ["length_m", "width_m"];
 
 /// Which field: a template and its parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FieldSpec {
     /// The template's name: `soccer`.
     pub template: String,
     /// Its parameters by name, such as `length_m` and `crown_m`; absent ones take the template's defaults.
+    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, f64>"))]
     #[serde(default, with = "adapters::numbers_by_name")]
     pub params: BTreeMap<String, f64>,
     /// Where its size comes from: `assumed` (also where it is absent), `confirmed`, `fitted`.
@@ -32,6 +34,7 @@ pub struct FieldSpec {
 
 /// Where the size of a field comes from.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSize {
     /// Not checked: the template's usual size, or a guess.

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// A frame: a picture, what people clicked in it, and how the camera was pointed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Frame {
     /// The id that edits, suggestions and undo refer to; unique within the document.
     #[serde(default, skip_serializing_if = "FrameId::is_missing")]
@@ -29,6 +30,7 @@ pub struct Frame {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
     /// The size of the picture, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[u32; 2]", inner(range(min = 1, max = 65535))))]
     #[serde(rename = "image_size_px", with = "adapters::image_size")]
     pub image_size: ImageSize,
     /// How far it has come.
@@ -62,6 +64,7 @@ pub struct Frame {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub repeats: Vec<Repeat>,
     /// Boxes that are excluded from feature detection in this frame: players.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<[f64; 4]>"))]
     #[serde(rename = "masks_px", default, with = "adapters::boxes", skip_serializing_if = "Vec::is_empty")]
     pub masks: Vec<PixelBox>,
     /// Pan, tilt and focal length; none: unsolved.
@@ -92,12 +95,14 @@ fn clicks<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Click>, D::E
 
 /// A frame of a video.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct VideoFrame {
     /// The video file, relative to the document's folder or absolute.
     pub path: String,
     /// The decoded frame, counted from 0.
     pub frame_index: u64,
     /// Its time from the stream's start, s.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub pts_s: Option<f64>,
     /// Unknown keys.
@@ -107,6 +112,7 @@ pub struct VideoFrame {
 
 /// How far a frame has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FrameStatus {
     /// Nobody has looked at it.
@@ -123,6 +129,9 @@ pub enum FrameStatus {
 }
 
 impl FrameStatus {
+    /// Every status, in the order in which a frame goes through them.
+    pub const ALL: [Self; 5] = [Self::New, Self::Draft, Self::Suggested, Self::Reference, Self::Rejected];
+
     /// The name in documents.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
@@ -138,6 +147,7 @@ impl FrameStatus {
 
 /// Why a frame is not calibratable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum RejectReason {
     /// A close-up.
@@ -162,6 +172,7 @@ impl RejectReason {
 
 /// The name of a shot: a number or a word.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Clip {
     /// A number.
@@ -181,6 +192,7 @@ impl fmt::Display for Clip {
 
 /// The last change of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Edited {
     /// The annotator's name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -189,6 +201,7 @@ pub struct Edited {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub at: Option<String>,
     /// How long it was worked on altogether, s.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
     /// The program that did it.

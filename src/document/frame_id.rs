@@ -13,6 +13,7 @@ const MAX_BYTES: usize = 128;
 /// A frame that is made takes its id from its picture. One that was read without an id has an empty one until it is among
 /// the frames of a document, which give it its own.
 #[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
 pub struct FrameId(Arc<str>);
 

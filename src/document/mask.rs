@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 
 /// A box of a camera whose pixels give no features, for some of its frames or all.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RangedMask {
     /// The box, px.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 4]"))]
     #[serde(rename = "box_px", with = "adapters::pixel_box")]
     pub pixel_box: PixelBox,
     /// The first video frame that it covers, counted from 0; absent: from the start.
@@ -25,6 +27,7 @@ pub struct RangedMask {
 
 /// Where a mask is from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum MaskSource {
     /// The program found a graphic that is burnt into the pictures.

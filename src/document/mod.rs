@@ -35,6 +35,7 @@
 //! | `masks?` | boxes for some frames, or found by the program: `box_px`, `from?`, `to?` (video frames), `source`: `found`, `by_hand` ([`RangedMask`]) |
 //! | `click_noise_px?` | 1-σ of a click in its pictures, px |
 //! | `sensor_width_mm?` | the width of its sensor, mm |
+//! | `stage?` | the stage in whose axes its tracks are written: `origin_m`, `heading_deg?` ([`Stage`]) |
 //! | `field?` | its own field, where that is not the document's |
 //!
 //! A frame ([`Frame`]):
@@ -106,6 +107,7 @@ mod old_edit;
 mod paths;
 mod read;
 mod repeat;
+mod schema;
 mod shared;
 mod shot;
 mod shots;
@@ -119,7 +121,7 @@ mod video_shots;
 mod write;
 
 pub use at::DocumentAt;
-pub use camera::{Camera, CameraSigma, Distortion, K1Curve};
+pub use camera::{Camera, CameraSigma, Distortion, K1Curve, Stage};
 pub use camera_id::CameraId;
 pub use click::{Click, Target};
 pub use click_noise::{ClickNoise, StoredClickNoise};
@@ -143,6 +145,9 @@ pub(crate) use paths::path_between;
 pub(crate) use paths::resolved;
 pub use read::{ReadError, document_from_bytes};
 pub use repeat::Repeat;
+pub use schema::SCHEMA;
+#[cfg(feature = "schema")]
+pub use schema::schema_of_types;
 pub use shared::Shared;
 pub use shot::{Shot, ShotEnd, ShotKind};
 pub use shots::shots;

@@ -131,23 +131,43 @@ fn refuse_depth(text: &str) -> Result<(), ReadError> {
     Ok(())
 }
 
+/// What no document lacks: a file without the first two is none.
+#[cfg(feature = "schema")]
+const REQUIRED: [&str; 5] = ["format", "version", "field", "cameras", "frames"];
+
 #[derive(Deserialize)]
-struct DocumentJson {
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(title = "touchline document", extend("required" = REQUIRED)))]
+pub(super) struct DocumentJson {
+    /// Always `touchline`.
+    #[cfg_attr(feature = "schema", schemars(with = "String", extend("const" = FORMAT_NAME)))]
     #[serde(default)]
     format: Value,
+    /// The version of the schema; a newer one than the program knows is refused.
+    #[cfg_attr(feature = "schema", schemars(with = "u64", range(min = 1, max = DOCUMENT_VERSION)))]
     #[serde(default)]
     version: Value,
+    /// The program that wrote it.
     #[serde(default)]
     generator: String,
+    /// World, image, rotation and angles in words.
     #[serde(default = "conventions")]
     conventions: Map<String, Value>,
+    /// The field, unless a camera has its own.
     field: FieldSpec,
+    /// The cameras.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Camera>"))]
     cameras: Vec<Shared<Camera>>,
+    /// The frames, in the order in which a person steps through them.
+    #[cfg_attr(feature = "schema", schemars(with = "Vec<Frame>"))]
     frames: Vec<Shared<Frame>>,
+    /// The annotator's own click noise.
     #[serde(default)]
     click_noise: Option<StoredClickNoise>,
+    /// The shots of its videos.
     #[serde(default)]
     shots: Vec<Shot>,
+    /// Unknown keys.
     #[serde(flatten)]
     extra: Extra,
 }

@@ -7,11 +7,14 @@ use serde::{Deserialize, Serialize};
 
 /// A landmark of a labelled frame, clicked again without a look at the label.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Repeat {
     /// What was asked for.
+    #[cfg_attr(feature = "schema", schemars(with = "String"))]
     #[serde(with = "adapters::name")]
     pub landmark: LandmarkId,
     /// Where it was clicked, px of the frame.
+    #[cfg_attr(feature = "schema", schemars(with = "[f64; 2]"))]
     #[serde(rename = "image_px", with = "adapters::image_point")]
     pub image: ImagePoint,
     /// In which round of the document, from 1.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// A shot of a video as a document lists it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Shot {
     /// Its first frame.
     pub from: ShotEnd,
@@ -22,6 +23,7 @@ pub struct Shot {
 
 /// Where a shot begins or ends.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum ShotEnd {
     /// A frame of the video, counted from 0.
@@ -32,6 +34,7 @@ pub enum ShotEnd {
 
 /// How a shot was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ShotKind {
     /// By a hard cut.

@@ -8,20 +8,26 @@ use serde::{Deserialize, Serialize};
 
 /// Pan, tilt and focal length of a frame in the document's units.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FramePtz {
     /// Positive to the right, degrees in (−180, 180].
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(with = "adapters::degrees")]
     pub pan_deg: f64,
     /// Positive up, degrees in (−180, 180].
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(with = "adapters::degrees")]
     pub tilt_deg: f64,
     /// px of the frame.
+    #[cfg_attr(feature = "schema", schemars(with = "f64", extend("exclusiveMinimum" = 0)))]
     #[serde(with = "adapters::positive")]
     pub focal_px: f64,
     /// The k₁ that was used. It is input only where the camera has no curve.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub k1: Option<f64>,
     /// The k₂ that was used, where it is not zero: a record, never an input.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub k2: Option<f64>,
     /// Unknown keys.
@@ -58,20 +64,25 @@ impl FramePtz {
 
 /// How a frame's `ptz` came about and how good it is.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Solution {
     /// Covariance in the order `pan_deg`, `tilt_deg`, `focal_px` (deg², deg·px, px²).
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
     #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Mat3>,
     /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub rms_px: Option<f64>,
     /// 1-σ of the overlay at the worst corner of the picture, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub worst_corner_sigma_px: Option<f64>,
     /// What it was solved from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<SolutionSource>,
     /// The probability that the overlay is right within 10 px at 1920 px width.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// How many samples of painted lines took part, where they did.
@@ -103,6 +114,7 @@ pub struct Solution {
 /// A camera that the program proposed. A frame keeps it when a person corrects it: fewer clicks than decide by themselves
 /// start from it, and without clicks it holds again.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Proposed {
     /// How the camera was pointed.
     #[serde(flatten)]
@@ -110,20 +122,25 @@ pub struct Proposed {
     /// Who proposed it.
     pub source: SolutionSource,
     /// The probability that it is right.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub confidence: Option<f64>,
     /// Its covariance in the order `pan_deg`, `tilt_deg`, `focal_px`.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
     #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Mat3>,
     /// 1-σ of its overlay at the worst corner of the picture, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub worst_corner_sigma_px: Option<f64>,
 }
 
 /// What the painted lines of a picture say about a camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PaintEvidence {
     /// The probability that the camera is right within 10 px at 1920 px width, by the paint alone.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(with = "adapters::number")]
     pub score: f64,
     /// Places of the lines that the camera puts into the picture.
@@ -133,15 +150,19 @@ pub struct PaintEvidence {
     /// Those that show open ground and no paint.
     pub bare: usize,
     /// The median distance of the paint from where it is predicted, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub offset_px: Option<f64>,
     /// The median of how far the paint lies below the lines that are predicted, across them, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub bias_px: Option<f64>,
     /// How far apart the overlays are that two halves of the paint would give, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub halves_px: Option<f64>,
     /// The share of the paint on the playing area that no predicted line explains.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
     pub unexplained: Option<f64>,
     /// Unknown keys.
@@ -151,14 +172,18 @@ pub struct PaintEvidence {
 
 /// What a relocalization took, ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TimingsMs {
     /// Finding the features, without reading the picture.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub features: f64,
     /// Asking the forest.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub predict: f64,
     /// Finding the pose.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
     #[serde(default, with = "adapters::number")]
     pub pose: f64,
     /// Unknown keys.
@@ -168,6 +193,7 @@ pub struct TimingsMs {
 
 /// What a frame was solved from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum SolutionSource {
@@ -183,10 +209,13 @@ pub enum SolutionSource {
     Import,
     /// Numbers that a person set by hand.
     Manual,
+    /// The solved frames before and after it.
+    Interpolated,
 }
 
 /// Something about a solution that a person should know.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SolutionWarning {
     /// `separation`, `swapped`, `mirrored`, `wrong_line`, `two_roots`, …; the list may grow.
     pub code: String,
@@ -220,6 +249,7 @@ impl SolutionWarning {
 
 /// A name that fits a click better than its own.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BetterName {
     /// Which click, from 0.
     pub click: usize,

@@ -53,6 +53,8 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     let mut text = String::new();
     broken(&Value::Object(root), 0, &mut text);
     text.push('\n');
+    #[cfg(test)]
+    super::schema::tests::assert_valid(&text);
     Ok(text)
 }
 

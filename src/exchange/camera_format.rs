@@ -4,7 +4,9 @@ use super::error::ExchangeError;
 use super::files::Files;
 use super::frame_camera::FrameCamera;
 use super::into_document::Exactness;
-use super::options::{ExportOptions, ImportOptions, Rate};
+use super::options::{ExportOptions, ImportOptions};
+use super::rate::Rate;
+use super::timecode::Timecode;
 use crate::field::FieldModel;
 use std::path::Path;
 
@@ -19,6 +21,13 @@ pub struct WriteContext<'a> {
     pub field: &'a FieldModel,
     /// Frames a second, where it is known.
     pub rate: Option<Rate>,
+}
+
+impl WriteContext<'_> {
+    /// The timecode of a frame, where its number and the rate are known.
+    pub fn timecode(&self, frame: &FrameCamera) -> Option<Timecode> {
+        Some(Timecode::from_start(self.options.start, frame.frame_index?, self.rate?))
+    }
 }
 
 /// A format that holds a camera or a homography for each frame.

@@ -2,18 +2,18 @@
 
 use super::error::ExchangeError;
 use super::format::Format;
-use super::options::ExportOptions;
+use super::options::FrameChoice;
 use crate::document::{Frame, FrameStatus};
 
 /// Whether a frame is asked for.
-pub fn is_chosen(frame: &Frame, options: &ExportOptions) -> bool {
-    let by_status = match options.statuses.as_slice() {
+pub fn is_chosen(frame: &Frame, choice: &FrameChoice) -> bool {
+    let by_status = match choice.statuses.as_slice() {
         [] => frame.status != FrameStatus::Rejected,
         statuses => statuses.contains(&frame.status),
     };
     let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-    let by_confidence = options.min_confidence.is_none_or(|least| confidence.is_none_or(|of| of >= least));
-    by_status && by_confidence && (options.cameras.is_empty() || options.cameras.contains(&frame.camera))
+    let by_confidence = choice.min_confidence.is_none_or(|least| confidence.is_none_or(|of| of >= least));
+    by_status && by_confidence && (choice.cameras.is_empty() || choice.cameras.contains(&frame.camera))
 }
 
 /// Why nothing is left to export.

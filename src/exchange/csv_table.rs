@@ -12,7 +12,6 @@ use super::held::{parts, relative_name};
 use super::node::safe_path;
 use super::options::ImportOptions;
 use super::table::{Row, Table, push_row, text_cell};
-use super::timecode::Timecode;
 use super::values::side_px;
 use crate::camera::Radial;
 use crate::document::{FrameStatus, SolutionSource};
@@ -78,7 +77,7 @@ fn source_name(source: SolutionSource) -> String {
 
 fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &WriteContext<'_>) -> Vec<String> {
     let record = &frame.record;
-    let timecode = frame.frame_index.zip(context.rate).map(|(index, rate)| Timecode::of(index, rate).to_string());
+    let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
     let (translation, c) = (pinhole.translation(), pinhole.position_m);
     let mut row = vec![
         frame.frame_index.map(|index| index.to_string()).unwrap_or_default(),
@@ -88,7 +87,7 @@ fn row_of(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &Wri
         frame.camera.as_deref().map(text_cell).unwrap_or_default(),
         record.status.as_str().to_owned(),
         record.source.map(source_name).unwrap_or_default(),
-        "0".to_owned(),
+        u8::from(record.source == Some(SolutionSource::Interpolated)).to_string(),
         size.width.to_string(),
         size.height.to_string(),
         field(record.ptz.map(|ptz| ptz.pan.degrees())),

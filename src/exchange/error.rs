@@ -126,6 +126,35 @@ pub enum ExchangeError {
         /// Why each was left out.
         why: String,
     },
+    /// No frame is left for a dataset.
+    #[error("no frame for the dataset: {why}")]
+    EmptyDataset {
+        /// Why.
+        why: String,
+    },
+    /// Something other than a dataset is where one should go.
+    #[error("{} holds something that is no dataset of this program; give another folder", path.display())]
+    NoDatasetThere {
+        /// Where.
+        path: PathBuf,
+    },
+    /// A hard link leads to no other disk.
+    #[error("{} cannot be linked as {}: it lies on another disk; copy the pictures instead (--images copy)", from.display(), to.display())]
+    OtherDisk {
+        /// The picture.
+        from: PathBuf,
+        /// The link.
+        to: PathBuf,
+    },
+    /// A picture cannot be read.
+    #[error(transparent)]
+    Media(#[from] crate::media::MediaError),
+    /// A picture cannot be written.
+    #[error("a picture cannot be encoded: {0}")]
+    Encoding(#[from] image::ImageError),
+    /// Somebody ended it.
+    #[error("stopped; nothing was written")]
+    Stopped,
     /// Two frames would be written to one place.
     #[error("{first} and {second} would both be written as {name}; export them one camera or folder at a time")]
     SameName {

@@ -7,9 +7,10 @@ use super::export_clicks::export_clicks;
 use super::exported::Exported;
 use super::files::Files;
 use super::format::Format;
-use super::options::ExportOptions;
+use super::gaps::{in_takes, interpolated};
+use super::options::{ExportOptions, FrameChoice, Gaps};
 use super::registry::{camera_format, click_format};
-use crate::document::{DocumentAt, document_to_string};
+use crate::document::{DocumentAt, document_to_string, resolved};
 
 /// The document in a foreign format, read again and compared. Nothing is written to the disk.
 ///
@@ -21,7 +22,17 @@ pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Re
         return Err(ExchangeError::OneWay { format, what: "exported", instead: "imported" });
     }
     if let Some(camera_format) = camera_format(format) {
-        return export_cameras(at, format, camera_format, options);
+        let export = |at: DocumentAt<'_>, options: &ExportOptions| export_cameras(at, format, camera_format, options);
+        return match options.gaps {
+            Gaps::Keep => export(at, options),
+            Gaps::Interpolate(most) => {
+                let filled = interpolated(at.document, &options.frames, most);
+                // Everything in it was chosen, or lies between what was.
+                let options = ExportOptions { frames: FrameChoice::everything(), ..options.clone() };
+                export(filled.at(at.folder), &options)
+            }
+            Gaps::Takes => in_takes(at, &options.frames, &|at| export(at, options)),
+        };
     }
     match click_format(format) {
         Some(click_format) => export_clicks(at, format, click_format, options),
@@ -32,7 +43,9 @@ pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Re
 /// The chosen frames as a dataset.
 fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, ExchangeError> {
     let mut dataset = at.document.to_dataset();
-    let is_left = |frame: &crate::document::Frame| is_chosen(frame, options);
+    // Without a choice it is whole, rejected frames included.
+    let is_whole = options.frames == FrameChoice::default();
+    let is_left = |frame: &crate::document::Frame| is_whole || is_chosen(frame, &options.frames);
     let frames: Vec<_> = dataset.frames.iter().filter(|frame| is_left(frame)).cloned().collect();
     let count = frames.len();
     dataset.frames = frames.into_iter().collect();
@@ -44,5 +57,7 @@ fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, Exch
         loss: None,
         notes: Vec::new(),
         worst_px: 0.0,
+        in_takes: false,
+        dataset: Some((dataset, resolved(at.folder))),
     })
 }

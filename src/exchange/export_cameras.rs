@@ -9,8 +9,10 @@ use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole, Record, Shown};
 use super::into_document::document_of;
 use super::loss::{farthest_landmark, loss_between};
-use super::options::{ExportOptions, Rate};
-use crate::document::{Document, DocumentAt, Fields, Frame};
+use super::options::ExportOptions;
+use super::rate::Rate;
+use super::stage::{in_stage, in_world, takes_stage};
+use crate::document::{Camera, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use crate::field::FieldModel;
 use crate::geometry::ImageSize;
 use std::collections::BTreeMap;
@@ -71,7 +73,7 @@ pub fn export_cameras(
     let mut left_out = Vec::new();
     let mut chosen: Vec<FrameCamera> = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, options)) {
+    for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
         let Some(camera) = frame_camera(document, frame, options.size) else {
             left_out.push((frame.name(), "it is not solved".to_owned()));
             continue;
@@ -95,6 +97,10 @@ pub fn export_cameras(
         chosen.push(camera);
     }
     let Some(field) = of_field else { return Err(nothing(format, &left_out)) };
+    let options = &ExportOptions {
+        sensor_width_mm: options.sensor_width_mm.or_else(|| shared(document, &chosen, |camera| camera.sensor_width_mm)),
+        ..options.clone()
+    };
     let context = WriteContext { options, field: &field, rate: options.rate.or_else(|| rate_of(&chosen)) };
     let mut held = Vec::with_capacity(chosen.len());
     for (index, frame) in chosen.iter().enumerate() {
@@ -102,9 +108,20 @@ pub fn export_cameras(
         held.push(kept.map_err(|why| ExchangeError::CannotHold { frame: frame.name.clone(), format, why })?);
     }
     refuse_same_names(&chosen, &held)?;
-    let files = camera_format.write(&held, &context)?;
-    let worst_px = if format.imports() { prove(format, camera_format, &files, &held, &context)? } else { 0.0 };
+    let asked = options.stage.clone().or_else(|| shared(document, &chosen, |camera| camera.stage.clone()));
+    let stage = asked.as_ref().filter(|_| takes_stage(format));
+    let files = match stage {
+        Some(stage) => {
+            let staged: Vec<FrameCamera> = held.iter().map(|frame| in_stage(frame, stage)).collect();
+            camera_format.write(&staged, &context)?
+        }
+        None => camera_format.write(&held, &context)?,
+    };
+    let proof = Proof { format, of: camera_format, stage };
+    let worst_px = if format.imports() { proof.worst_px(&files, &held, &context)? } else { 0.0 };
     let mut notes = camera_format.notes(&held, &context);
+    notes.extend(stage_note(format, options.stage.as_ref(), stage));
+    notes.extend(interpolated_note(&held));
     if let Some(size) = document.field.assumed_size() {
         notes.push(format!("the field's size of {size} is assumed, not confirmed"));
     }
@@ -115,8 +132,41 @@ pub fn export_cameras(
         loss: loss_between(&chosen, &held, &field),
         notes,
         worst_px,
+        in_takes: false,
+        dataset: None,
         files,
     })
+}
+
+/// What the document states alike for the cameras of all these frames.
+fn shared<T: PartialEq>(document: &Document, frames: &[FrameCamera], of: impl Fn(&Camera) -> Option<T>) -> Option<T> {
+    let stated = |frame: &FrameCamera| of(document.camera(&frame.camera.as_deref()?.into())?);
+    let mut stated = frames.iter().map(stated);
+    let first = stated.next()??;
+    stated.all(|other| other.as_ref() == Some(&first)).then_some(first)
+}
+
+/// In which axes a track is.
+fn stage_note(format: Format, asked: Option<&Stage>, stage: Option<&Stage>) -> Option<String> {
+    match (asked, stage) {
+        (_, Some(Stage { origin_m, heading_deg, .. })) => Some(format!(
+            "it is in the axes of the stage: origin at ({}, {}, {}) m of the field, heading {heading_deg}°",
+            origin_m.x, origin_m.y, origin_m.z
+        )),
+        (Some(_), None) => Some(format!("{format} is written in the field's axes; the stage is for tracks")),
+        (None, None) => None,
+    }
+}
+
+/// The frames whose cameras lie between those of others, so that nobody takes them for labels.
+fn interpolated_note(frames: &[FrameCamera]) -> Option<String> {
+    let numbers: Vec<u64> = frames
+        .iter()
+        .filter(|frame| frame.record.source == Some(SolutionSource::Interpolated))
+        .filter_map(|frame| frame.frame_index)
+        .collect();
+    let (first, last) = (numbers.first()?, numbers.last()?);
+    Some(format!("{} frames are interpolated, the first {first}, the last {last}", numbers.len()))
 }
 
 fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(), ExchangeError> {
@@ -130,44 +180,52 @@ fn refuse_same_names(frames: &[FrameCamera], held: &[FrameCamera]) -> Result<(),
     Ok(())
 }
 
-/// Reads the files again, as frames and as a document, and compares every landmark; the farthest, px.
-fn prove(
+/// What is written, to be read again.
+struct Proof<'a> {
     format: Format,
-    of: &dyn CameraFormat,
-    files: &Files,
-    held: &[FrameCamera],
-    context: &WriteContext<'_>,
-) -> Result<f64, ExchangeError> {
-    let reading = of.reading(held, context.options);
-    let read = of.read(files, &reading)?;
-    let by_name: BTreeMap<&str, &FrameCamera> = read.iter().map(|frame| (frame.name.as_str(), frame)).collect();
-    let mut views = Vec::with_capacity(held.len());
-    let mut pairs: Vec<(&FrameCamera, FrameCamera)> = Vec::with_capacity(2 * held.len());
-    for kept in held {
-        let Some(again) = by_name.get(kept.name.as_str()).filter(|_| read.len() == held.len()) else {
-            return Err(ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format });
-        };
-        if let (Some(size), Shown::Camera(view)) = (kept.size, &again.shown) {
-            views.push(((*again).clone(), size, *view));
+    of: &'a dyn CameraFormat,
+    /// The stage in whose axes it is written.
+    stage: Option<&'a Stage>,
+}
+
+impl Proof<'_> {
+    /// Reads the files again, as frames and as a document, and compares every landmark; the farthest, px.
+    fn worst_px(&self, files: &Files, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<f64, ExchangeError> {
+        let Proof { format, of, stage } = *self;
+        let reading = of.reading(held, context.options);
+        let mut read = of.read(files, &reading)?;
+        if let Some(stage) = stage {
+            read = read.iter().map(|frame| in_world(frame, stage)).collect();
         }
-        pairs.push((kept, (*again).clone()));
-    }
-    // As a document: frames share bases there, and pan, tilt and focal length are what is left.
-    let document = document_of(reading.field, &views, of.exactness());
-    for (kept, frame) in held.iter().zip(&document.frames) {
-        let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
-        let otherwise = || ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
-        pairs.push((kept, FrameCamera { shown: camera.ok_or_else(otherwise)?, ..kept.clone() }));
-    }
-    let mut worst_px = 0.0_f64;
-    for (kept, again) in pairs {
-        let (what, off_px) = farthest_landmark(kept, &again, context.field);
-        let allowed_px = of.resolution_px(kept);
-        if !(off_px <= allowed_px) {
-            let frame = kept.name.clone();
-            return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
+        let by_name: BTreeMap<&str, &FrameCamera> = read.iter().map(|frame| (frame.name.as_str(), frame)).collect();
+        let mut views = Vec::with_capacity(held.len());
+        let mut pairs: Vec<(&FrameCamera, FrameCamera)> = Vec::with_capacity(2 * held.len());
+        for kept in held {
+            let Some(again) = by_name.get(kept.name.as_str()).filter(|_| read.len() == held.len()) else {
+                return Err(ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format });
+            };
+            if let (Some(size), Shown::Camera(view)) = (kept.size, &again.shown) {
+                views.push(((*again).clone(), size, *view));
+            }
+            pairs.push((kept, (*again).clone()));
         }
-        worst_px = worst_px.max(off_px);
+        // As a document: frames share bases there, and pan, tilt and focal length are what is left.
+        let document = document_of(reading.field, &views, of.exactness());
+        for (kept, frame) in held.iter().zip(&document.frames) {
+            let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
+            let otherwise = || ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
+            pairs.push((kept, FrameCamera { shown: camera.ok_or_else(otherwise)?, ..kept.clone() }));
+        }
+        let mut worst_px = 0.0_f64;
+        for (kept, again) in pairs {
+            let (what, off_px) = farthest_landmark(kept, &again, context.field);
+            let allowed_px = of.resolution_px(kept);
+            if !(off_px <= allowed_px) {
+                let frame = kept.name.clone();
+                return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
+            }
+            worst_px = worst_px.max(off_px);
+        }
+        Ok(worst_px)
     }
-    Ok(worst_px)
 }

@@ -34,7 +34,7 @@ pub fn export_clicks(
     let mut left_out = Vec::new();
     let mut of_field: Option<Arc<FieldModel>> = None;
     let mut chosen: Vec<ClickedFrame> = Vec::new();
-    for frame in document.frames.iter().filter(|frame| is_chosen(frame, options)) {
+    for frame in document.frames.iter().filter(|frame| is_chosen(frame, &options.frames)) {
         let field = fields.of_frame(document, frame);
         let is_projected = options.points == PointSource::Projected;
         let clicks = if is_projected {
@@ -76,7 +76,17 @@ pub fn export_clicks(
     }
     let files = click_format.write(&chosen, &context)?;
     let worst_px = prove(format, click_format, &files, &chosen, &context)?;
-    Ok(Exported { format, frames: chosen.len(), left_out, loss: None, notes: dropped.notes(format), worst_px, files })
+    Ok(Exported {
+        format,
+        frames: chosen.len(),
+        left_out,
+        loss: None,
+        notes: dropped.notes(format),
+        worst_px,
+        in_takes: false,
+        dataset: None,
+        files,
+    })
 }
 
 /// The file name of a frame's picture.

@@ -1,13 +1,14 @@
 //! What an export made.
 
 use super::error::ExchangeError;
-use super::files::Files;
+use super::files::{Files, parent};
 use super::format::Format;
 use super::loss::Loss;
-use std::path::Path;
+use crate::document::{Document, document_to_string, resolved};
+use std::path::{Path, PathBuf};
 
 /// An export that has proved itself and waits to be written.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Exported {
     /// The format.
     pub format: Format,
@@ -23,14 +24,27 @@ pub struct Exported {
     pub notes: Vec<String>,
     /// How far a landmark or click moved when the files were read again, at most, px.
     pub worst_px: f64,
+    /// It is divided into takes, which have files of their own.
+    pub in_takes: bool,
+    /// The dataset and where its relative paths start; none for foreign formats.
+    pub(super) dataset: Option<(Document, PathBuf)>,
 }
 
 impl Exported {
+    /// Whether its files go into a folder.
+    #[must_use]
+    pub const fn is_folder(&self) -> bool {
+        self.in_takes || self.format.is_folder()
+    }
+
     /// Writes the files: one to `path`, or all into a new folder there.
     ///
     /// # Errors
     /// Something is there already and `force` was not given, or it cannot be written; nothing was changed then.
     pub fn write(&self, path: &Path, force: bool) -> Result<(), ExchangeError> {
-        self.files.write(path, self.format.is_folder(), force)
+        let Some((dataset, folder)) = &self.dataset else { return self.files.write(path, self.is_folder(), force) };
+        // Where it lands its paths point at the same files.
+        let moved = document_to_string(&dataset.relocated(folder, &resolved(parent(path))))?;
+        Files::one("dataset.json", moved.into_bytes()).write(path, false, force)
     }
 }

@@ -15,7 +15,6 @@ use super::held::{parts, plain, with};
 use super::into_document::Exactness;
 use super::options::{ImportOptions, Zoom};
 use super::table::{Row, Table, push_row};
-use super::timecode::Timecode;
 use crate::geometry::{ImageSize, Vec3};
 
 /// Packets.
@@ -305,8 +304,7 @@ impl CameraFormat for FreeDCsv {
         let mut text = String::new();
         push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
         for (sample, frame) in samples(held, context, Format::FreeDCsv)?.into_iter().zip(held) {
-            let timecode =
-                frame.frame_index.zip(context.rate).map(|(index, rate)| Timecode::of(index, rate).to_string());
+            let timecode = context.timecode(frame).map(|timecode| timecode.to_string());
             let numbers = sample.angles_deg.into_iter().chain(sample.position_m.iter().map(|metres| metres * 1000.0));
             let mut row = vec![
                 frame.frame_index.map(|index| index.to_string()).unwrap_or_default(),

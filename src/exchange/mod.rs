@@ -4,6 +4,7 @@
 //! than the format's own resolution is an error. What a format cannot hold comes with the result, in px ([`Loss`]).
 //! [`import()`] makes a document of foreign files. Conventions of each format stand at the top of its file.
 
+mod about;
 pub(crate) mod authors_mat;
 mod body_angles;
 mod broadtrack;
@@ -16,6 +17,7 @@ mod coco;
 mod colmap;
 mod csv_table;
 mod cvat;
+mod dataset;
 mod deepsport;
 mod error;
 mod export;
@@ -26,6 +28,7 @@ mod files;
 mod format;
 mod frame_camera;
 mod freed;
+mod gaps;
 mod held;
 mod homography_files;
 mod import;
@@ -33,6 +36,7 @@ mod import_cameras;
 mod import_clicks;
 mod imported;
 mod into_document;
+mod join;
 mod label_studio;
 mod labelme;
 mod labels;
@@ -43,9 +47,11 @@ mod opencv_yaml;
 mod opentrackio;
 mod options;
 mod pictures;
+mod rate;
 mod registry;
 mod soccernet;
 mod soccernet_lines;
+mod stage;
 mod strict_json;
 mod table;
 #[cfg(test)]
@@ -55,8 +61,13 @@ mod usda;
 mod values;
 mod yolo_pose;
 
+pub use about::About;
 pub use authors_mat::{
     AuthorsError, AuthorsFolder, AuthorsFrame, AuthorsSequence, MatError, read_authors_folder, read_authors_sequence,
+};
+pub use dataset::{
+    DatasetDone, DatasetOptions, DatasetPlan, LabelOrigin, PictureFormat, Pictures, PlannedFrame, Split, SplitBy,
+    Splitting, plan_dataset, write_dataset,
 };
 pub use error::{ExchangeError, Problem};
 pub use export::export;
@@ -65,5 +76,10 @@ pub use files::Files;
 pub use format::Format;
 pub use import::import;
 pub use imported::Imported;
+pub use join::{Joined, join};
 pub use loss::Loss;
-pub use options::{ExportOptions, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Rate, Recording, Zoom};
+pub use options::{
+    ExportOptions, FrameChoice, Gaps, ImportOptions, KeypointNames, LabelMap, Pixels, PointSource, Recording, Zoom,
+};
+pub use rate::Rate;
+pub use timecode::Timecode;

@@ -13,9 +13,10 @@ use super::files::{Files, text};
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::held::parts;
 use super::node::{Node, parse};
-use super::options::{ImportOptions, Rate};
-use super::timecode::Timecode;
+use super::options::ImportOptions;
+use super::rate::Rate;
 use crate::camera::Radial;
+use crate::document::SolutionSource;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, hex};
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
@@ -55,9 +56,8 @@ fn static_part(frame: &FrameCamera, size: ImageSize, sensor_mm: f64, rate: Optio
     json!({ "camera": camera })
 }
 
-fn timing(frame: &FrameCamera, rate: Rate) -> Option<Value> {
-    let index = frame.frame_index?;
-    let code = Timecode::of(index, rate);
+fn timing(frame: &FrameCamera, context: &WriteContext<'_>) -> Option<Value> {
+    let (index, rate, code) = (frame.frame_index?, context.rate?, context.timecode(frame)?);
     Some(json!({
         "mode": "external",
         "sampleRate": rational(rate),
@@ -99,8 +99,10 @@ fn sample(frame: &FrameCamera, pinhole: &Pinhole, size: ImageSize, context: &Wri
     put("sourceId", urn(&format!("source {}", frame.camera.as_deref().unwrap_or_default())).into());
     put("sourceNumber", 1.into());
     let notes = format!("touchline{nominal}; {}", frame.name).chars().take(1000).collect::<String>();
-    put("tracker", json!({ "status": frame.record.status.as_str(), "recording": false, "notes": notes }));
-    if let Some(timing) = context.rate.and_then(|rate| timing(frame, rate)) {
+    let is_interpolated = frame.record.source == Some(SolutionSource::Interpolated);
+    let status = if is_interpolated { "interpolated" } else { frame.record.status.as_str() };
+    put("tracker", json!({ "status": status, "recording": false, "notes": notes }));
+    if let Some(timing) = timing(frame, context) {
         put("timing", timing);
     }
     put("lens", lens(pinhole, size, sensor_mm));

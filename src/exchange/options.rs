@@ -1,19 +1,42 @@
 //! What an export or import may be told.
 
-use crate::document::{CameraId, FieldSpec, FrameStatus};
+use super::rate::Rate;
+use super::timecode::Timecode;
+use crate::document::{CameraId, FieldSpec, FrameStatus, Stage};
 use crate::geometry::ImageSize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Which frames are exported, and how.
+/// Which frames an export is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ExportOptions {
+pub struct FrameChoice {
     /// Only frames of these statuses; empty: all that are solved (for clicks: all that have some) and not rejected.
     pub statuses: Vec<FrameStatus>,
     /// Only frames of these cameras; empty: all.
     pub cameras: Vec<CameraId>,
     /// Only frames whose solution has at least this confidence, or none stated.
     pub min_confidence: Option<f64>,
+}
+
+impl FrameChoice {
+    /// Every frame, rejected ones too.
+    #[must_use]
+    pub fn everything() -> Self {
+        Self { statuses: FrameStatus::ALL.to_vec(), ..Self::default() }
+    }
+}
+
+/// Which frames are exported, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ExportOptions {
+    /// Which frames.
+    pub frames: FrameChoice,
+    /// What happens where frames are missing between solved frames of a video.
+    pub gaps: Gaps,
+    /// The stage in whose axes tracks are written; none: that of their camera, if it has one, else the field's axes.
+    pub stage: Option<Stage>,
+    /// The timecode of the video's first frame; none: 00:00:00:00.
+    pub start: Option<Timecode>,
     /// The size of picture that cameras are rescaled to: SoccerNet's evaluator wants 960 × 540.
     pub size: Option<ImageSize>,
     /// SoccerNet lines as the game state challenge names them, without the space behind `Goal left post left`.
@@ -48,6 +71,18 @@ pub struct Recording {
     pub perspective: Option<String>,
     /// No person turned the camera.
     pub is_automated: bool,
+}
+
+/// What happens where frames are missing between solved frames of a video. They are never filled without being asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Gaps {
+    /// They stay: rows are missing.
+    #[default]
+    Keep,
+    /// Up to so many missing frames in a row get cameras between those of their neighbours, marked as interpolated.
+    Interpolate(u64),
+    /// A gap begins a new take, in files of its own.
+    Takes,
 }
 
 /// How files are read.
@@ -109,64 +144,6 @@ impl Pixels {
     }
 }
 
-/// A frame rate as a ratio.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rate {
-    /// Frames.
-    pub frames: u32,
-    /// In this many seconds.
-    pub seconds: u32,
-}
-
-impl Rate {
-    /// The rates of broadcasts and films.
-    const USUAL: [Self; 9] = [
-        Self::new(24_000, 1001),
-        Self::new(24, 1),
-        Self::new(25, 1),
-        Self::new(30_000, 1001),
-        Self::new(30, 1),
-        Self::new(50, 1),
-        Self::new(60_000, 1001),
-        Self::new(60, 1),
-        Self::new(100, 1),
-    ];
-
-    /// So many frames in so many seconds.
-    #[must_use]
-    pub const fn new(frames: u32, seconds: u32) -> Self {
-        Self { frames, seconds }
-    }
-
-    /// Frames a second.
-    #[must_use]
-    pub fn per_second(self) -> f64 {
-        f64::from(self.frames) / f64::from(self.seconds)
-    }
-
-    /// The usual rate within 0.02 % of a measured one.
-    #[must_use]
-    pub fn nearest(per_second: f64) -> Option<Self> {
-        let off = |rate: &Self| (rate.per_second() / per_second - 1.0).abs();
-        let nearest = Self::USUAL.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-        (off(&nearest) < 2e-4).then_some(nearest)
-    }
-
-    /// `25`, `29.97` or `30000/1001`.
-    #[must_use]
-    pub fn parse(text: &str) -> Option<Self> {
-        if let Some((frames, seconds)) = text.split_once('/') {
-            let (frames, seconds) = (frames.parse().ok()?, seconds.parse().ok()?);
-            return (frames > 0 && seconds > 0).then_some(Self { frames, seconds });
-        }
-        let per_second: f64 = text.parse().ok()?;
-        if per_second.fract() == 0.0 && (1.0..=1000.0).contains(&per_second) {
-            return Some(Self::new(per_second as u32, 1));
-        }
-        Self::nearest(per_second)
-    }
-}
-
 /// Where the points of a format of clicks come from.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PointSource {
@@ -213,20 +190,4 @@ pub enum LabelMap {
     SoccerNet,
     /// A user's own; none for labels that mean nothing here.
     Own(BTreeMap<String, Option<String>>),
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Rate;
-
-    #[test]
-    fn rates_are_read_as_people_write_them() {
-        assert_eq!(Rate::parse("25"), Some(Rate::new(25, 1)));
-        assert_eq!(Rate::parse("29.97"), Some(Rate::new(30_000, 1001)));
-        assert_eq!(Rate::parse("30000/1001"), Some(Rate::new(30_000, 1001)));
-        assert_eq!(Rate::nearest(23.9763), Some(Rate::new(24_000, 1001)));
-        for bad in ["0", "1/0", "27.3", "fast", "-25"] {
-            assert_eq!(Rate::parse(bad), None, "{bad}");
-        }
-    }
 }

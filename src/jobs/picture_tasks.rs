@@ -2,7 +2,9 @@
 
 use super::SharedPictures;
 use super::shared_pictures::SharedReader;
+use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
+use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
 use crate::app::unclicked::UnclickedOrder;
 use crate::app::{
     Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, TrackAction, TrackOrder, VideoAction,
@@ -88,6 +90,28 @@ pub(super) fn tracked(
 ) -> Action {
     let carried = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
     Action::Track(TrackAction::Done { ticket: order.ticket, carried })
+}
+
+/// Exports or imports; `watch` is told how far it has come.
+pub(super) fn transferred(
+    mut order: TransferOrder,
+    pictures: SharedPictures,
+    watch: &mut dyn FnMut(Action) -> ControlFlow<()>,
+) -> Action {
+    match &mut order.work {
+        TransferWork::WriteExport { format, to, .. } if format.is_folder() => {
+            *to = new_folder(std::mem::take(to), format.name());
+        }
+        TransferWork::WriteDataset { to, .. } => *to = new_folder(std::mem::take(to), "dataset"),
+        _ => {}
+    }
+    let ticket = order.ticket;
+    let mut reader = SharedReader::new(Box::new(FrameReader::new()), pictures);
+    Action::Transfer(
+        order.carry_out(&mut reader, &mut |done, of| {
+            watch(Action::Transfer(TransferAction::Progress { ticket, done, of }))
+        }),
+    )
 }
 
 /// Looks where the landmarks of clicks are painted.

@@ -3,14 +3,16 @@
 use super::opening::{Ready, open_anything};
 use super::picture_tasks::{
     base_with_paint, burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked,
+    transferred,
 };
-use super::tasks::{camera_with_base, compared, estimate, export, save_copy};
+use super::tasks::{camera_with_base, compared, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
     TrainerOptions, TrainerReport, Wake, demo,
 };
 use crate::app::base::{EstimateFailure, EstimateProgress};
 use crate::app::session::Level;
+use crate::app::transfer::TransferAction;
 use crate::app::unclicked::UnclickedFailure;
 use crate::app::{
     Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, TrackAction, TrackFailure, VideoAction,
@@ -62,6 +64,8 @@ enum Kind {
     SnapPoints(u64),
     /// It judges cameras by the painted lines; the order's ticket.
     LineCheck(u64),
+    /// It exports or imports; the order's ticket.
+    Transfer(u64),
     /// Anything that runs to its end.
     Other,
 }
@@ -240,10 +244,14 @@ impl Runner {
                 save_copy(document.at(&from), &folder)?;
                 Ok(Outcome::Action(Action::Copied(folder)))
             }),
-            Effect::Export { document, from, file } => self.begin("export", Kind::Other, move |_| {
-                export(document.at(&from), &file)?;
-                Ok(Outcome::Action(Action::Exported(file)))
-            }),
+            Effect::Transfer(order) => {
+                self.give_up(|kind| matches!(kind, Kind::Transfer(_)));
+                let pictures = self.pictures.clone();
+                self.begin("export and import", Kind::Transfer(order.ticket), move |watch| {
+                    Ok(Outcome::Action(transferred(*order, pictures, &mut |action| watch.tell(action))))
+                });
+            }
+            Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
             Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
@@ -300,6 +308,10 @@ impl Runner {
                         Kind::LineCheck(ticket) => {
                             Action::LinesChecked { ticket, found: Err(WatchPanicked { message }) }
                         }
+                        Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
+                            ticket,
+                            result: Err(format!("Internal error (please report it): {message}")),
+                        }),
                         Kind::Opening | Kind::BurntIn | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }

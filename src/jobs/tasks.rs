@@ -3,10 +3,10 @@
 use super::JobError;
 use crate::app::Compared;
 use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
-use crate::document::{Camera, CameraId, DocumentAt, document_to_string};
+use crate::document::{Camera, CameraId, DocumentAt};
 use crate::evaluate::agreement;
 use crate::solve::base::{BaseOptions, WatchBase};
-use crate::store::{Location, Store, write_output};
+use crate::store::{Location, Store};
 use std::path::{Path, PathBuf};
 
 /// Estimates the base of a camera, and the field's size as well if that is wanted.
@@ -41,12 +41,11 @@ pub(super) fn save_copy(document: DocumentAt<'_>, folder: &Path) -> Result<(), J
     Ok(())
 }
 
-/// Writes a dataset; the file dialog has asked before replacing one.
-pub(super) fn export(document: DocumentAt<'_>, file: &Path) -> Result<(), JobError> {
-    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let folder = std::fs::canonicalize(folder).map_err(JobError::io(folder))?;
-    let text = document_to_string(&document.relocated(&folder))?;
-    write_output(file, text.as_bytes()).map_err(JobError::io(file))
+/// Where a new folder is written: the one that was chosen if it is empty or absent or holds a dataset, else a new one in it.
+pub(super) fn new_folder(chosen: PathBuf, name: &str) -> PathBuf {
+    let is_full = std::fs::read_dir(&chosen).is_ok_and(|mut entries| entries.next().is_some());
+    let is_dataset = chosen.join("manifest.sha256").is_file();
+    if is_full && !is_dataset { chosen.join(name) } else { chosen }
 }
 
 /// The first camera of a document that has a base.

@@ -15,7 +15,9 @@ mod orphan;
 mod read_only;
 mod replay;
 
-pub(crate) use atomic::{write_atomically, write_new, write_output};
+pub(crate) use atomic::write_atomically;
+#[cfg(feature = "cli")]
+pub(crate) use atomic::{write_new, write_output};
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;

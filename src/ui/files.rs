@@ -53,7 +53,9 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
         Question::Folder => "Open a folder of frames",
         Question::Video => "Open a video",
         Question::CopyTo => "Save a copy into a folder",
-        Question::ExportTo => "Export the dataset",
+        Question::ExportAs(_) => "Export",
+        Question::DatasetTo => "A folder for the dataset",
+        Question::ImportFrom(_) => "Import labels",
         Question::CompareWith => "Compare with another annotator's document",
         Question::CameraFrom => "Load the camera from a project or dataset",
     });
@@ -66,15 +68,23 @@ fn dialog(question: Question, near: Option<&Path>) -> rfd::FileDialog {
             dialog.add_filter("Projects and datasets", &["json"])
         }
         Question::Video => dialog.add_filter("Videos", VIDEOS),
-        Question::ExportTo => dialog.add_filter("Dataset", &["json"]).set_file_name("dataset.json"),
-        Question::Folder | Question::CopyTo => dialog,
+        Question::ExportAs(format) if !format.is_folder() => dialog.set_file_name(format.usual_name()),
+        Question::Folder | Question::CopyTo | Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_) => {
+            dialog
+        }
     }
 }
 
 fn pick(question: Question, dialog: rfd::FileDialog) -> Option<PathBuf> {
     match question {
-        Question::Project | Question::Video | Question::CameraFrom | Question::CompareWith => dialog.pick_file(),
-        Question::Folder | Question::CopyTo => dialog.pick_folder(),
-        Question::ExportTo => dialog.save_file(),
+        Question::Folder | Question::CopyTo | Question::DatasetTo => dialog.pick_folder(),
+        Question::ExportAs(format) if format.is_folder() => dialog.pick_folder(),
+        Question::ImportFrom(format) if format.is_folder() => dialog.pick_folder(),
+        Question::ExportAs(_) => dialog.save_file(),
+        Question::Project
+        | Question::Video
+        | Question::CameraFrom
+        | Question::CompareWith
+        | Question::ImportFrom(_) => dialog.pick_file(),
     }
 }

@@ -208,6 +208,7 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     trainer(panel, ui);
     shot_search(panel, ui);
+    writing(panel, ui);
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
@@ -223,6 +224,16 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let tip = format!("Looking for the cuts of {}. A click stops that.", file_name(&search.video));
     if says.on_hover_text(tip).clicked() {
         panel.actions.push(Action::Command(Command::StopShotSearch));
+    }
+}
+
+/// How far an export has come; a click shows its dialog, which can stop it.
+fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(work) = panel.app.session.transfer.under_way.filter(|work| work.writes) else { return };
+    let far = work.pictures.map(|(done, of)| format!(" {} %", 100 * done / of.max(1))).unwrap_or_default();
+    let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(theme::WEAK)).frame(false));
+    if says.on_hover_text("An export is being written. A click shows it.").clicked() {
+        panel.actions.push(Action::Command(Command::Export));
     }
 }
 

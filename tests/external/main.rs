@@ -27,6 +27,7 @@ mod real_base;
 mod real_base_in_app;
 mod real_cameras;
 mod real_clicks;
+mod real_exchange;
 mod real_frames;
 mod real_paint;
 mod real_trust;
@@ -52,6 +53,7 @@ fn main() -> ExitCode {
         real_base_in_app::TESTS,
         real_cameras::TESTS,
         real_clicks::TESTS,
+        real_exchange::TESTS,
         real_frames::TESTS,
         real_paint::TESTS,
         real_trust::TESTS,

@@ -5,6 +5,7 @@ use touchline::app::session::Saving;
 use touchline::app::{Action, Command, Question};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Document, FieldSpec, FrameStatus, Target, document_from_bytes, document_to_string};
+use touchline::exchange::Format;
 use touchline::field::builtin;
 use touchline::geometry::{ImagePoint, ImageSize, Vec3};
 use touchline::jobs::PictureState;
@@ -65,8 +66,10 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
 
     let dataset = root.path().join("out").join("dataset.json");
     std::fs::create_dir(root.path().join("out")).unwrap();
-    headless.answer(Question::ExportTo, &dataset);
-    headless.wait_until("exporting", |app| app.session.notices.iter().any(|n| n.text.starts_with("Dataset written")));
+    headless.answer(Question::ExportAs(Format::Json), &dataset);
+    headless.wait_until("exporting", |app| {
+        app.session.notices.iter().any(|n| n.text.starts_with("2 frames written as json"))
+    });
     let exported = document_from_bytes(&std::fs::read(&dataset).unwrap()).unwrap();
     assert_eq!(exported.frames[0].name(), "../frames/1.png");
     assert_eq!(exported.frames[0].ptz, labelled.frames[0].ptz);

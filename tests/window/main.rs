@@ -16,6 +16,7 @@ mod parts;
 mod quality;
 mod review;
 mod trainer;
+mod transfer;
 mod typed;
 mod viewport;
 mod window;
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
         quality::TESTS,
         review::TESTS,
         trainer::TESTS,
+        transfer::TESTS,
         typed::TESTS,
         viewport::TESTS,
     ])

@@ -8,6 +8,7 @@ use egui_kittest::kittest::{NodeT as _, Queryable as _};
 use touchline::app::session::{Dialog, Filter, Level, SidePanel};
 use touchline::app::{Action, Command, Question};
 use touchline::document::{FrameStatus, RejectReason};
+use touchline::exchange::Format;
 use touchline::ui::Shell;
 
 pub const TESTS: &[Test] = tests![
@@ -337,10 +338,10 @@ fn every_control_has_a_name() {
 fn without_a_file_dialog_the_path_is_typed() {
     let mut window = Window::open(1, SIZE, 1.0);
     let file = window.folder.path().join("out.json");
-    window.harness.state_mut().apply([Action::TypePath(Question::ExportTo)]);
+    window.harness.state_mut().apply([Action::TypePath(Question::ExportAs(Format::Json))]);
     window.harness.run_steps(3);
     window.type_text(&file.display().to_string());
     window.key(Key::Enter);
-    assert_eq!(window.app().session.dialog, None);
     window.wait_for(|_| file.exists());
+    window.wait_for(|window| window.app().session.dialog.is_none());
 }

@@ -4,6 +4,7 @@ use super::App;
 use super::gold::IN_ROUND;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
+use crate::app::transfer::TransferTab;
 use crate::app::unclicked::UnclickedWork;
 use crate::app::{Chord, Command, CommandKind, Comparison};
 use crate::document::{EditKind, Frame, FrameStatus};
@@ -43,13 +44,15 @@ impl App {
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("No document is open."),
             C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
-            C::Save if self.is_read_only() => Some("The document is read-only."),
+            C::Save | C::Import if self.is_read_only() => Some("The document is read-only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
             C::Orphans
             | C::Save
             | C::SaveAs
+            | C::Import
             | C::Export
+            | C::ExportDataset
             | C::Undo
             | C::Redo
             | C::ShowFieldMap
@@ -156,7 +159,9 @@ impl App {
             C::Orphans => self.session.dialog = Some(Dialog::Orphans),
             C::Save => self.save(),
             C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
-            C::Export => self.effects.push(Effect::Ask(Question::ExportTo)),
+            C::Export => self.open_transfer(TransferTab::Export),
+            C::ExportDataset => self.open_transfer(TransferTab::Dataset),
+            C::Import => self.open_transfer(TransferTab::Import),
             C::LoadCamera => self.effects.push(Effect::Ask(Question::CameraFrom)),
             C::Quit => self.close_requested(),
             C::Undo if self.round().is_some() => self.undo_again(),

@@ -37,14 +37,17 @@ impl App {
         self.effects.push(Effect::CancelBulk);
         self.effects.push(Effect::CancelSnap);
         self.effects.push(Effect::CancelFindCamera);
+        self.effects.push(Effect::CancelTransfer);
         self.stop_shot_search();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;
+        let transfer_tickets = self.session.transfer.tickets;
         self.session = Session::default();
         self.session.trainer = trainer;
         // A report of the document before is passed over.
         self.session.snap_tickets = snap_tickets;
+        self.session.transfer.tickets = transfer_tickets;
         self.session.panel = panel;
         for (level, text) in &opened.notices {
             self.session.notify(*level, text.clone());
@@ -96,12 +99,8 @@ impl App {
                     folder: path,
                 });
             }
-            (Question::ExportTo, Some(open)) => {
-                self.effects.push(Effect::Export {
-                    document: open.document.to_dataset(),
-                    from: open.folder.clone(),
-                    file: path,
-                });
+            (Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_), Some(_)) => {
+                self.place_chosen(question, path);
             }
             (Question::CompareWith, Some(_)) => self.compare(path),
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),

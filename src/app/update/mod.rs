@@ -24,6 +24,7 @@ mod review;
 mod shots;
 mod tracking;
 mod trainer;
+mod transfer;
 mod unclicked;
 
 pub use commands::MAX_SCALE;
@@ -210,6 +211,7 @@ impl App {
             Action::BaseEstimated(found) => self.base_estimated(found),
             Action::FindCameraProgress { ticket, progress } => self.find_camera_progress(ticket, progress),
             Action::Track(action) => self.tracking(action),
+            Action::Transfer(action) => self.transfer(action),
             Action::CameraSearched { ticket, answer } => self.camera_searched(ticket, answer),
             Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
             Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
@@ -257,10 +259,6 @@ impl App {
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),
             Action::Saved { revision, at, whole } => self.saved(revision, at, whole),
             Action::SaveFailed(message) => self.save_failed(message),
-            Action::Exported(path) => {
-                self.session.notify(Level::Info, format!("Dataset written: {}", path.display()));
-                self.tell_assumed_size();
-            }
             Action::Copied(path) => {
                 self.session.copies.written = self.session.copies.begun.take();
                 self.session.notify(Level::Info, format!("Copy written: {}", path.display()));

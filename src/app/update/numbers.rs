@@ -194,6 +194,7 @@ fn solve_if_by_clicks(open: &mut OpenProject, index: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::transfer::{TransferAction, UnderWay};
     use crate::app::{Action, Opened, Settings};
     use crate::document::{Document, Frame};
     use crate::geometry::ImageSize;
@@ -214,7 +215,8 @@ mod tests {
     fn the_size_of_the_shown_field_is_confirmed_in_one_step() {
         for own_field in [false, true] {
             let mut app = app(own_field);
-            app.update(Action::Exported("a.json".into()));
+            app.session.transfer.under_way = Some(UnderWay { ticket: 1, writes: true, pictures: None });
+            app.update(Action::Transfer(TransferAction::Written { ticket: 1, result: Ok("written".to_owned()) }));
             let offers = |app: &App| app.session.notices.iter().filter(|notice| !notice.offers.is_empty()).count();
             assert_eq!(offers(&app), 1, "{:?}", app.session.notices);
             app.update(Action::Command(Command::ConfirmFieldSize));

@@ -3,11 +3,14 @@
 use super::section;
 use crate::app::Action;
 use crate::camera::BaseAngles;
-use crate::document::{Camera, CameraSigma, K1Curve};
+use crate::document::{Camera, CameraSigma, K1Curve, Stage};
 use crate::geometry::{Angle, Mat3, Vec3};
 use crate::ui::number::Number;
 use crate::ui::{Panel, theme};
 use egui::{Align, Button, Grid, Layout, RichText, Ui};
+
+/// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
+const GUESSED_SENSOR_MM: f64 = 9.6;
 
 /// The width of a number field, points.
 pub const FIELD: f32 = 112.0;
@@ -144,6 +147,73 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let y = point("Principal point y", tip, centre.y, size.height);
     row(panel, ui, camera, "Centre y", y, |changed, y| changed.principal_point.y = y);
     distortion(panel, ui, camera);
+    sensor(panel, ui, camera);
+    stage(panel, ui, camera);
+}
+
+/// The stage in whose axes tracks are written; without one they are in the field's.
+fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    section(ui, "STAGE");
+    let known = camera.stage.clone().unwrap_or_else(|| Stage::at(Vec3::zeros()));
+    let number = |name, tip, value, limit: f64, suffix| Number {
+        name,
+        step: "Move stage",
+        tip,
+        value,
+        speed: 0.05,
+        decimals: 3,
+        range: -limit..=limit,
+        suffix,
+        width: FIELD,
+    };
+    for (axis, label, tip) in [
+        (
+            0,
+            "Stage x",
+            "The stage's origin along the field's length from its centre, for tracks (OpenTrackIO, FreeD, USD, chan), m.",
+        ),
+        (1, "Stage y", "The stage's origin across the field from its centre, m."),
+        (2, "Stage z", "The stage's origin above the field's centre, m."),
+    ] {
+        let number = number(label, tip, known.origin_m[axis], 500.0, " m");
+        row(panel, ui, camera, label, number, |changed, value| {
+            let mut origin_m = known.origin_m;
+            origin_m[axis] = value;
+            changed.stage = Some(Stage { origin_m, ..known.clone() });
+        });
+    }
+    let tip = "Where the stage's y axis looks, seen from above: 0 is across the field, positive to the right.";
+    let number = number("Stage heading", tip, known.heading_deg, 180.0, "°");
+    row(panel, ui, camera, "Stage heading", number, |changed, heading_deg| {
+        changed.stage = Some(Stage { heading_deg, ..known.clone() });
+    });
+}
+
+/// The width of the sensor: a guess until somebody sets or confirms it.
+fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
+    let known = camera.sensor_width_mm;
+    let number = Number {
+        name: "Sensor width",
+        step: "Set sensor width",
+        tip: "The width of the camera's sensor, for formats in mm (OpenTrackIO, USD, FreeD). Any width gives the same picture.",
+        value: known.unwrap_or(GUESSED_SENSOR_MM),
+        speed: 0.05,
+        decimals: 2,
+        range: 1.0..=100.0,
+        suffix: " mm",
+        width: FIELD,
+    };
+    let label = if known.is_some() { "Sensor width" } else { "Sensor width (a guess)" };
+    row(panel, ui, camera, label, number, |changed, mm| changed.sensor_width_mm = Some(mm));
+    let confirm = Button::new("Confirm sensor width").small();
+    if known.is_none() && ui.add(confirm).on_hover_text("It is known to be this. One step of undo.").clicked() {
+        let confirmed = Camera { sensor_width_mm: Some(GUESSED_SENSOR_MM), ..camera.clone() };
+        panel.actions.extend([
+            Action::BeginEdit("Confirm sensor width"),
+            Action::EditCamera(Box::new(confirmed)),
+            Action::EndEdit,
+        ]);
+    }
 }
 
 fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {

@@ -14,6 +14,7 @@ mod orphans;
 mod overlay_style;
 mod palette;
 mod path;
+mod transfer;
 
 pub use keys::captures_keys;
 
@@ -37,6 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
         Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
+        Some(Dialog::Transfer) => transfer::show(panel, ctx),
         Some(Dialog::Orphans) => orphans::show(panel, ctx),
         Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
     }

@@ -13,7 +13,12 @@ const fn describe(question: Question) -> (&'static str, &'static str, &'static s
         Question::Folder => ("Open a folder of frames", "Open", "/matches/final/frames"),
         Question::Video => ("Open a video", "Open", "/matches/final.mp4"),
         Question::CopyTo => ("Save a copy into a new folder", "Save copy", "/matches/final-copy"),
-        Question::ExportTo => ("Export the dataset to a file", "Export", "/matches/final.json"),
+        Question::ExportAs(format) if format.is_folder() => {
+            ("Export into a new folder", "Export", "/matches/final-export")
+        }
+        Question::ExportAs(_) => ("Export to a file", "Export", "/matches/final.json"),
+        Question::DatasetTo => ("A new folder for the dataset", "Write", "/matches/final-dataset"),
+        Question::ImportFrom(_) => ("Import labels from a file or folder", "Import", "/matches/labels"),
         Question::CompareWith => {
             ("Compare with another annotator's document", "Compare", "/matches/other/project.json")
         }

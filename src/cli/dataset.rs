@@ -1,0 +1,108 @@
+//! `touchline export --dataset`: a folder with frames, labels, pictures and their card.
+
+use super::Outcome;
+use super::messages::Messages;
+use crate::document::{DocumentAt, FrameStatus};
+use crate::exchange::{
+    DatasetOptions, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
+    write_dataset as write,
+};
+use crate::media::FrameReader;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+/// What a dataset may be told.
+#[derive(clap::Args, Debug)]
+#[command(next_help_heading = "Dataset")]
+pub struct DatasetArgs {
+    /// Write a dataset into this folder: references (or what --status names) with pictures, a card, a table of frames, a manifest.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["format", "output"])]
+    dataset: Option<PathBuf>,
+    /// Where its pictures come from: copies of the image files, hard links to them, frames decoded from the video, or none.
+    #[arg(long, default_value = "copy", value_parser = named(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
+    images: String,
+    /// How decoded pictures are written.
+    #[arg(long, default_value = "png", value_parser = ["png", "jpeg"], requires = "dataset")]
+    image_format: String,
+    /// Shares of training, validation and test, such as 80/10/10; without it there are no splits.
+    #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
+    split: Option<[u32; 3]>,
+    /// What a split never divides.
+    #[arg(long, default_value = "clip", value_parser = named(&SplitBy::ALL.map(SplitBy::name)), requires = "split")]
+    split_by: String,
+    /// Another seed divides otherwise.
+    #[arg(long, default_value_t = 0, requires = "split")]
+    seed: u64,
+    /// The licence of labels and pictures, for the card.
+    #[arg(long, value_name = "TEXT", requires = "dataset")]
+    licence: Option<String>,
+}
+
+/// Takes one of some names.
+fn named(names: &[&'static str]) -> impl clap::builder::TypedValueParser<Value = String> + use<> {
+    PossibleValuesParser::new(names.to_vec()).map(|name| name)
+}
+
+/// `80/10/10`.
+fn parse_shares(text: &str) -> Result<[u32; 3], String> {
+    let shares: Option<Vec<u32>> =
+        text.split('/').map(|share| share.parse().ok().filter(|share| *share <= 1000)).collect();
+    let shares: Option<[u32; 3]> = shares.and_then(|shares| shares.try_into().ok());
+    let shares = shares.filter(|shares| shares.iter().sum::<u32>() > 0);
+    shares.ok_or_else(|| format!("{text} is no shares of training, validation and test such as 80/10/10"))
+}
+
+impl DatasetArgs {
+    fn options(&self, mut frames: FrameChoice, undistorted: bool) -> DatasetOptions {
+        if frames.statuses.is_empty() {
+            frames.statuses.push(FrameStatus::Reference);
+        }
+        let by = SplitBy::ALL.into_iter().find(|by| by.name() == self.split_by).unwrap_or_default();
+        DatasetOptions {
+            frames,
+            pictures: Pictures::ALL.into_iter().find(|images| images.name() == self.images).unwrap_or_default(),
+            picture_format: if self.image_format == "jpeg" { PictureFormat::Jpeg } else { PictureFormat::Png },
+            undistorted,
+            splitting: self.split.map(|shares| Splitting { shares, by, seed: self.seed }),
+            licence: self.licence.clone(),
+        }
+    }
+}
+
+/// Writes a dataset.
+///
+/// # Errors
+/// No frame is left, two pictures have one name, or something cannot be written; nothing is left then.
+pub fn write_dataset(
+    at: DocumentAt<'_>,
+    args: &DatasetArgs,
+    frames: FrameChoice,
+    undistorted: bool,
+    force: bool,
+    messages: Messages,
+) -> anyhow::Result<Outcome> {
+    let Some(folder) = &args.dataset else { anyhow::bail!("give --format or --dataset") };
+    let options = args.options(frames, undistorted);
+    let plan = plan_dataset(at, &options)?;
+    for note in &plan.notes {
+        messages.note(note);
+    }
+    let bar = messages.progress(plan.pictures(), "pictures");
+    let done = write(at, &plan, &options, &mut FrameReader::new(), folder, force, &mut |done, _| {
+        bar.set_position(done as u64);
+        ControlFlow::Continue(())
+    })?;
+    bar.finish_and_clear();
+    for (frame, why) in &done.left_out {
+        messages.frame_failed(frame, why);
+    }
+    let counts = if options.splitting.is_some() {
+        let counts = Split::ALL.into_iter().zip(done.counts).map(|(split, count)| format!("{split} {count}"));
+        format!(" ({})", counts.collect::<Vec<_>>().join(", "))
+    } else {
+        String::new()
+    };
+    messages.note(&format!("{} frames{counts} and {} pictures in {}", done.frames, done.pictures, folder.display()));
+    Ok(if done.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
+}

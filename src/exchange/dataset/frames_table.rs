@@ -1,0 +1,68 @@
+//! `frames.csv`: a row a frame.
+
+use super::plan::PlannedFrame;
+use super::split::match_of;
+use crate::document::{Click, Frame};
+use crate::exchange::table::push_row;
+
+const COLUMNS: [&str; 20] = [
+    "image",
+    "split",
+    "label",
+    "status",
+    "match",
+    "camera",
+    "clip",
+    "video",
+    "frame_index",
+    "pts_s",
+    "clicks",
+    "line_clicks",
+    "check_clicks",
+    "snapped_clicks",
+    "confidence",
+    "rms_px",
+    "worst_corner_sigma_px",
+    "sha256",
+    "undistorted_image",
+    "id",
+];
+
+/// The table of the frames of a dataset; `dataset` and `original` are a frame as the dataset and as the document has it.
+pub fn frames_table<'a>(frames: impl Iterator<Item = (&'a PlannedFrame, &'a Frame, &'a Frame)>) -> String {
+    let mut text = String::new();
+    push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
+    for (planned, dataset, original) in frames {
+        push_row(&row(planned, dataset, original), &mut text);
+    }
+    text
+}
+
+fn row(planned: &PlannedFrame, frame: &Frame, original: &Frame) -> [String; 20] {
+    let count = |is_one: &dyn Fn(&Click) -> bool| frame.clicks.iter().filter(|click| is_one(click)).count().to_string();
+    let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    let solution = frame.solution.as_ref();
+    let video = frame.video.as_ref();
+    [
+        frame.image.clone().unwrap_or_default(),
+        planned.split.map(|split| split.to_string()).unwrap_or_default(),
+        planned.origin.to_string(),
+        frame.status.as_str().to_owned(),
+        match_of(original),
+        frame.camera.to_string(),
+        frame.clip.as_ref().map(ToString::to_string).unwrap_or_default(),
+        video.map(|video| video.path.clone()).unwrap_or_default(),
+        video.map(|video| video.frame_index.to_string()).unwrap_or_default(),
+        number(video.and_then(|video| video.pts_s)),
+        frame.clicks.len().to_string(),
+        count(&|click| click.target.as_ref().is_some_and(|target| target.line().is_some())),
+        count(&|click| click.check),
+        count(&|click| click.snapped_sigma_px.is_some()),
+        number(solution.and_then(|solution| solution.confidence)),
+        number(solution.and_then(|solution| solution.rms_px)),
+        number(solution.and_then(|solution| solution.worst_corner_sigma_px)),
+        frame.sha256.clone().unwrap_or_default(),
+        planned.undistorted.clone().unwrap_or_default(),
+        frame.id.to_string(),
+    ]
+}

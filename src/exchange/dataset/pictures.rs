@@ -1,0 +1,105 @@
+//! The pictures of a dataset: copied, linked, or decoded and written anew.
+
+use super::options::PictureFormat;
+use crate::exchange::error::ExchangeError;
+use crate::exchange::files::parent;
+use crate::geometry::hex;
+use crate::media::{Picture, sha256_of_file};
+use image::codecs::jpeg::JpegEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _, ImageError};
+use sha2::{Digest, Sha256};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// The quality of JPEG pictures, of 100.
+const JPEG_QUALITY: u8 = 95;
+
+/// A folder that is being filled, and the SHA-256 of every file in it.
+pub struct Folder<'a> {
+    root: &'a Path,
+    hashes: BTreeMap<String, String>,
+}
+
+impl<'a> Folder<'a> {
+    /// An empty folder.
+    pub const fn new(root: &'a Path) -> Self {
+        Self { root, hashes: BTreeMap::new() }
+    }
+
+    /// Every file and its SHA-256, as `sha256sum` writes and checks them.
+    pub fn manifest(&self) -> String {
+        self.hashes.iter().fold(String::new(), |mut text, (name, hash)| {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{hash}  {name}");
+            text
+        })
+    }
+
+    /// Writes a file; its SHA-256.
+    pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, ExchangeError> {
+        let path = self.place(name)?;
+        fs::write(&path, bytes).map_err(|source| ExchangeError::Write { path, source })?;
+        Ok(self.note(name, hex(&Sha256::digest(bytes))))
+    }
+
+    /// Copies a file, or makes a hard link to it; its SHA-256.
+    pub fn take_over(&mut self, name: &str, from: &Path, as_link: bool) -> Result<String, ExchangeError> {
+        let path = self.place(name)?;
+        let failed = |source| ExchangeError::Write { path: path.clone(), source };
+        if as_link {
+            let from = fs::canonicalize(from).map_err(failed)?;
+            fs::hard_link(&from, &path).map_err(|source| match source.kind() {
+                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk { from, to: path.clone() },
+                _ => failed(source),
+            })?;
+        } else {
+            fs::copy(from, &path).map_err(failed)?;
+        }
+        let hash = sha256_of_file(&path)?;
+        Ok(self.note(name, hash))
+    }
+
+    /// Takes a file away again.
+    pub fn remove(&mut self, name: &str) -> Result<(), ExchangeError> {
+        self.hashes.remove(name);
+        let path = self.root.join(name);
+        fs::remove_file(&path).map_err(|source| ExchangeError::Write { path, source })
+    }
+
+    fn note(&mut self, name: &str, hash: String) -> String {
+        self.hashes.insert(name.to_owned(), hash.clone());
+        hash
+    }
+
+    fn place(&self, name: &str) -> Result<std::path::PathBuf, ExchangeError> {
+        let path = self.root.join(name);
+        let folder = parent(&path);
+        fs::create_dir_all(folder).map_err(|source| ExchangeError::Write { path: folder.to_path_buf(), source })?;
+        Ok(path)
+    }
+}
+
+/// A picture as a file of a format.
+pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, ImageError> {
+    let size = picture.size();
+    let rgb: Vec<u8> =
+        picture.rgba().as_chunks::<4>().0.iter().flat_map(|[red, green, blue, _]| [*red, *green, *blue]).collect();
+    let mut bytes = Vec::new();
+    let colour = ExtendedColorType::Rgb8;
+    match format {
+        PictureFormat::Png => PngEncoder::new(&mut bytes).write_image(&rgb, size.width, size.height, colour)?,
+        PictureFormat::Jpeg => {
+            JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY).write_image(
+                &rgb,
+                size.width,
+                size.height,
+                colour,
+            )?;
+        }
+    }
+    Ok(bytes)
+}

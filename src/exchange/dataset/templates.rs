@@ -1,0 +1,54 @@
+//! Field templates of the user's own travel with a dataset.
+
+use crate::document::{Camera, Document, DocumentAt, FieldSpec};
+use crate::exchange::error::ExchangeError;
+use crate::exchange::files::Files;
+use std::path::Path;
+
+/// Where they lie in a dataset.
+const FOLDER: &str = "fields";
+
+/// Files by their place in the dataset.
+pub type Templates = Vec<(String, Vec<u8>)>;
+
+/// The document with its own templates in `fields/`, and their files.
+///
+/// # Errors
+/// One of them cannot be read.
+pub fn with_templates(at: DocumentAt<'_>) -> Result<(Document, Templates), ExchangeError> {
+    let mut document = at.document.clone();
+    let mut files = Templates::new();
+    let cameras = document.cameras.iter_mut().filter(|camera| camera.field.is_some());
+    let own = cameras.filter_map(|camera| {
+        let camera: &mut Camera = camera;
+        camera.field.as_mut()
+    });
+    for field in own.chain([&mut document.field]).filter(|field| field.is_file()) {
+        take_along(field, at.folder, &mut files)?;
+    }
+    Ok((document, files))
+}
+
+fn take_along(field: &mut FieldSpec, folder: &Path, files: &mut Templates) -> Result<(), ExchangeError> {
+    let read = Files::read(&folder.join(&field.template), &|_| false)?;
+    let Some((name, bytes)) = read.sorted().into_iter().next() else { return Ok(()) };
+    let stem = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+    let numbered = (1..).map(|number| match number {
+        1 => format!("{FOLDER}/{stem}.json"),
+        number => format!("{FOLDER}/{stem}-{number}.json"),
+    });
+    // A template of the same name from another folder gets another one.
+    for place in numbered {
+        match files.iter().find(|(known, _)| *known == place) {
+            Some((_, known)) if known != bytes => {}
+            known => {
+                if known.is_none() {
+                    files.push((place.clone(), bytes.to_vec()));
+                }
+                field.template = place;
+                return Ok(());
+            }
+        }
+    }
+    Ok(())
+}

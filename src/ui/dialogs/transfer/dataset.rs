@@ -1,0 +1,119 @@
+//! The page of datasets: what goes into one, and what it will hold.
+
+use super::parts::{left_out, line, notes, statuses};
+use crate::app::Action;
+use crate::app::transfer::{Look, TransferAction, describe_bytes};
+use crate::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
+use crate::ui::{Panel, theme};
+use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
+
+/// Shows the page.
+pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let transfer = &panel.app.session.transfer;
+    let mut options = transfer.dataset.clone();
+    statuses(ui, &mut options.frames);
+    pictures(ui, &mut options);
+    splits(ui, &mut options);
+    ui.horizontal(|ui| {
+        ui.label("Licence");
+        let mut text = options.licence.clone().unwrap_or_default();
+        let field = TextEdit::singleline(&mut text).hint_text("CC BY 4.0").desired_width(200.0);
+        ui.add(field).accessible_name("Licence").on_hover_text("Of labels and pictures, for the card.");
+        options.licence = Some(text).filter(|text| !text.is_empty());
+        let mut replace = transfer.replace;
+        let tip = "A dataset that is in the chosen folder already is replaced; anything else never is.";
+        ui.checkbox(&mut replace, "replace a dataset that is there").on_hover_text(tip);
+        if replace != transfer.replace {
+            panel.actions.push(Action::Transfer(TransferAction::Replace(replace)));
+        }
+    });
+    if options != transfer.dataset {
+        panel.actions.push(Action::Transfer(TransferAction::Dataset(Box::new(options))));
+    }
+    ui.separator();
+    let Some(found) = &transfer.found else { return };
+    ScrollArea::vertical().id_salt("dataset").auto_shrink(false).show(ui, |ui| match &found.look {
+        Look::Dataset(Ok(plan)) => planned(ui, plan, &transfer.dataset),
+        Look::Dataset(Err(why)) => line(ui, why, theme::BAD),
+        Look::Export(_) | Look::Import(_) => {}
+    });
+}
+
+fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
+    ui.horizontal(|ui| {
+        ui.label("Pictures");
+        for (pictures, name, tip) in [
+            (Pictures::Copied, "copies", "Image files as they are; frames of a video are decoded."),
+            (Pictures::Linked, "hard links", "The same without storing image files twice, on one disk."),
+            (Pictures::Extracted, "decoded anew", "Every frame from its video, else from its image."),
+            (Pictures::Left, "none", "The dataset names the files where they lie."),
+        ] {
+            ui.radio_value(&mut options.pictures, pictures, name).on_hover_text(tip);
+        }
+        ui.separator();
+        for (format, name) in [(PictureFormat::Png, "PNG"), (PictureFormat::Jpeg, "JPEG")] {
+            ui.radio_value(&mut options.picture_format, format, name)
+                .on_hover_text("How decoded pictures are written.");
+        }
+    });
+    let tip = "The pictures without lens distortion as well, with labels that fit them.";
+    ui.checkbox(&mut options.undistorted, "undistorted pictures as well").on_hover_text(tip);
+}
+
+fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
+    ui.horizontal(|ui| {
+        let mut divided = options.splitting.is_some();
+        let tip = "For training, validation and test. Neighbouring frames never go apart.";
+        ui.checkbox(&mut divided, "divide").on_hover_text(tip);
+        let mut splitting = options.splitting.unwrap_or_default();
+        if divided {
+            for (share, split) in splitting.shares.iter_mut().zip(Split::ALL) {
+                let field = DragValue::new(share).range(0..=100).update_while_editing(false);
+                ui.add(field).accessible_name(format!("Share of {split}")).on_hover_text(format!("Share of {split}"));
+            }
+            ui.label("by");
+            let shown = splitting.by.name();
+            let combo = ComboBox::from_id_salt("split by").width(90.0).selected_text(shown).show_ui(ui, |ui| {
+                for by in SplitBy::ALL {
+                    ui.selectable_value(&mut splitting.by, by, by.name());
+                }
+            });
+            combo.response.on_hover_text("What is never divided.");
+            ui.label("seed");
+            let field = DragValue::new(&mut splitting.seed).update_while_editing(false);
+            ui.add(field).accessible_name("Seed").on_hover_text("Another seed divides otherwise.");
+        }
+        let shares: u32 = splitting.shares.iter().sum();
+        options.splitting = divided.then_some(if shares == 0 { Splitting::default() } else { splitting });
+    });
+}
+
+/// What the dataset will hold.
+fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
+    let size = describe_bytes(plan.picture_bytes);
+    let pictures = match plan.pictures() {
+        0 => "no pictures".to_owned(),
+        count => format!("{count} pictures, about {size}"),
+    };
+    line(
+        ui,
+        format!("{} frames, {pictures}; with card, schema, table, loader and manifest.", plan.frames.len()),
+        theme::STRONG,
+    );
+    Grid::new("planned").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {
+        if options.splitting.is_some() {
+            for (split, count) in Split::ALL.into_iter().zip(plan.counts()) {
+                ui.label(RichText::new(split.as_str()).color(theme::WEAK));
+                ui.label(count.to_string());
+                ui.end_row();
+            }
+        }
+        for (origin, count) in plan.origins() {
+            ui.label(RichText::new(origin.as_str().replace('_', " ")).color(theme::WEAK));
+            ui.label(count.to_string());
+            ui.end_row();
+        }
+    });
+    notes(ui, &plan.notes);
+    left_out(ui, &plan.left_out);
+}

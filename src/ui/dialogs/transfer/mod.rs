@@ -1,0 +1,111 @@
+//! Exports, datasets and imports: what will be written or taken over is shown before.
+
+mod dataset;
+mod formats;
+mod parts;
+
+use super::{has_just_opened, sheet};
+use crate::app::transfer::{TransferAction, TransferTab, UnderWay};
+use crate::app::{Action, Command};
+use crate::ui::{Panel, theme};
+use egui::{Align, Button, Context, Layout, ProgressBar, RichText, Spinner, Ui, vec2};
+
+/// The sheet's size, points.
+const SIZE: egui::Vec2 = vec2(820.0, 560.0);
+/// The height below the page: the line of progress and the buttons.
+const FOOT: f32 = 36.0;
+
+/// The pages and their titles.
+const TABS: [(TransferTab, &str, &str); 3] = [
+    (TransferTab::Export, "Formats", "The document in one of many formats."),
+    (TransferTab::Dataset, "Dataset", "A folder with pictures, labels, splits, a card and a manifest."),
+    (TransferTab::Import, "Import", "Clicks or cameras of another program, joined with this document."),
+];
+
+/// Shows the dialog.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    has_just_opened(ctx, "transfer");
+    sheet(panel, ctx, "Export and import", SIZE, |panel, ui| {
+        tabs(panel, ui);
+        ui.separator();
+        let height = (ui.available_height() - FOOT).clamp(240.0, SIZE.y - 120.0);
+        let page = vec2(ui.available_width(), height);
+        ui.allocate_ui_with_layout(page, Layout::top_down(Align::Min), |ui| {
+            ui.set_min_size(page);
+            match panel.app.session.transfer.tab {
+                TransferTab::Export => formats::export(panel, ui),
+                TransferTab::Dataset => dataset::show(panel, ui),
+                TransferTab::Import => formats::import(panel, ui),
+            }
+        });
+        ui.separator();
+        let row = vec2(ui.available_width(), 26.0);
+        ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| foot(panel, ui));
+    });
+}
+
+fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        for (tab, title, tip) in TABS {
+            let is_shown = panel.app.session.transfer.tab == tab;
+            let can = tab != TransferTab::Import || panel.app.why_not(Command::Import).is_none();
+            let button = ui.add_enabled(can, Button::selectable(is_shown, title));
+            let button = button.on_hover_text(tip).on_disabled_hover_text("The document is read-only.");
+            if button.clicked() && !is_shown {
+                panel.actions.push(Action::Transfer(TransferAction::Tab(tab)));
+            }
+        }
+    });
+}
+
+/// The buttons, and what is under way.
+fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let transfer = &panel.app.session.transfer;
+    let (tab, under_way) = (transfer.tab, transfer.under_way);
+    let is_ready = parts::is_ready(transfer);
+    let mut push = |action| panel.actions.push(Action::Transfer(action));
+    if let Some(work) = under_way.filter(|work| work.writes) {
+        if ui.button("Stop").on_hover_text("End it; nothing is written.").clicked() {
+            push(TransferAction::Stop);
+        }
+        progress(ui, work);
+        return;
+    }
+    let (label, tip) = match tab {
+        TransferTab::Export => ("Export…", "Choose where it is written."),
+        TransferTab::Dataset => {
+            ("Write dataset…", "Choose its folder. It is written beside it first and then renamed.")
+        }
+        TransferTab::Import => ("Choose files…", "Read them and show what they bring; nothing is changed yet."),
+    };
+    if tab == TransferTab::Import {
+        let take = ui.add_enabled(is_ready, Button::new("Import").fill(theme::ACCENT_GROUND));
+        let take = take.on_hover_text("Take it over. One step of undo.").on_disabled_hover_text("Choose files first.");
+        if take.clicked() {
+            push(TransferAction::TakeOver);
+        }
+        if ui.add_enabled(under_way.is_none(), Button::new(label)).on_hover_text(tip).clicked() {
+            push(TransferAction::Choose);
+        }
+    } else {
+        let write = ui.add_enabled(is_ready, Button::new(label).fill(theme::ACCENT_GROUND));
+        if write.on_hover_text(tip).on_disabled_hover_text("There is nothing to write.").clicked() {
+            push(TransferAction::Choose);
+        }
+    }
+    if ui.button("Cancel").on_hover_text("Close without a change. (Esc)").clicked() {
+        panel.actions.push(Action::CloseDialog);
+    }
+    if under_way.is_some() {
+        ui.add(Spinner::new().size(14.0));
+        ui.label(RichText::new("Looking…").color(theme::WEAK));
+    }
+}
+
+fn progress(ui: &mut Ui, work: UnderWay) {
+    let (share, text) = match work.pictures {
+        Some((done, of)) => (done as f32 / of.max(1) as f32, format!("{done} of {of} pictures")),
+        None => (0.0, "Writing…".to_owned()),
+    };
+    ui.add(ProgressBar::new(share).desired_width(240.0).text(text));
+}

@@ -1,0 +1,138 @@
+"""An exported dataset as its users see it: README's example, the loader, the recipes.
+
+usage: dataset.py TOUCHLINE
+
+The demo match is exported; the example draws the field on a frame, and the loader's overlay is compared with the program's own.
+"""
+
+import glob
+import hashlib
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import cv2
+import jsonschema
+import numpy as np
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+ALLOWED_PX = 0.1
+
+
+def run(*command, code=0, **options):
+    ran = subprocess.run(command, capture_output=True, text=True, check=False, **options)
+    assert ran.returncode == code, ran.stdout + ran.stderr
+    return ran
+
+
+def blocks(page, word):
+    """The Python blocks of a page that hold a word."""
+    with open(os.path.join(ROOT, page), encoding="utf-8") as file:
+        found = re.findall(r"```python\n(.*?)```", file.read(), re.S)
+    return [block for block in found if word in block]
+
+
+def distance(point, line):
+    """How far a point lies from a polyline."""
+    a, b = line[:-1], line[1:]
+    known = np.isfinite(a).all(1) & np.isfinite(b).all(1)
+    a, b = a[known], b[known]
+    along = b - a
+    share = np.clip(((point - a) * along).sum(1) / np.maximum((along**2).sum(1), 1e-12), 0, 1)
+    return np.linalg.norm(a + share[:, None] * along - point, axis=1).min()
+
+
+def manifest(folder):
+    """Every file is listed with its hash, and nothing else lies there."""
+    with open(os.path.join(folder, "manifest.sha256"), encoding="utf-8") as file:
+        listed = dict(reversed(line.rstrip("\n").split("  ", 1)) for line in file)
+    files = [name for name in glob.glob("**", root_dir=folder, recursive=True) if os.path.isfile(os.path.join(folder, name))]
+    assert set(files) == set(listed) | {"manifest.sha256"}
+    for name, wanted in listed.items():
+        with open(os.path.join(folder, name), "rb") as file:
+            assert hashlib.sha256(file.read()).hexdigest() == wanted, name
+
+
+def schema(folder):
+    with open(os.path.join(folder, "schema.json"), encoding="utf-8") as file:
+        validator = jsonschema.Draft202012Validator(json.load(file))
+    for name in ("dataset.json", "undistorted/dataset.json"):
+        with open(os.path.join(folder, name), encoding="utf-8") as file:
+            errors = list(validator.iter_errors(json.load(file)))
+        assert not errors, errors[:3]
+
+
+def overlays(touchline, folder, data, work):
+    """The largest distance of the points of lines that the program projects from the loader's lines, px."""
+    path = os.path.join(work, "lines")
+    document = os.path.join(folder, "dataset.json")
+    run(touchline, "export", document, "--format", "labelme", "--projected", "-o", path)
+    largest, points = 0.0, 0
+    for index in range(len(data)):
+        stem = os.path.splitext(os.path.basename(data.images[index]))[0]
+        with open(os.path.join(path, stem + ".json"), encoding="utf-8") as file:
+            shapes = json.load(file)["shapes"]
+        lines = data.overlay(index)
+        for shape in shapes:
+            if shape["label"] in lines:
+                for point in shape["points"]:
+                    largest = max(largest, distance(np.array(point), lines[shape["label"]]))
+                    points += 1
+    assert points > 50 * len(data), points
+    return largest
+
+
+def example(folder):
+    """README's example, run as it stands."""
+    (code,) = blocks("README.md", "data.overlay(0)")
+    assert len([line for line in code.splitlines() if line.strip()]) <= 15
+    work = os.path.dirname(folder)
+    run(sys.executable, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
+    return cv2.imread(os.path.join(work, "overlay.png"))
+
+
+def recipes(touchline, folder):
+    """Every Python block of the recipes runs after the command above it."""
+    with open(os.path.join(ROOT, "assets", "recipes.md"), encoding="utf-8") as file:
+        page = file.read()
+    work = os.path.dirname(folder)
+    for kind, code in re.findall(r"```(sh|python)\n(.*?)```", page, re.S):
+        environment = {**os.environ, "PYTHONPATH": folder, "PATH": os.path.dirname(touchline) + os.pathsep + os.environ["PATH"]}
+        command = ["sh", "-ec", code] if kind == "sh" else [sys.executable, "-c", code]
+        run(*command, cwd=work, env=environment)
+
+
+def main():
+    touchline = os.path.abspath(sys.argv[1])
+    with tempfile.TemporaryDirectory() as work:
+        folder = os.path.join(work, "out")
+        demo = os.path.join(ROOT, "projects", "demo")
+        run(touchline, "export", demo, "--dataset", folder, "--split", "80/10/10", "--status", "reference,suggested,draft", "--undistorted")
+        manifest(folder)
+        schema(folder)
+        sys.path.insert(0, folder)
+        import touchline_dataset
+
+        assert os.path.dirname(touchline_dataset.__file__) == folder, "the loader in the dataset"
+        data = touchline_dataset.load(folder)
+        assert len(data) > 0 and set(data.split) <= {"train", "validation", "test"} and all(data.label)
+        off = overlays(touchline, folder, data, work)
+        print("%-12s %-42s %.1e px" % ("dataset", "touchline_dataset.py, lines of %d frames" % len(data), off))
+        assert off < ALLOWED_PX
+        picture, drawn = cv2.imread(data.picture(0)), example(folder)
+        changed = np.argwhere((picture != drawn).any(axis=2))[:, ::-1] + 0.5
+        lines = list(data.overlay(0).values())
+        far = max(min(distance(pixel, line) for line in lines) for pixel in changed[:: max(1, len(changed) // 500)])
+        print("%-12s %-42s %.1f px from the lines" % ("README", "OpenCV, %d px drawn" % len(changed), far))
+        assert len(changed) > 500 and far < 2.5
+        plain = touchline_dataset.load(os.path.join(folder, "undistorted"))
+        assert len(plain) == len(data) and not plain.k1.any() and os.path.exists(plain.picture(0))
+        recipes(touchline, folder)
+        print("%-12s run" % "recipes")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,5 @@
+//! Prints the JSON Schema of documents as their types have it: `make schema` writes it to `assets/`, `.ci/run` compares.
+
+fn main() {
+    println!("{}", touchline::document::schema_of_types());
+}

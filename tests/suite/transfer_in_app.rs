@@ -1,0 +1,151 @@
+//! Exports, datasets and imports in the application: looked at first, written on request, taken over in one step.
+
+use crate::headless::Headless;
+use std::path::Path;
+use touchline::app::transfer::{Look, TransferAction, TransferTab};
+use touchline::app::{Action, Command, Question, Settings};
+use touchline::camera::{BaseAngles, CameraBase, Ptz};
+use touchline::document::{
+    Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, Solution, SolutionSource, document_to_string,
+};
+use touchline::exchange::{DatasetOptions, Format, Gaps, Splitting};
+use touchline::geometry::{ImagePoint, ImageSize, Vec3};
+
+const SIZE: ImageSize = ImageSize::new(160, 90);
+
+/// Four frames with pictures, the first two references with a click each, as a project.
+fn opened(folder: &Path) -> Headless {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut camera = Camera::new("main".into(), SIZE);
+    camera.set_base(&CameraBase::new(
+        Vec3::new(0.0, -60.0, 18.0),
+        BaseAngles::default().base_from_world(),
+        SIZE.centre(),
+    ));
+    document.cameras.push(camera.into());
+    for index in 0..4_u8 {
+        let name = format!("{index:04}.png");
+        image::RgbImage::from_pixel(SIZE.width, SIZE.height, image::Rgb([60, 110 + index, 60]))
+            .save(folder.join(&name))
+            .unwrap();
+        let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+        if index < 2 {
+            frame.status = FrameStatus::Reference;
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index), -13.0, 190.0), None));
+            frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
+            frame.clicks = vec![Click::landmark("centre_mark".into(), ImagePoint::new(80.0, 50.0))];
+        }
+        document.frames.push(frame.into());
+    }
+    std::fs::write(folder.join("project.json"), document_to_string(&document).unwrap()).unwrap();
+    let mut headless = Headless::new();
+    headless.app = touchline::app::App::new(Settings { snap_points: false, ..Settings::default() });
+    headless.act(Action::Open(folder.to_path_buf()));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless
+}
+
+fn act(headless: &mut Headless, action: TransferAction) {
+    headless.act(Action::Transfer(action));
+}
+
+fn found(headless: &mut Headless) -> Look {
+    headless.wait_until("looking", |app| app.session.transfer.found.is_some());
+    headless.app.session.transfer.found.clone().unwrap().look
+}
+
+#[test]
+fn an_export_is_shown_with_its_losses_before_it_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    headless.act(Action::Command(Command::Export));
+    act(&mut headless, TransferAction::Format(Format::Wc14));
+    let Look::Export(Ok(made)) = found(&mut headless) else { panic!("an export was looked at") };
+    assert_eq!(made.frames, 2);
+    assert!(made.loss.as_ref().is_some_and(|loss| loss.off_ground > 0), "{:?}", made.loss);
+    let out = folder.path().join("out");
+    headless.answer(Question::ExportAs(Format::Wc14), &out);
+    headless.wait_until("writing", |app| {
+        app.session.notices.iter().any(|notice| notice.text.contains("2 frames written as wc14"))
+    });
+    assert!(out.join("0001.homographyMatrix").is_file());
+    assert_eq!(headless.app.session.dialog, None);
+    // A folder that holds something else gets a new one in it.
+    headless.act(Action::Command(Command::Export));
+    headless.answer(Question::ExportAs(Format::Wc14), folder.path());
+    headless.wait_until("writing", |_| folder.path().join("wc14/0000.homographyMatrix").is_file());
+    // What cannot be is said in one line.
+    headless.act(Action::Command(Command::Export));
+    act(&mut headless, TransferAction::Format(Format::FreeD));
+    let mut options = headless.app.session.transfer.export.clone();
+    options.frames.statuses = vec![FrameStatus::Rejected];
+    options.gaps = Gaps::Takes;
+    act(&mut headless, TransferAction::Export(Box::new(options)));
+    let Look::Export(Err(why)) = found(&mut headless) else { panic!("no frame is rejected") };
+    assert_eq!(why, "No frame to export as freed: no frame has the status, camera and confidence that were asked for.");
+}
+
+#[test]
+fn a_dataset_is_planned_written_and_can_be_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    headless.act(Action::Command(Command::ExportDataset));
+    assert_eq!(headless.app.session.transfer.tab, TransferTab::Dataset);
+    let options =
+        DatasetOptions { splitting: Some(Splitting::default()), undistorted: true, ..DatasetOptions::default() };
+    act(&mut headless, TransferAction::Dataset(Box::new(options)));
+    let Look::Dataset(Ok(plan)) = found(&mut headless) else { panic!("a dataset was planned") };
+    assert_eq!((plan.frames.len(), plan.pictures(), plan.counts()), (2, 4, [2, 0, 0]));
+    assert!(plan.notes.iter().any(|note| note.contains("nothing is left for validation, test")), "{:?}", plan.notes);
+    let out = folder.path().join("set");
+    headless.answer(Question::DatasetTo, &out);
+    headless.wait_until("writing", |app| {
+        app.session.notices.iter().any(|notice| notice.text.contains("Dataset of 2 frames written"))
+    });
+    assert!(out.join("manifest.sha256").is_file() && out.join("undistorted/images/train/0001.png").is_file());
+    // Once more, stopped at once: nothing temporary stays.
+    headless.act(Action::Command(Command::ExportDataset));
+    headless.answer(Question::DatasetTo, &folder.path().join("other"));
+    act(&mut headless, TransferAction::Stop);
+    assert_eq!(headless.app.session.transfer.under_way, None);
+    drop(headless);
+    let left = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+    assert!(left.filter(|name| name.ends_with(".tmp")).count() == 0, "nothing temporary is left");
+}
+
+#[test]
+fn labels_of_another_program_come_in_after_a_look_in_one_step_of_undo() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut headless = opened(folder.path());
+    let labelme = folder.path().join("labelme");
+    std::fs::create_dir(&labelme).unwrap();
+    for index in [0, 2] {
+        let json = serde_json::json!({
+            "version": "6.3.1", "flags": {}, "imagePath": format!("../{index:04}.png"), "imageData": null, "imageHeight": 90, "imageWidth": 160,
+            "shapes": [
+                { "label": "halfway_far", "points": [[70.0, 30.0]], "shape_type": "point" },
+                { "label": "centre_mark", "points": [[81.0, 51.0]], "shape_type": "point" },
+            ],
+        });
+        // Names without a folder: labelme writes beside the images.
+        let json = json.to_string().replace("../", "");
+        std::fs::write(labelme.join(format!("{index:04}.json")), json).unwrap();
+    }
+    headless.act(Action::Command(Command::Import));
+    act(&mut headless, TransferAction::ImportFormat(Format::Labelme));
+    let before = headless.app.open().unwrap().document.frames.clone();
+    headless.answer(Question::ImportFrom(Format::Labelme), &labelme);
+    let Look::Import(Ok(joined)) = found(&mut headless) else {
+        panic!("{:?}", headless.app.session.transfer.found);
+    };
+    assert_eq!((joined.matched, joined.kept, joined.added, joined.clicks), (1, 1, 0, 2));
+    assert_eq!(headless.app.open().unwrap().document.frames, before, "a look changes nothing");
+    act(&mut headless, TransferAction::TakeOver);
+    let frames = &headless.app.open().unwrap().document.frames;
+    assert_eq!((frames[2].clicks.len(), frames[2].status), (2, FrameStatus::Draft));
+    assert_eq!(frames[0], before[0], "a person's own label stays");
+    let next = headless.app.open().unwrap().history.next_undo().map(|step| step.name.clone());
+    assert_eq!(next.as_deref(), Some("Import labels"));
+    headless.act(Action::Command(Command::Undo));
+    assert!(headless.app.open().unwrap().document.frames[2].clicks.is_empty());
+}

@@ -1,0 +1,55 @@
+//! The dialog of exports, datasets and imports.
+
+use crate::parts::{Test, tests};
+use crate::window::Window;
+use egui::{Key, Modifiers, pos2, vec2};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::session::Dialog;
+use touchline::app::transfer::TransferAction;
+use touchline::app::{Action, Question};
+use touchline::exchange::Format;
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] formats_say_what_they_are_and_what_they_lose_before_anything_is_written;
+    [Adapter] a_dataset_is_shown_before_it_is_written;
+];
+
+const SIZE: [f32; 2] = [1280.0, 720.0];
+
+fn looked(window: &mut Window) {
+    window.wait_for(|shell| shell.app().session.transfer.found.is_some() && shell.is_idle());
+    window.harness.run_steps(3);
+}
+
+fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
+    let mut window = Window::open_referenced(4, SIZE);
+    window.harness.key_press_modifiers(Modifiers::CTRL, Key::E);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
+    window.harness.get_by_label("chan").click();
+    window.harness.run_steps(2);
+    looked(&mut window);
+    let found = window.app().session.transfer.found.clone();
+    assert!(format!("{found:?}").contains("Chan"), "{found:?}");
+    assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
+    window.snapshot_of("export_formats", egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)));
+    let file = window.folder.path().join("camera.chan");
+    window.harness.state_mut().apply([Action::Answer(Question::ExportAs(Format::Chan), file.clone())]);
+    window.wait_for(|shell| file.exists() && shell.app().session.dialog.is_none());
+}
+
+fn a_dataset_is_shown_before_it_is_written() {
+    let mut window = Window::open_referenced(4, SIZE);
+    window.harness.key_press_modifiers(Modifiers::CTRL | Modifiers::SHIFT, Key::E);
+    window.harness.run_steps(2);
+    window.harness.get_by_label("divide").click();
+    window.harness.run_steps(2);
+    looked(&mut window);
+    assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
+    window.snapshot_of("export_dataset", egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)));
+    let folder = window.folder.path().join("set");
+    window.harness.state_mut().apply([Action::Answer(Question::DatasetTo, folder.clone())]);
+    window.wait_for(|shell| folder.join("manifest.sha256").exists() && shell.app().session.dialog.is_none());
+    window.harness.state_mut().apply([Action::Transfer(TransferAction::Stop)]);
+    assert!(window.app().session.transfer.under_way.is_none());
+}
