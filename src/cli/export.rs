@@ -24,6 +24,7 @@ pub(super) const MAX_TABLE_BYTES: u64 = 16 << 20;
 /// The result is read again before it is written: a landmark that comes back elsewhere is an error. What the format cannot hold is
 /// said on standard error, in px. Conventions, users and losses of every format: assets/formats.md.
 #[derive(clap::Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of the command line")]
 pub struct ExportArgs {
     #[command(flatten)]
     document: DocumentArg,
