@@ -31,7 +31,7 @@ fn opened(folder: &Path) -> Headless {
         let mut frame = Frame::from_image(&name, "main".into(), SIZE);
         if index < 2 {
             frame.status = FrameStatus::Reference;
-            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index), -13.0, 190.0), None));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(f64::from(index) - 38.0, -13.0, 190.0), None));
             frame.solution = Some(Solution { source: Some(SolutionSource::Clicks), ..Solution::default() });
             frame.clicks = vec![Click::landmark("centre_mark".into(), ImagePoint::new(80.0, 50.0))];
         }

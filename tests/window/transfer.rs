@@ -5,8 +5,8 @@ use crate::window::Window;
 use egui::{Key, Modifiers, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::session::Dialog;
-use touchline::app::transfer::TransferAction;
-use touchline::app::{Action, Question};
+use touchline::app::transfer::{Look, TransferAction};
+use touchline::app::{Action, App, Question};
 use touchline::exchange::Format;
 
 pub const TESTS: &[Test] = tests![
@@ -21,16 +21,24 @@ fn looked(window: &mut Window) {
     window.harness.run_steps(3);
 }
 
+/// The format of the export that was looked at.
+fn exported(app: &App) -> Option<Format> {
+    match &app.session.transfer.found.as_ref()?.look {
+        Look::Export(Ok(exported)) => Some(exported.format),
+        _ => None,
+    }
+}
+
 fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
     let mut window = Window::open_referenced(4, SIZE);
-    window.harness.key_press_modifiers(Modifiers::CTRL, Key::E);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
     window.harness.run_steps(2);
     assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
-    window.harness.get_by_label("chan").click();
-    window.harness.run_steps(2);
     looked(&mut window);
-    let found = window.app().session.transfer.found.clone();
-    assert!(format!("{found:?}").contains("Chan"), "{found:?}");
+    // Further down in the list than a click reaches.
+    window.harness.state_mut().apply([Action::Transfer(TransferAction::Format(Format::Chan))]);
+    window.wait_for(|shell| shell.is_idle() && exported(shell.app()) == Some(Format::Chan));
+    window.harness.run_steps(3);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());
     window.snapshot_of("export_formats", egui::Rect::from_min_size(pos2(220.0, 60.0), vec2(840.0, 600.0)));
     let file = window.folder.path().join("camera.chan");
@@ -40,7 +48,7 @@ fn formats_say_what_they_are_and_what_they_lose_before_anything_is_written() {
 
 fn a_dataset_is_shown_before_it_is_written() {
     let mut window = Window::open_referenced(4, SIZE);
-    window.harness.key_press_modifiers(Modifiers::CTRL | Modifiers::SHIFT, Key::E);
+    window.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.harness.run_steps(2);
     window.harness.get_by_label("divide").click();
     window.harness.run_steps(2);
