@@ -5,7 +5,7 @@ use crate::app::transfer::{Look, TransferAction};
 use crate::app::{Action, sentence};
 use crate::exchange::{About, ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource};
 use crate::ui::{Panel, theme};
-use egui::{Button, ComboBox, DragValue, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, ComboBox, DragValue, Layout, RichText, ScrollArea, Ui, vec2};
 
 /// The width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -60,7 +60,8 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// The list of formats; the one that was clicked.
 fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format> {
     let mut clicked = None;
-    ui.allocate_ui(vec2(LIST, ui.available_height()), |ui| {
+    let column = vec2(LIST, ui.available_height());
+    ui.allocate_ui_with_layout(column, Layout::top_down(Align::Min), |ui| {
         ScrollArea::vertical().id_salt("formats").auto_shrink(false).show(ui, |ui| {
             for format in Format::ALL.into_iter().filter(|format| goes(*format)) {
                 let button = Button::selectable(format == chosen, format.name());
