@@ -4,14 +4,15 @@
 use super::candidates::{Candidate, Neighbours, OVER_RIVAL, SAME_M, Stop, candidates};
 use super::deciding::deciding_landmark;
 use super::held::Held;
-use super::traces::FrameTraces;
+use super::refined::Refined;
+use super::traces::{FrameTraces, PictureOfFrame};
 use super::venue::Venue;
 use super::{
     Abstention, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedFrame, UnclickedProgress,
     WatchUnclicked,
 };
 use crate::calibrate::snap_frame;
-use crate::document::{CameraId, Document, DocumentAt, FrameStatus};
+use crate::document::{CameraId, DocumentAt, FrameStatus};
 use crate::geometry::ImageSize;
 use crate::media::Picture;
 use crate::paint::SnapOptions;
@@ -28,9 +29,6 @@ const REFUTED: f64 = 0.65;
 /// Pictures that are held in memory together.
 const AT_ONCE: usize = 8;
 
-/// The pictures of a document's frames, by their places in it; none where one cannot be read.
-pub type PictureOfFrame<'a> = &'a mut dyn FnMut(usize) -> Option<Picture>;
-
 /// Finds a camera of a document from its frames' pictures alone; clicks are not read. `look_at` frames at most are looked at,
 /// spread over all of them; each is asked for by `picture` up to twice.
 ///
@@ -45,7 +43,7 @@ pub fn camera_without_clicks(
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
     let venue = Venue::of(document, camera)?;
-    let search = Search { document: document.document, camera, venue: &venue, watch };
+    let search = Search { document, camera, venue: &venue, watch };
     match search.answer(look_at, picture) {
         Ok(answer) => Ok(answer),
         Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
@@ -54,7 +52,7 @@ pub fn camera_without_clicks(
 }
 
 struct Search<'a> {
-    document: &'a Document,
+    document: DocumentAt<'a>,
     camera: &'a CameraId,
     venue: &'a Venue,
     watch: WatchUnclicked<'a>,
@@ -76,33 +74,56 @@ impl Search<'_> {
         let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
         let other = rival.filter(|_| best.score() < OVER_RIVAL * rival_score);
         let doubts = best.doubts.clone();
+        let (mut best, neighbours) = unsnapped(best, &frames);
+        best.evidence.rival = rival_score;
         if !doubts.is_empty() {
-            let mut best = unsnapped(best, &frames);
-            best.evidence.rival = rival_score;
             return Err(Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into());
         }
-        let mut best = self.snapped(best, &frames, picture)?;
-        best.evidence.rival = rival_score;
+        let best = self.snapped(best, &neighbours, &frames, picture)?;
         let Some(other) = other else {
-            return match few_snapped(&best) {
-                Some(doubt) => Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(best)) }.into()),
-                None => Ok(UnclickedAnswer::Found(Box::new(best))),
-            };
+            return self.found(best, neighbours, &frames, picture);
         };
         let is_doubted = !other.doubts.is_empty();
-        let mut other = self.snapped(other, &frames, picture)?;
+        let (mut other, of_other) = unsnapped(other, &frames);
         other.evidence.rival = best.evidence.score();
+        let other = self.snapped(other, &of_other, &frames, picture)?;
         // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
         if snapped_share(&best) >= OVER_REFUTED && snapped_share(&other) <= REFUTED {
-            return Ok(UnclickedAnswer::Found(Box::new(best)));
+            return self.found(best, neighbours, &frames, picture);
         }
         let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(few_snapped).collect();
         if is_doubted || !few.is_empty() {
             few.insert(0, Doubt::Rival);
             return Err(Abstention::Uncertain { doubts: few, best: Some(Box::new(best)) }.into());
         }
-        let deciding = deciding_landmark(self.document, &best, &other);
+        let deciding = deciding_landmark(&self.document, &best, &other);
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
+    }
+
+    /// The answer that is left: adjusted once more to what its frames' own pictures show, if enough of them agree with it.
+    fn found(
+        &self,
+        found: UnclickedCamera,
+        neighbours: Neighbours,
+        frames: &[usize],
+        picture: PictureOfFrame<'_>,
+    ) -> Result<UnclickedAnswer, Stop> {
+        let uncertain = |doubt, found: UnclickedCamera| {
+            Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(found)) }.into())
+        };
+        if let Some(doubt) = few_snapped(&found) {
+            return uncertain(doubt, found);
+        }
+        self.told(UnclickedProgress::Refining)?;
+        let Some(refined) = Refined::of(&found, (self.document, self.camera), picture, self.watch)? else {
+            return uncertain(Doubt::NotHeld, found);
+        };
+        let neighbours = refined.neighbours(neighbours, frames);
+        let found = self.snapped(refined.camera(found), &neighbours, frames, picture)?;
+        match few_snapped(&found) {
+            Some(doubt) => uncertain(doubt, found),
+            None => Ok(UnclickedAnswer::Found(Box::new(found))),
+        }
     }
 
     /// The frames that are looked at: of the camera, spread evenly.
@@ -130,22 +151,22 @@ impl Search<'_> {
         Ok((read, traces))
     }
 
-    /// A candidate's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
+    /// A camera's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
     /// that stay uncertain go. `frames` are the places of those looked at.
     fn snapped(
         &self,
-        candidate: Candidate,
+        mut found: UnclickedCamera,
+        neighbours: &Neighbours,
         frames: &[usize],
         picture: PictureOfFrame<'_>,
     ) -> Result<UnclickedCamera, Stop> {
-        let neighbours = candidate.neighbours.clone();
-        let mut found = unsnapped(candidate, frames);
-        let Some(held) = Held::of(&found.base, &neighbours, &neighbours.holds, self.size(frames, &neighbours)) else {
+        let size = self.size(frames, neighbours);
+        let Some(held) = Held::of(&found.base, neighbours, &neighbours.holds, size) else {
             return Ok(found);
         };
-        found.frames = held.frames(&neighbours, frames);
+        found.frames = held.frames(neighbours, frames);
         // Snapping reads the clicks of a frame; here there are none.
-        let mut document = self.document.clone();
+        let mut document = self.document.document.clone();
         for frame in &found.frames {
             document.frames[frame.index].clicks.clear();
         }
@@ -166,7 +187,7 @@ impl Search<'_> {
                 }
             }
         }
-        held.settle(&mut found, &neighbours);
+        held.settle(&mut found, neighbours);
         Ok(found)
     }
 
@@ -177,8 +198,8 @@ impl Search<'_> {
     }
 }
 
-/// A candidate as it is before its frames are pulled onto the paint of their own pictures.
-fn unsnapped(candidate: Candidate, frames: &[usize]) -> UnclickedCamera {
+/// A candidate as it is before its frames are pulled onto the paint of their own pictures, and how they hold each other.
+fn unsnapped(candidate: Candidate, frames: &[usize]) -> (UnclickedCamera, Neighbours) {
     let pointed = frames.iter().zip(&candidate.ptz);
     let pointed = pointed
         .filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None }));
@@ -186,7 +207,7 @@ fn unsnapped(candidate: Candidate, frames: &[usize]) -> UnclickedCamera {
     let Candidate { base, field, sizes, evidence, neighbours, .. } = candidate;
     let is_other = |place: &usize| neighbours.group.binary_search(place).is_err();
     let others = (0..frames.len()).filter(is_other).map(|place| frames[place]).collect();
-    UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence }
+    (UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence }, neighbours)
 }
 
 /// The share of the frames that agree with their own paint, of those that show enough of it.

@@ -67,4 +67,7 @@ pub enum Doubt {
         /// Frames that were asked.
         frames: usize,
     },
+    /// The paint of the frames' own pictures does not hold a base.
+    #[error("the painted lines of the frames' own pictures do not hold a base")]
+    NotHeld,
 }

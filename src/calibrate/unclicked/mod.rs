@@ -20,15 +20,17 @@ mod pitch_map;
 mod pose;
 mod progress;
 mod record;
+mod refined;
 mod search;
 mod traces;
 mod venue;
 
 pub use answer::{DecidingLandmark, UnclickedAnswer};
-pub use camera::{PictureOfFrame, camera_without_clicks};
+pub use camera::camera_without_clicks;
 pub use doubt::Doubt;
 pub use error::{Abstention, UnclickedError};
 pub use evidence::UnclickedEvidence;
 pub use found::{UnclickedCamera, UnclickedFrame};
 pub use progress::{UnclickedProgress, WatchUnclicked};
 pub use record::record_found;
+pub use traces::PictureOfFrame;

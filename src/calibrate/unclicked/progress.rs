@@ -53,6 +53,8 @@ pub enum UnclickedProgress {
         /// Of how many.
         of: usize,
     },
+    /// The base is adjusted once more, to what the frames' own pictures show.
+    Refining,
 }
 
 /// Told how far a search has come; may end it.
@@ -69,7 +71,7 @@ impl UnclickedProgress {
             | Self::Adjusting { done, of }
             | Self::Sizing { done, of }
             | Self::Snapping { done, of } => done as f64 / of.max(1) as f64,
-            Self::Gathering => 0.0,
+            Self::Gathering | Self::Refining => 0.0,
         }
     }
 }
@@ -81,6 +83,7 @@ impl fmt::Display for UnclickedProgress {
             Self::Looking { done, of } => write!(f, "looking at frame {} of {}", count(done), count(of)),
             Self::Tying { done, of } => write!(f, "tying {} of {} pairs", count(done), count(of)),
             Self::Gathering => f.write_str("gathering paint"),
+            Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
             Self::Trying { places, done, of } => {
                 write!(f, "trying {} places, round {} of {of}", count(places), (done + 1).min(of))
             }

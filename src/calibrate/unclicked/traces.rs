@@ -1,9 +1,12 @@
-//! What a search keeps of a picture.
+//! The pictures that a search asks for, and what it keeps of each.
 
 use crate::features::{FeatureError, FeatureOptions, Features, extract};
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::Picture;
 use crate::paint::{GroundPicture, Strokes};
+
+/// The pictures of a document's frames, by their places in it; none where one cannot be read.
+pub type PictureOfFrame<'a> = &'a mut dyn FnMut(usize) -> Option<Picture>;
 
 /// What is kept of a frame's picture.
 #[derive(Clone, Debug)]

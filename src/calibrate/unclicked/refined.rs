@@ -1,0 +1,89 @@
+//! A base that was found without clicks, adjusted once more to the paint that its frames' own pictures show: the strokes that it
+//! was found by are coarser than what can be read there once it is known where to look.
+
+use super::candidates::{Neighbours, Stop};
+use super::traces::PictureOfFrame;
+use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
+use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};
+use crate::camera::Ptz;
+use crate::document::{CameraId, DocumentAt, Frame};
+use crate::field::FieldModel;
+use crate::solve::base::BaseOptions;
+use crate::track::Hold;
+use std::collections::BTreeMap;
+
+/// What is seen once more from the same pictures is known no better than half of what it moved by.
+const OF_MOVE: f64 = 0.5;
+
+/// A base adjusted once more.
+pub(super) struct Refined {
+    estimated: EstimatedBase,
+    field: FieldModel,
+    /// Of each frame that took part, by its place in the document.
+    ptz: BTreeMap<usize, Ptz>,
+}
+
+impl Refined {
+    /// Of a camera that was found; none where its frames' paint does not hold a base.
+    ///
+    /// # Errors
+    /// The search was stopped, or the field cannot be had.
+    pub fn of(
+        found: &UnclickedCamera,
+        (document, camera): (DocumentAt<'_>, &CameraId),
+        picture: PictureOfFrame<'_>,
+        watch: WatchUnclicked<'_>,
+    ) -> Result<Option<Self>, Stop> {
+        // Clicks are not read, nor cameras that were known before.
+        let mut bare = document.document.clone();
+        for index in 0..bare.frames.len() {
+            if bare.frames[index].camera == *camera {
+                let frame = &mut bare.frames[index];
+                (frame.clicks, frame.ptz, frame.solution) = (Vec::new(), None, None);
+                frame.status = frame.undecided();
+            }
+        }
+        record_found(&mut bare, camera, found);
+        let places = bare.frames.clone();
+        let mut picture_of = |frame: &Frame| picture(places.position_of(&frame.id)?);
+        let at = bare.at(document.folder);
+        let told = |_| watch(UnclickedProgress::Refining);
+        let sized = !found.sizes.is_empty();
+        let estimated = match estimate_on_paint(at, camera, &BaseOptions::default(), sized, &mut picture_of, &told) {
+            Ok(on_paint) => on_paint.estimated,
+            Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
+            Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
+        };
+        estimated.write_camera(&mut bare);
+        let spec = bare.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&bare.field);
+        let field = bare.at(document.folder).model_of(spec).map_err(UnclickedError::from)?;
+        let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
+        let ptz = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
+        Ok(Some(Self { estimated, field, ptz }))
+    }
+
+    /// How the frames hold each other around the new base. `looked_at` are their places in the document.
+    pub fn neighbours(&self, neighbours: Neighbours, looked_at: &[usize]) -> Neighbours {
+        let of_place = |frame: usize| {
+            let index = looked_at.get(*neighbours.group.get(frame)?)?;
+            self.ptz.get(index).copied()
+        };
+        let ptz = (0..neighbours.ptz.len()).map(of_place).collect();
+        let moved = |hold: &Hold| Some(Hold { ptz: of_place(hold.frame)?, ..*hold });
+        let holds = neighbours.holds.iter().filter_map(moved).collect();
+        Neighbours { ptz, holds, ..neighbours }
+    }
+
+    /// The camera with the new base.
+    pub fn camera(self, found: UnclickedCamera) -> UnclickedCamera {
+        let Self { estimated: EstimatedBase { estimate, mut sizes, .. }, field, .. } = self;
+        let mut base = estimate.base;
+        let moved = base.position_m - found.base.position_m;
+        base.sigma.position_m = base.sigma.position_m.sup(&(OF_MOVE * moved.abs()));
+        for (size, before) in sizes.iter_mut().zip(&found.sizes) {
+            size.assumed_m = before.assumed_m;
+            size.sigma_m = size.sigma_m.max(OF_MOVE * (size.value_m - before.value_m).abs());
+        }
+        UnclickedCamera { base, field, sizes, ..found }
+    }
+}
