@@ -1,7 +1,6 @@
 //! What can go wrong between documents and foreign files.
 
 use super::format::Format;
-use super::values::number_text;
 use crate::field::FieldError;
 use std::io;
 use std::path::PathBuf;
@@ -393,5 +392,19 @@ impl Problem {
     #[must_use]
     pub(crate) fn at_line(self, line: usize) -> Self {
         Self::Line { line, problem: Box::new(self) }
+    }
+}
+
+/// A number in a message: not three hundred digits.
+fn number_text(value: f64) -> String {
+    let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
+    if is_plain { value.to_string() } else { format!("{value:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn numbers_in_messages_are_short() {
+        assert_eq!([1e9, 0.5, 1e300, -1e-320].map(super::number_text), ["1000000000", "0.5", "1e300", "-1e-320"]);
     }
 }

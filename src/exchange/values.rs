@@ -27,13 +27,6 @@ pub fn frame_number(what: &str, value: f64) -> Result<u64, Problem> {
     Err(Problem::OutOfRange { what: what.to_owned(), value, wanted: "a whole number from 0 to 10^12" })
 }
 
-/// A number in a message: not three hundred digits.
-#[must_use]
-pub fn number_text(value: f64) -> String {
-    let is_plain = value == 0.0 || (1e-6..1e15).contains(&value.abs());
-    if is_plain { value.to_string() } else { format!("{value:e}") }
-}
-
 /// The beginning of a text, for a message.
 #[must_use]
 pub fn clipped(text: &str) -> String {
@@ -61,6 +54,5 @@ mod tests {
         }
         assert_eq!(clipped(&"é".repeat(61)), format!("{}…", "é".repeat(60)));
         assert_eq!(clipped("short"), "short");
-        assert_eq!([1e9, 0.5, 1e300, -1e-320].map(number_text), ["1000000000", "0.5", "1e300", "-1e-320"]);
     }
 }
