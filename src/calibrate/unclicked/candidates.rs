@@ -20,8 +20,9 @@ use std::sync::Arc;
 /// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
 const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
 
-/// Places that are adjusted with all frames.
+/// Places that are adjusted with all frames, and how many at most while something speaks against each.
 const ADJUSTED: usize = 5;
+const MOST_ADJUSTED: usize = 12;
 
 /// The best of these are moved to neighbouring sizes of the field.
 const CLIMBING: usize = 2;
@@ -122,10 +123,11 @@ pub(super) fn candidates(
     let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
     let mut tried = 0;
     for start in &starts {
-        if tried == ADJUSTED {
+        let is_doubted = |(joint, evidence, _): &(Joint, UnclickedEvidence, &Start)| !evidence.doubts(joint).is_empty();
+        if tried >= if joints.iter().all(is_doubted) { MOST_ADJUSTED } else { ADJUSTED } {
             break;
         }
-        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED })?;
+        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED.max(tried + 1) })?;
         let base = start.base(size);
         if joints.iter().any(|(joint, ..)| (joint.start_m - base.position_m).norm() < SAME_M) {
             continue;
@@ -174,6 +176,8 @@ fn of_one_size(
 ) -> Option<(Joint, UnclickedEvidence)> {
     /// Two more numbers always explain a little more: .1 % on a real pitch of the usual size, 2.8 % on a drawn one 3 m wider.
     const CLEARLY: f64 = 1.01;
+    /// Nobody doubts a stated size for less, m: pitches are painted by tape, and a few decimetres explain a little more on most.
+    const DOUBTED_M: f64 = 1.0;
     let (assumed, mut evidence, sized) = match (as_assumed, sized) {
         (Some((assumed, evidence)), Some(sized)) => (assumed, evidence, sized),
         (as_assumed, sized) => return as_assumed.or(sized.filter(|_| !is_known)),
@@ -184,7 +188,9 @@ fn of_one_size(
     if !is_known {
         return Some(sized);
     }
-    evidence.other_size_m = Some([sized.0.field.length_m, sized.0.field.width_m]);
+    let [length_m, width_m] = [sized.0.field.length_m, sized.0.field.width_m];
+    let off_m = (length_m - assumed.field.length_m).abs().max((width_m - assumed.field.width_m).abs());
+    evidence.other_size_m = (off_m > DOUBTED_M).then_some([length_m, width_m]);
     Some((assumed, evidence))
 }
 

@@ -43,9 +43,9 @@ impl Clicked {
         Self { clicked, bare }
     }
 
-    /// The distances at people's clicks, px, frame by frame.
+    /// The distances at people's clicks, px, frame by frame: on the field that the document says.
     fn distances(&self, document: &Document, folder: &Path) -> Vec<(String, Vec<f64>)> {
-        let field = self.clicked.at(folder).model_of(&self.clicked.field).unwrap();
+        let field = document.at(folder).model_of(&document.field).unwrap();
         let of_frame = |(frame, clicked): (&Frame, &Frame)| {
             let camera = document.pointed(frame)?;
             let seen = observations(clicked, &field).unwrap();
