@@ -1,8 +1,9 @@
 //! From a document's clicks to the base of one of its cameras, and back into the document.
 
 use super::base_readiness::LANDMARKS_ALONE;
+use super::on_paint::OnPaint;
 use super::solve_frames::{ShownFields, WatchFrames, is_by_clicks, solve_frames};
-use super::{CalibrationError, OnPaint, observations};
+use super::{CalibrationError, observations};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{Camera, CameraId, Document, DocumentAt, Frame, FrameStatus, SolutionWarning, Target};
 use crate::field::{FieldError, FieldModel, LandmarkId, Symmetry};

@@ -4,8 +4,8 @@
 //! A line is there where the colour is none that the two sides mix: a plain border between two areas has, blurred, just those.
 
 use super::GroundPicture;
+use super::across::{Across, Ridge, is_on_ground};
 use super::colours::{Colour, ColourProfile};
-use super::ridge::{Across, Ridge, is_on_ground};
 
 /// A line's colour is at least this far from all that its sides mix, grey levels,
 const MIN_CONTRAST: f64 = 9.0;
@@ -183,7 +183,6 @@ mod tests {
     use crate::geometry::{ImagePoint, ImageSize, Vec2};
     use crate::media::Picture;
     use crate::paint::drawn::{COURT, SIZE, court, court_camera, court_truth};
-    use crate::paint::ridge::RidgeFinder;
     use crate::paint::{LineVerdict, SnapOptions, Strokes, check_lines, snap};
 
     const WOOD: [f64; 3] = [214.0, 178.0, 132.0];
@@ -218,7 +217,7 @@ mod tests {
     fn ridges(ground: &GroundPicture, width_px: f64) -> Vec<Ridge> {
         let across = Across { at: ImagePoint::new(80.0, 240.0), normal: Vec2::new(1.0, 0.0), width_px, outward: 0.0 };
         let mut found = Vec::new();
-        RidgeFinder::default().find(ground, &across, 30.0, 0.5, &mut found);
+        FloorRidgeFinder::default().find(ground, &across, 30.0, 0.5, &mut found);
         found
     }
 

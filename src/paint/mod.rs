@@ -13,6 +13,7 @@
 //!
 //! Everything works on one picture and a known base; nothing is drawn by chance.
 
+mod across;
 mod agreement;
 mod check;
 mod colours;
@@ -27,6 +28,7 @@ mod ground;
 mod ground_area;
 mod lens;
 mod persistent;
+mod placed_point;
 mod places;
 mod point;
 mod profile;
@@ -40,6 +42,7 @@ mod strokes;
 mod surface;
 mod unexplained;
 
+pub use across::Ridge;
 pub use agreement::Agreement;
 pub(crate) use check::overlays_apart_px;
 pub use check::{LineCheck, LineVerdict, check_lines};
@@ -47,9 +50,9 @@ pub use error::SnapError;
 pub use find::{FindError, FindOptions, Found, WatchFind, find_camera};
 pub use ground::GroundPicture;
 pub use persistent::{PersistentPoint, SeenGround, persistent_paint};
+pub use placed_point::{PointSnapOptions, SnappedPoint};
 pub use places::{PaintPlace, paint_places};
-pub use point::{PointSnapOptions, SnappedPoint, snap_point};
-pub use ridge::Ridge;
+pub use point::snap_point;
 pub use sightings::{Seen, Sightings};
 pub use snap::{SnapOptions, Snapped, snap};
 pub use strokes::{Shown, StrokePoint, Strokes};

@@ -4,37 +4,15 @@
 //! them. The camera may be a rough one: only the directions and the widths of the lines are taken from it.
 
 use super::GroundPicture;
-use super::ridge::{Across, Ridge, RidgeFinder};
+use super::across::{Across, Ridge};
+use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
+use super::ridge::RidgeFinder;
 use super::spot::snap_spot;
 use crate::camera::PtzCamera;
 use crate::field::{FieldModel, Landmark};
 use crate::geometry::{ImagePoint, Vec2};
 use crate::markings::{LineSample, SampleOptions, sample_lines};
 use nalgebra::{Matrix2, SMatrix, SVector};
-
-/// How a placed point is moved. Lengths are px at 1920 px width.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointSnapOptions {
-    /// The point is moved at most this far. 8 by default.
-    pub reach_px: f64,
-    /// A result that is known less well is none: 1-σ in each direction. 1.5 by default.
-    pub max_sigma_px: f64,
-}
-
-impl Default for PointSnapOptions {
-    fn default() -> Self {
-        Self { reach_px: 8.0, max_sigma_px: 1.5 }
-    }
-}
-
-/// A point on the paint.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SnappedPoint {
-    /// Where the landmark is painted, px.
-    pub image: ImagePoint,
-    /// 1-σ in each direction, px.
-    pub sigma_px: f64,
-}
 
 /// The lines are followed this far from the landmark, px at 1920 px width.
 const FOLLOWED_PX: f64 = 90.0;
@@ -71,17 +49,11 @@ const DIRECTION_SIGMA: f64 = 0.06;
 /// 1-σ of a ridge's offset on its own, px at 1920 px width.
 const RIDGE_SIGMA_PX: f64 = 0.6;
 
-/// 1-σ of what all ridges of a line have in common, px at 1920 px width.
-pub(super) const LINE_SIGMA_PX: f64 = 0.35;
-
 /// Scales of the robust loss, one for each step, px at 1920 px width.
 const SCALES_PX: [f64; 4] = [3.0, 2.0, 1.2, 1.2];
 
 /// Lines that meet at less than this are one, as its sine.
 const LEAST_CROSSING: f64 = 0.15;
-
-/// A line passes through a landmark if it comes as near as this, m.
-const THROUGH_M: f64 = 0.02;
 
 /// At most this many lines meet.
 const MOST_LINES: usize = 3;
@@ -126,13 +98,6 @@ pub fn snap_point(
     let sigma_px = (covariance.trace() / 2.0).sqrt();
     let certain = shift.norm() <= crossing.reach_px && sigma_px <= options.max_sigma_px * scale;
     certain.then(|| SnappedPoint { image: placed.moved(shift), sigma_px })
-}
-
-/// The painted lines that pass through a landmark or end there.
-pub(super) fn lines_through(field: &FieldModel, landmark: &Landmark) -> Vec<usize> {
-    let lines = field.lines.iter().enumerate();
-    let through = lines.filter(|(_, line)| line.painted && line.curve.distance_m(landmark.nominal_m) <= THROUGH_M);
-    through.map(|(index, _)| index).collect()
 }
 
 /// The neighbourhood of a placed point.

@@ -1,7 +1,8 @@
 //! What a picture shows where a camera predicts paint.
 
 use super::GroundPicture;
-use super::ridge::{Across, Ridge, RidgeFinder};
+use super::across::{Across, Ridge};
+use super::ridge::RidgeFinder;
 use super::surface::GroundPart;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;

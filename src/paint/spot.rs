@@ -5,7 +5,7 @@
 //! most of it. Another place that explains nearly as much, or paint of another shape, gives no result.
 
 use super::GroundPicture;
-use super::point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
+use super::placed_point::{LINE_SIGMA_PX, PointSnapOptions, SnappedPoint, lines_through};
 use crate::camera::PtzCamera;
 use crate::field::{FieldModel, Landmark};
 use crate::geometry::{ImagePoint, Vec2, Vec3};

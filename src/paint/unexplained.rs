@@ -1,7 +1,8 @@
 //! Paint that a camera does not predict: ridges found along rows and columns of the picture, away from every line.
 
 use super::GroundPicture;
-use super::ridge::{Across, RidgeFinder};
+use super::across::Across;
+use super::ridge::RidgeFinder;
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, Vec2, Vec3};
