@@ -16,10 +16,6 @@ const ALONG: f32 = 0.7;
 /// frame of a slow pan four fifths.
 const MOVED: f32 = 0.5;
 
-/// The same for edges of one kind alone, upright and level ones: by chance .2 and .3. A pure pan leaves level edges where they
-/// were, a pure tilt upright ones.
-const MOVED_OF_KIND: [f32; 2] = [0.36, 0.45];
-
 /// Fewer edges than this share of the reduced picture's pixels tell nothing: a fade, a white-out.
 const FEWEST: f32 = 0.01;
 
@@ -126,32 +122,15 @@ pub fn has_moved(one: &ReducedPicture, other: &ReducedPicture) -> Option<bool> {
     tells.then_some(upright.standing + level.standing < MOVED * all)
 }
 
-/// The pictures, by their places, each of which the camera moved to since the one before it, as edges of a kind show.
-pub(super) fn views(pictures: &[ReducedPicture], kind: EdgeKind) -> Vec<usize> {
-    let mut views: Vec<usize> = Vec::new();
-    for (place, picture) in pictures.iter().enumerate() {
-        let moved = views.last().is_none_or(|&before| {
-            count_edges(&pictures[before], picture).is_some_and(|counts| {
-                let count = &counts[kind as usize];
-                count.standing < MOVED_OF_KIND[kind as usize] * count.all
-            })
-        });
-        if moved {
-            views.push(place);
-        }
-    }
-    views
-}
-
 /// How many edges of a kind two pictures have, half of those of both, and how many of them stand.
 #[derive(Clone, Copy, Default)]
-struct EdgeCount {
-    all: f32,
-    standing: f32,
+pub(super) struct EdgeCount {
+    pub all: f32,
+    pub standing: f32,
 }
 
 /// Of both kinds of edges; none for pictures of two sizes.
-fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Option<[EdgeCount; 2]> {
+pub(super) fn count_edges(one: &ReducedPicture, other: &ReducedPicture) -> Option<[EdgeCount; 2]> {
     if one.size != other.size {
         return None;
     }

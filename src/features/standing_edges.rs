@@ -7,8 +7,9 @@
 //! and level edges each by themselves: level edges of boards stand while a camera pans.
 
 use super::black_bars::black_bars;
+use super::camera_views::camera_views;
 use super::edge_groups::{EdgeGroup, joined};
-use super::reduced::{EdgeKind, ReducedPicture, Slope, views};
+use super::reduced::{EdgeKind, ReducedPicture, Slope};
 use super::standing_graphic::{CAP, StandingEdge, StandingGraphic};
 use crate::geometry::PixelBox;
 use rayon::prelude::*;
@@ -44,6 +45,10 @@ const LONGEST_GAP: usize = 1;
 const LEAST_EDGES: usize = 24;
 const LEAST_EDGES_IN_WINDOW: usize = 150;
 
+/// The least in all pictures where there are fewer views than this: a player whom the camera follows stands on the screen for a second.
+const FEW_VIEWS: usize = 12;
+const LEAST_EDGES_IN_FEW: usize = 75;
+
 /// A box of more than this share of the picture is no graphic on it.
 const LARGEST: f64 = 0.35;
 
@@ -52,7 +57,7 @@ const MARGIN: f64 = 1.5;
 
 /// Finds the graphics that stand in all or some neighbouring ones of the pictures of one camera, in their order of time as far as
 /// they have one; those that are shown longest first. Nothing is found in fewer than six pictures, in pictures that differ in
-/// size, or where the camera hardly moved between them; black bars along the borders are, in two pictures.
+/// size, or where the camera turned by a degree or two in all; black bars along the borders are, in two pictures.
 #[must_use]
 pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     let Some(first) = pictures.first() else { return Vec::new() };
@@ -61,11 +66,15 @@ pub fn standing_graphics(pictures: &[ReducedPicture]) -> Vec<StandingGraphic> {
     }
     let width = first.width;
     let mut found = black_bars(pictures);
-    let views = EdgeKind::ALL.map(|kind| views(pictures, kind));
+    let views = camera_views(pictures);
     for window in windows(pictures.len()) {
         let is_part = window.len() < pictures.len();
-        let (least_views, least_edges) =
-            if is_part { (LEAST_VIEWS_IN_WINDOW, LEAST_EDGES_IN_WINDOW) } else { (LEAST_VIEWS, LEAST_EDGES) };
+        let has_few = views.iter().all(|of_kind| of_kind.len() < FEW_VIEWS);
+        let (least_views, least_edges) = match (is_part, has_few) {
+            (true, _) => (LEAST_VIEWS_IN_WINDOW, LEAST_EDGES_IN_WINDOW),
+            (false, true) => (LEAST_VIEWS, LEAST_EDGES_IN_FEW),
+            (false, false) => (LEAST_VIEWS, LEAST_EDGES),
+        };
         let in_window = EdgeKind::ALL.map(|kind| {
             let of_kind = &views[kind as usize];
             let within: Vec<usize> = of_kind.iter().copied().filter(|view| window.contains(view)).collect();
@@ -147,7 +156,7 @@ fn shown(pictures: &[ReducedPicture], window: &Range<usize>, group: EdgeGroup) -
     }
     let mut graphic = StandingGraphic { pixel_box, first: 0, last: 0, edges: group.edges };
     let shown: Vec<bool> = pictures.iter().map(|picture| graphic.is_shown_in(picture)).collect();
-    let run = longest_run(&shown)?;
+    let run = longest_run(&shown).filter(|run| run.len() >= LEAST_VIEWS)?;
     // What stands in other pictures than those it was found in was not what was found.
     let in_window = (window.start.max(run.start)..window.end.min(run.end)).len();
     if 2 * in_window < window.len().min(run.len()) {

@@ -242,7 +242,7 @@ mod videos {
     use std::cell::Cell;
     use std::ops::ControlFlow;
     use std::path::Path;
-    use touchline::camera::{CameraBase, PtzCamera};
+    use touchline::camera::{CameraBase, Ptz, PtzCamera};
     use touchline::document::{Document, Frame, VideoFrame, document_from_bytes};
     use touchline::features::FeatureOptions;
     use touchline::field::builtin;
@@ -278,6 +278,17 @@ mod videos {
             Self { scene, base, path, graphics, read: Cell::new(0) }
         }
 
+        /// Makes it one of a few frames in which the camera turns by this much in all.
+        fn turn_slowly(&mut self, frames: usize, [pan_deg, tilt_deg]: [f64; 2], focal_px: f64) {
+            let start = self.path[0].ptz;
+            self.path.truncate(frames);
+            for (index, step) in self.path.iter_mut().enumerate() {
+                let share = index as f64 / (frames - 1) as f64;
+                let (pan, tilt) = (start.pan.degrees() + share * pan_deg, start.tilt.degrees() + share * tilt_deg);
+                step.ptz = Ptz::from_degrees(pan, tilt, focal_px);
+            }
+        }
+
         fn found(&mut self) -> Vec<FoundMask> {
             let mut document: Document = document_from_bytes(
                 br#"{"format": "touchline", "version": 1, "field": {"template": "soccer", "params": {}}, "frames": [],
@@ -285,7 +296,7 @@ mod videos {
             )
             .unwrap();
             let camera = document.cameras[0].id.clone();
-            for index in 0..FRAMES as u64 {
+            for index in 0..self.path.len() as u64 {
                 let video = VideoFrame::new("match.mp4", index, Some(index as f64 / FRAMES_PER_S));
                 document.frames.push(Frame::from_video(video, camera.clone(), SIZE).into());
             }
@@ -339,6 +350,21 @@ mod videos {
         let (from, to) = (banner.mask.from.unwrap(), banner.mask.to.unwrap());
         assert!((100..=107).contains(&from) && (193..=200).contains(&to), "{from} to {to}");
         assert!(video.read.get() < 85, "{} pictures were read", video.read.get());
+    }
+
+    #[test]
+    fn a_camera_that_stands_nearly_still_tells_nothing() {
+        for (turn_deg, focal_px) in [([1.0, 0.0], 425.0), ([0.0, 1.0], 500.0), ([2.0, 0.3], 500.0)] {
+            for graphics in [Graphics::NONE, BUG] {
+                let mut video = DrawnVideo::new(1, Preset::Paper, graphics);
+                video.turn_slowly(30, turn_deg, focal_px);
+                for found in video.found() {
+                    let truth = graphics.boxes(SIZE, 0.0);
+                    let is_one = truth.iter().any(|of| covered(&found.mask.pixel_box, of) >= 0.5);
+                    assert!(is_one, "{turn_deg:?}°: {found:?} is no graphic");
+                }
+            }
+        }
     }
 
     #[test]
