@@ -131,7 +131,11 @@ mod tests {
         let field = builtin("soccer").unwrap().default_model().unwrap();
         let (mut document, _) = slightly_wrong();
         let camera = document.cameras[0].id.clone();
-        let sigma = BaseSigma { position_m: Vec3::new(0.1, 0.2, 0.1), rotation: Vec3::new(5e-4, 5e-4, 0.0) };
+        let sigma = BaseSigma {
+            position_m: Vec3::new(0.1, 0.2, 0.1),
+            rotation: Vec3::new(5e-4, 5e-4, 0.0),
+            ..BaseSigma::default()
+        };
         let base = CameraBase { sigma, ..document.camera(&camera).unwrap().base().unwrap() };
         document.camera_mut(&camera).unwrap().set_base(&base);
         let proposed = document.pointed(&document.frames[0]).unwrap();

@@ -1,6 +1,6 @@
 //! The base: what stays constant while the camera pans, tilts and zooms.
 
-use super::FocalCurve;
+use super::{BaseSigma, FocalCurve};
 use crate::geometry::rotation::{q_pan, rotation_vector};
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
 use serde::Serialize;
@@ -20,16 +20,6 @@ pub struct CameraBase {
     pub distortion: FocalCurve,
     /// The uncertainty of position and rotation.
     pub sigma: BaseSigma,
-}
-
-/// Prior 1-σ of a base; zero means exactly known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct BaseSigma {
-    /// Of the position, along world x, y, z, m.
-    pub position_m: Vec3,
-    /// Of the base rotation, about world x, y, z (z is the pan gauge), rad.
-    #[serde(rename = "rotation_rad")]
-    pub rotation: Vec3,
 }
 
 /// A base rotation as heading, pitch and roll.

@@ -5,12 +5,14 @@
 //! not used, it has errors of up to 30 px within an ordinary frame.
 
 mod base;
+mod base_sigma;
 mod distortion;
 mod jacobian;
 mod projection;
 mod ray;
 
-pub use base::{BaseAngles, BaseSigma, CameraBase};
+pub use base::{BaseAngles, CameraBase};
+pub use base_sigma::{BaseCorrelation, BaseSigma};
 pub(crate) use distortion::undistort;
 pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};

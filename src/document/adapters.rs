@@ -10,8 +10,10 @@
     reason = "serde prescribes the signatures, and each adapter needs the same few names"
 )]
 
+use crate::camera::BaseCorrelation;
 use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
+use nalgebra::Matrix5;
 use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -248,6 +250,28 @@ pub(super) mod optional_matrix {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Mat3>, D::Error> {
         Ok(Option::<[[f64; 3]; 3]>::deserialize(deserializer)?.map(matrix))
+    }
+}
+
+/// A correlation matrix of a base's errors by rows, or absent.
+pub(super) mod optional_correlation {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(value: &Option<BaseCorrelation>, serializer: S) -> Result<S::Ok, S::Error> {
+        let matrix = value.as_ref().map(BaseCorrelation::matrix);
+        if let Some(matrix) = &matrix {
+            finite::<S>(matrix.as_slice())?;
+        }
+        // Symmetric: its columns are its rows.
+        matrix.map(<[[f64; 5]; 5]>::from).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<BaseCorrelation>, D::Error> {
+        let Some(rows) = Option::<[[f64; 5]; 5]>::deserialize(deserializer)? else { return Ok(None) };
+        let correlation = BaseCorrelation::new(&Matrix5::from_fn(|row, column| rows[row][column]));
+        let wrong = "no correlation matrix: 5 × 5 of position x, y, z and rotation about x, y, symmetric, ones on its diagonal, \
+                     no negative eigenvalue; leave it out if it is not known";
+        correlation.map(Some).ok_or_else(|| D::Error::custom(wrong))
     }
 }
 

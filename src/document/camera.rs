@@ -1,7 +1,7 @@
 //! A camera of the document.
 
 use super::{CameraId, Extra, FieldSpec, Frame, RangedMask, adapters};
-use crate::camera::{BaseSigma, CameraBase, FocalCurve, PtzCamera};
+use crate::camera::{BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera};
 use crate::geometry::rotation::{distance_from_rotation, nearest_rotation};
 use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 use serde::{Deserialize, Serialize};
@@ -138,6 +138,10 @@ pub struct CameraSigma {
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     #[serde(default, with = "adapters::vector")]
     pub rotation_deg: Vec3,
+    /// How the errors of position x, y, z and rotation about x, y go together: their correlation matrix; none: not at all.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 5]; 5]>"))]
+    #[serde(default, with = "adapters::optional_correlation", skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<BaseCorrelation>,
     /// Unknown keys.
     #[serde(flatten)]
     pub extra: Extra,
@@ -145,13 +149,22 @@ pub struct CameraSigma {
 
 impl From<&BaseSigma> for CameraSigma {
     fn from(sigma: &BaseSigma) -> Self {
-        Self { position_m: sigma.position_m, rotation_deg: sigma.rotation.map(f64::to_degrees), extra: Extra::new() }
+        Self {
+            position_m: sigma.position_m,
+            rotation_deg: sigma.rotation.map(f64::to_degrees),
+            correlation: Some(sigma.correlation).filter(|correlation| *correlation != BaseCorrelation::NONE),
+            extra: Extra::new(),
+        }
     }
 }
 
 impl From<&CameraSigma> for BaseSigma {
     fn from(sigma: &CameraSigma) -> Self {
-        Self { position_m: sigma.position_m, rotation: sigma.rotation_deg.map(f64::to_radians) }
+        Self {
+            position_m: sigma.position_m,
+            rotation: sigma.rotation_deg.map(f64::to_radians),
+            correlation: sigma.correlation.unwrap_or_default(),
+        }
     }
 }
 

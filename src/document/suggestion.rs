@@ -19,9 +19,10 @@ pub(crate) struct Suggestion {
 
 impl Suggestion {
     /// What a frame shows as suggested, its camera having this base; none where a person decided or nothing is suggested.
-    pub(crate) fn in_frame(frame: &Frame, base: Option<CameraBase>) -> Option<Self> {
+    pub(crate) fn in_frame(frame: &Frame, base: Option<&CameraBase>) -> Option<Self> {
         let Frame { revision, ptz, solution, .. } = frame;
-        let suggestion = || Self { revision: *revision, base, ptz: ptz.clone(), solution: solution.clone() };
+        let suggestion =
+            || Self { revision: *revision, base: base.copied(), ptz: ptz.clone(), solution: solution.clone() };
         frame.shows_suggestion().then(suggestion)
     }
 

@@ -190,8 +190,10 @@ mod tests {
             BaseAngles::default().base_from_world(),
             ImageSize::new(1920, 1080).centre(),
         );
-        let mut document =
-            document(base, &[(-2.0, -11.0, 2000.0), (-1.0, -11.0, 2000.0), (2.0, -10.0, 4000.0), (9.0, -10.0, 3000.0)]);
+        let mut document = document(
+            &base,
+            &[(-2.0, -11.0, 2000.0), (-1.0, -11.0, 2000.0), (2.0, -10.0, 4000.0), (9.0, -10.0, 3000.0)],
+        );
         for (frame, number) in document.frames.iter_mut().zip([412, 413, 416, 440]) {
             frame.image = None;
             frame.video = Some(VideoFrame::new("match.mp4", number, Some(number as f64 / 25.0)));

@@ -14,14 +14,14 @@ pub fn reference() -> Document {
         distortion: FocalCurve::constant(0.0661),
         ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
     };
-    document(base, &[(12.5, -11.2, 2410.0)])
+    document(&base, &[(12.5, -11.2, 2410.0)])
 }
 
 /// A document with one camera and frames pointed so.
-pub fn document(base: CameraBase, ptz: &[(f64, f64, f64)]) -> Document {
+pub fn document(base: &CameraBase, ptz: &[(f64, f64, f64)]) -> Document {
     let mut document = Document::new(FieldSpec::new("soccer"));
     let mut camera = Camera::new("main".into(), SIZE);
-    camera.set_base(&base);
+    camera.set_base(base);
     document.cameras.push(camera.into());
     for (index, (pan, tilt, focal)) in ptz.iter().enumerate() {
         let mut frame = Frame::from_image(&format!("images/{:04}.jpg", index + 1), "main".into(), SIZE);
@@ -48,7 +48,7 @@ pub fn awkward() -> Document {
     };
     let ptz: Vec<(f64, f64, f64)> =
         (0..12).map(f64::from).map(|step| (-44.0 + 7.5 * step, -9.0 - 0.4 * step, 1500.0 + 210.0 * step)).collect();
-    let mut document = document(base, &ptz);
+    let mut document = document(&base, &ptz);
     document.field.params.extend([("length_m".to_owned(), 100.0), ("width_m".to_owned(), 64.0)]);
     document
 }

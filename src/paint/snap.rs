@@ -9,7 +9,6 @@ use super::{GroundPicture, LineCheck, Sightings, SnapError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::solve::{Observation, SolveError, Uncertainty};
-use nalgebra::Vector6;
 
 /// How a camera is snapped. Lengths are px at 1920 px width.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -226,7 +225,7 @@ impl Problem<'_> {
         let uncertainty = self.uncertainty(fit, &camera, &taking_part);
         let uncertainty = uncertainty.map_err(|_| SnapError::Undetermined { sigma_px: f64::INFINITY })?;
         // What the base leaves open is no fault of the paint.
-        let by_paint = Uncertainty { base_sigma: Vector6::zeros(), ..uncertainty };
+        let by_paint = uncertainty.with_exact_base();
         let sigma_px = by_paint.worst_corner_sigma_px(&camera, size);
         if !(sigma_px <= options.max_corner_sigma_px * self.scale) {
             return Err(SnapError::Undetermined { sigma_px });

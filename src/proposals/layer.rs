@@ -25,7 +25,7 @@ impl Layered {
         let bases = Bases::of(&document);
         let mut suggestions = Suggestions::default();
         for frame in &document.frames {
-            if let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame)) {
+            if let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) {
                 suggestions.put(&frame.id, suggestion);
             }
         }
@@ -74,7 +74,7 @@ impl Layered {
             let (frame, gone) = (&edited.frames[position], &self.split.edited().frames[position]);
             let base = bases.of_frame(gone);
             if frame.is_untouched()
-                && self.suggestions.of(&frame.id, base).is_none()
+                && self.suggestions.of(&frame.id, base.as_ref()).is_none()
                 && let Some((ptz, solution)) = taken_from_suggestion(gone)
             {
                 let suggestion =
@@ -103,7 +103,7 @@ impl Layered {
         }
         let bases = Bases::of(now);
         for frame in self.changed(now).into_iter().map(|position| &now.frames[position]) {
-            if let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame)) {
+            if let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) {
                 self.suggestions.put(&frame.id, suggestion);
             }
         }
@@ -148,7 +148,7 @@ impl Layered {
     /// Forgets what is suggested for a frame now. Readers see it until an edit shows something else there.
     pub(crate) fn forget(&mut self, frame: &Frame) {
         let base = Bases::of(self.edited()).of_frame(frame);
-        self.suggestions.forget(&frame.id, base);
+        self.suggestions.forget(&frame.id, base.as_ref());
     }
 
     /// The positions at which a later state may differ from [`Self::shown`].
@@ -158,7 +158,7 @@ impl Layered {
 
     /// What is suggested for a frame that nobody has touched.
     fn suggestion_for(&self, frame: &Frame, bases: &Bases) -> Option<&Suggestion> {
-        self.suggestions.of(&frame.id, bases.of_frame(frame)).filter(|_| frame.is_untouched())
+        self.suggestions.of(&frame.id, bases.of_frame(frame).as_ref()).filter(|_| frame.is_untouched())
     }
 
     fn with_suggestion(&self, frame: &Shared<Frame>, bases: &Bases) -> Shared<Frame> {

@@ -17,14 +17,14 @@ pub(super) struct Suggestions {
 
 impl Suggestions {
     /// What is suggested for a frame while its camera has this base.
-    pub(super) fn of(&self, frame: &FrameId, base: Option<CameraBase>) -> Option<&Suggestion> {
-        self.by_frame.get(frame)?.iter().find(|suggestion| suggestion.base == base)
+    pub(super) fn of(&self, frame: &FrameId, base: Option<&CameraBase>) -> Option<&Suggestion> {
+        self.by_frame.get(frame)?.iter().find(|suggestion| suggestion.base.as_ref() == base)
     }
 
     /// Whether a suggestion says something that is not known: not where it was made for an earlier revision of the frame than the
     /// one that is there, or says the same.
     pub(super) fn is_news(&self, frame: &FrameId, suggestion: &Suggestion) -> bool {
-        let known = self.of(frame, suggestion.base);
+        let known = self.of(frame, suggestion.base.as_ref());
         known.is_none_or(|known| suggestion.revision >= known.revision && !says_the_same(suggestion, known))
     }
 
@@ -39,9 +39,9 @@ impl Suggestions {
     }
 
     /// Forgets what is suggested for a frame while its camera has this base.
-    pub(super) fn forget(&mut self, frame: &FrameId, base: Option<CameraBase>) {
+    pub(super) fn forget(&mut self, frame: &FrameId, base: Option<&CameraBase>) {
         if let Some(kept) = self.by_frame.get_mut(frame) {
-            kept.retain(|known| known.base != base);
+            kept.retain(|known| known.base.as_ref() != base);
         }
     }
 

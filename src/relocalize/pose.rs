@@ -9,10 +9,9 @@ use super::labels::label_covariance;
 use super::pose_options::{ENOUGH, MIN_INLIERS, PoseOptions};
 use super::{Evidence, FromReference, NotFound, RayMatches, SeenRange};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3, median_high};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, median_high};
 use crate::score::median_rayleigh;
-use crate::solve::{Loss, Observation, Uncertainty, refine_until};
-use nalgebra::Vector6;
+use crate::solve::{Loss, Observation, Uncertainty, covariance_in_radians, refine_until};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -73,14 +72,13 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
-        let radians = Mat3::from_diagonal(&Vec3::new(1f64.to_radians(), 1f64.to_radians(), 1.0));
-        let by_features = radians * self.covariance * radians;
+        let by_features = covariance_in_radians(&self.covariance);
         let by_labels = label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
         let camera = PtzCamera::new(*base, self.ptz);
         if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size) {
             self.covariance = uncertainty.ptz_covariance_deg();
             self.worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
-            let exact_base = Uncertainty { base_sigma: Vector6::zeros(), ..uncertainty };
+            let exact_base = uncertainty.with_exact_base();
             self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
         }
         self.from_reference = FromReference::of(&self.ptz, image_size, seen);

@@ -257,7 +257,7 @@ mod tests {
     fn camera(sigma_m: f64) -> PtzCamera {
         let turn = BaseAngles::default().base_from_world();
         let mut base = CameraBase::new(Vec3::new(0.0, -60.0, 18.0), turn, SIZE.centre());
-        base.sigma = BaseSigma { position_m: Vec3::repeat(sigma_m), rotation: Vec3::zeros() };
+        base.sigma = BaseSigma { position_m: Vec3::repeat(sigma_m), rotation: Vec3::zeros(), ..BaseSigma::default() };
         PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 2000.0))
     }
 

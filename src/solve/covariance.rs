@@ -15,7 +15,7 @@
 use super::{Observation, PtzPrior, SolveError};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Matrix3x6, Vector6};
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Matrix3x6, Matrix6};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
@@ -30,8 +30,8 @@ pub struct Uncertainty {
     pub clicks: Mat3,
     /// K: how the solution follows an error of the base (position in m, then a rotation vector in `world`, rad).
     pub by_base: Matrix3x6<f64>,
-    /// 1-σ of the base in the same six coordinates.
-    pub base_sigma: Vector6<f64>,
+    /// L: L Lᵀ is the covariance of the base in the same six coordinates.
+    pub base_root: Matrix6<f64>,
 }
 
 impl Uncertainty {
@@ -52,7 +52,7 @@ impl Uncertainty {
             }
         }
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
-        Ok(Self { clicks: inverse, by_base: inverse * cross, base_sigma: sigma_of(camera) })
+        Ok(Self { clicks: inverse, by_base: inverse * cross, base_root: camera.base().sigma.root() })
     }
 
     /// The uncertainty of a camera that is known to some covariance of (pan rad, tilt rad, focal px) if the base is exact, and
@@ -67,24 +67,22 @@ impl Uncertainty {
             add(&mut information, &mut cross, &point.by_ptz, &point.by_base, 1.0);
         }
         let by_base = invert_information(&information, camera.ptz().focal_px)? * cross;
-        Ok(Self { clicks: covariance, by_base, base_sigma: sigma_of(camera) })
+        Ok(Self { clicks: covariance, by_base, base_root: camera.base().sigma.root() })
     }
 
     /// The same from a covariance of (pan deg, tilt deg, focal px) as documents hold it, the base's part included; none where
     /// less is left without that part than nothing.
     #[must_use]
     pub fn of_stored(camera: &PtzCamera, covariance_deg: &Mat3, image_size: ImageSize) -> Option<Self> {
-        let radian = 1f64.to_radians();
-        let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
         let by_base = Self::of_known(camera, Mat3::zeros(), image_size).ok()?;
-        let clicks = scale * covariance_deg * scale - by_base.ptz_covariance();
+        let clicks = covariance_in_radians(covariance_deg) - by_base.ptz_covariance();
         clicks.cholesky().is_some().then_some(Self { clicks, ..by_base })
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
     #[must_use]
     pub fn ptz_covariance(&self) -> Mat3 {
-        let by_sigma = self.by_base * nalgebra::Matrix6::from_diagonal(&self.base_sigma);
+        let by_sigma = self.by_base * self.base_root;
         self.clicks + by_sigma * by_sigma.transpose()
     }
 
@@ -98,13 +96,12 @@ impl Uncertainty {
 
     /// What the base's uncertainty adds to the expectation of χ² over the observations that took part.
     pub(super) fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
-        if self.base_sigma == Vector6::zeros() {
+        if self.base_root == Matrix6::zeros() {
             return 0.0;
         }
-        let base_sigma = nalgebra::Matrix6::from_diagonal(&self.base_sigma);
         let share = |observation: &Observation| {
             let here = observation.shape.jacobian(camera, observation.image)?;
-            let squares = ((here.by_base - here.by_ptz * self.by_base) * base_sigma).norm_squared();
+            let squares = ((here.by_base - here.by_ptz * self.by_base) * self.base_root).norm_squared();
             Some(squares / (observation.sigma_px * observation.sigma_px))
         };
         observations.iter().filter_map(share).sum()
@@ -166,22 +163,28 @@ impl Uncertainty {
             let covariance = by_ptz[0] * clicks[0] + by_ptz[1] * clicks[1] + by_ptz[2] * clicks[2];
             variances += covariance.component_mul(by);
         }
-        for (column, sigma) in self.base_sigma.iter().enumerate() {
+        let by_base: [Vec2; 6] = std::array::from_fn(|column| {
             let follows = self.by_base.fixed_view::<3, 1>(0, column);
-            let followed = by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2];
-            let by_base = (point.by_base.column(column) - followed) * *sigma;
-            variances += by_base.component_mul(&by_base);
+            point.by_base.column(column) - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
+        });
+        for column in 0..6 {
+            // Nothing stands above the diagonal.
+            let rows = (column..6).map(|row| by_base[row] * self.base_root[(row, column)]);
+            let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
+            variances += moved.component_mul(&moved);
         }
         variances.sum().sqrt()
     }
 
-    /// How the overlay at a point moves with the base, the solution following, for one sigma of each of its parameters, px.
+    /// How the overlay at a point moves with the base, the solution following, for one sigma of each independent cause, px.
     fn by_base_in_sigmas(&self, point: &OverlayPoint) -> Matrix2x6<f64> {
-        let mut by_base = point.by_base - point.by_ptz * self.by_base;
-        for (mut column, sigma) in by_base.column_iter_mut().zip(self.base_sigma.iter()) {
-            column *= *sigma;
-        }
-        by_base
+        (point.by_base - point.by_ptz * self.by_base) * self.base_root
+    }
+
+    /// The same where the base is exact.
+    #[must_use]
+    pub fn with_exact_base(self) -> Self {
+        Self { base_root: Matrix6::zeros(), ..self }
     }
 
     /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there would give. None where the
@@ -193,7 +196,7 @@ impl Uncertainty {
         let mut cross = information * self.by_base;
         add(&mut information, &mut cross, &click.by_ptz, &click.by_base, sigma_px.powi(-2));
         let clicks = invert_information(&information, camera.ptz().focal_px).ok()?;
-        Some(Self { clicks, by_base: clicks * cross, base_sigma: self.base_sigma })
+        Some(Self { clicks, by_base: clicks * cross, base_root: self.base_root })
     }
 }
 
@@ -242,10 +245,11 @@ impl OverlayPoint {
     }
 }
 
-/// 1-σ of a camera's base: position in m, then rotation in rad.
-fn sigma_of(camera: &PtzCamera) -> Vector6<f64> {
-    let sigma = camera.base().sigma;
-    Vector6::from_iterator(sigma.position_m.iter().chain(sigma.rotation.iter()).copied())
+/// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad, focal px).
+pub(crate) fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
+    let radian = 1f64.to_radians();
+    let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
+    scale * covariance_deg * scale
 }
 
 /// Points all over a picture, those on the ground near by if there are any: that is where clicks are.
@@ -311,5 +315,66 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
     match inverse {
         Some(inverse) if condition <= MAX_CONDITION => Ok(scale * (inverse + inverse.transpose()) * scale * 0.5),
         _ => Err(SolveError::Undetermined { condition }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseSigma, CameraBase, Ptz};
+    use crate::solve::fixtures::base;
+    use nalgebra::Matrix5;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// Errors of which most go together.
+    fn together() -> Matrix5<f64> {
+        let mixed = Matrix5::from_fn(|row, column| if row == column { 0.3 } else { (row as f64 - 1.7) * 0.4 });
+        let scale = Matrix5::from_diagonal(&nalgebra::Vector5::new(0.1, 0.4, 0.2, 2e-3, 1e-3));
+        scale * mixed * mixed.transpose() * scale
+    }
+
+    fn uncertainty(sigma: BaseSigma) -> (PtzCamera, Uncertainty) {
+        let camera = PtzCamera::new(CameraBase { sigma, ..base() }, Ptz::from_degrees(-12.0, -9.0, 2300.0));
+        let uncertainty = Uncertainty::of_known(&camera, Mat3::zeros(), SIZE).unwrap();
+        (camera, uncertainty)
+    }
+
+    #[test]
+    fn errors_of_the_base_go_together_in_the_overlay() {
+        let covariance = together();
+        let (camera, known) = uncertainty(BaseSigma::of_covariance(&covariance));
+        for pixel in [ImagePoint::new(40.0, 1000.0), ImagePoint::new(960.0, 540.0), ImagePoint::new(1900.0, 600.0)] {
+            let point = OverlayPoint::at_pixel(&camera, pixel).unwrap();
+            let moves = (point.by_base - point.by_ptz * known.by_base).fixed_columns::<5>(0).into_owned();
+            let expected = moves * covariance * moves.transpose();
+            let overlay = known.overlay_at(&camera, pixel).unwrap();
+            assert!((overlay - expected).amax() < 1e-9 * expected.amax(), "{overlay} {expected}");
+            let sigma_px = known.overlay_sigma_px(&camera, pixel).unwrap();
+            assert!((sigma_px.powi(2) - expected.trace()).abs() < 1e-9 * expected.trace(), "{sigma_px}");
+        }
+        let by_base = known.by_base.fixed_columns::<5>(0).into_owned();
+        let expected = by_base * covariance * by_base.transpose();
+        assert!((known.ptz_covariance() - expected).amax() < 1e-9 * expected.amax());
+        assert_eq!(known.with_exact_base().ptz_covariance(), Mat3::zeros());
+    }
+
+    #[test]
+    fn errors_that_make_up_for_each_other_are_less_than_each_by_itself() {
+        // Farther off and looking less steeply: the overlay hardly shows it.
+        let (camera, alone) = uncertainty(BaseSigma {
+            position_m: Vec3::new(0.0, 0.4, 0.0),
+            rotation: Vec3::new(1.6e-3, 0.0, 0.0),
+            ..BaseSigma::default()
+        });
+        let [less, more] = [-0.95, 0.95].map(|share| {
+            let mut covariance = Matrix5::zeros();
+            (covariance[(1, 1)], covariance[(3, 3)]) = (0.4_f64.powi(2), 1.6e-3_f64.powi(2));
+            covariance[(1, 3)] = share * 0.4 * 1.6e-3;
+            covariance[(3, 1)] = covariance[(1, 3)];
+            uncertainty(BaseSigma::of_covariance(&covariance)).1.worst_corner_sigma_px(&camera, SIZE)
+        });
+        let alone = alone.worst_corner_sigma_px(&camera, SIZE);
+        assert!(less.min(more) < alone && alone < less.max(more), "{less} {alone} {more}");
     }
 }

@@ -37,13 +37,14 @@ mod warning;
 mod world_curve;
 
 pub use context::SolveContext;
+pub(crate) use covariance::covariance_in_radians;
 pub use covariance::{CornerSigma, Uncertainty};
 pub(crate) use dense::DenseEquations;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;
 pub use identity::check_identity;
 pub use identity_finding::{Evidence, IdentityFinding, IdentityKind, Name, Rename};
-pub(crate) use least_squares::{BlockEquations, Equations, Minimum, Problem, Stopping, minimise};
+pub(crate) use least_squares::{BlockEquations, Equations, Minimum, NO_VALUE_SIGMAS, Problem, Stopping, minimise};
 pub use loss::Loss;
 pub use motion_prior::{Motion, MotionPrior, PtzStep};
 pub use observation::Observation;

@@ -50,7 +50,11 @@ fn scene(bencher: Bencher) {
 fn solved() -> (FieldModel, PtzCamera, Uncertainty) {
     let field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.15).unwrap();
     let base = CameraBase {
-        sigma: BaseSigma { position_m: Vec3::repeat(0.2), rotation: Vec3::new(1e-3, 1e-3, 0.0) },
+        sigma: BaseSigma {
+            position_m: Vec3::repeat(0.2),
+            rotation: Vec3::new(1e-3, 1e-3, 0.0),
+            ..BaseSigma::default()
+        },
         ..CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
     };
     let camera = PtzCamera::new(base, Ptz::from_degrees(0.0, -14.0, 1600.0));

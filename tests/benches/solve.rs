@@ -20,7 +20,11 @@ fn main() {
 fn camera(k1: f64) -> PtzCamera {
     let base = CameraBase {
         distortion: FocalCurve { at_focal_px: 2000.0, value: k1, per_1000_px: k1 * -3.0, ..FocalCurve::NONE },
-        sigma: BaseSigma { position_m: Vec3::new(0.1, 0.2, 0.1), rotation: Vec3::new(1e-3, 1e-3, 0.0) },
+        sigma: BaseSigma {
+            position_m: Vec3::new(0.1, 0.2, 0.1),
+            rotation: Vec3::new(1e-3, 1e-3, 0.0),
+            ..BaseSigma::default()
+        },
         ..CameraBase::new(Vec3::new(1.0, -62.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
     };
     PtzCamera::new(base, Ptz::from_degrees(28.0, -12.0, 2200.0))

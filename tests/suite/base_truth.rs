@@ -29,7 +29,7 @@ fn true_base(distortion: FocalCurve) -> CameraBase {
 
 /// Frames that look along the field, with at most `most` clicks each, of 1-σ `noise_px`.
 fn frames(
-    base: CameraBase,
+    base: &CameraBase,
     field: &FieldModel,
     count: usize,
     most: usize,
@@ -44,7 +44,7 @@ fn frames(
             rng.random_range(-14.0..-11.0),
             rng.random_range(1600.0f64.ln()..3400.0f64.ln()).exp(),
         );
-        let camera = PtzCamera::new(base, ptz);
+        let camera = PtzCamera::new(*base, ptz);
         let mut observations: Vec<Observation> = Vec::new();
         for landmark in &field.landmarks {
             let Ok(exact) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
@@ -78,7 +78,7 @@ fn a_frame_in_which_nothing_was_seen_holds_nothing_back() {
     let mut rng = seeded::rng("a_frame_in_which_nothing_was_seen_holds_nothing_back");
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
-    let (mut frames, truth) = frames(base, &field, 6, 8, 0.5, &mut rng);
+    let (mut frames, truth) = frames(&base, &field, 6, 8, 0.5, &mut rng);
     let mut ptz: Vec<Option<Ptz>> = truth.into_iter().map(Some).collect();
     let start = CameraBase { position_m: base.position_m + Vec3::new(0.5, -1.0, 0.4), ..base };
     let pinhole = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
@@ -99,7 +99,7 @@ fn exact_clicks_give_the_exact_base() {
     let mut rng = seeded::rng("exact_clicks_give_the_exact_base");
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
-    let (frames, truth) = frames(base, &field, 8, 12, 0.0, &mut rng);
+    let (frames, truth) = frames(&base, &field, 8, 12, 0.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
     assert!((found.base.position_m - base.position_m).norm() < 1e-4, "{:?}", found.base.position_m);
@@ -126,7 +126,7 @@ fn the_position_is_as_good_as_its_sigma_says() {
     for count in [5, 10, 30] {
         let (mut squares, trials) = (0.0, 6);
         for _ in 0..trials {
-            let (frames, _) = frames(base, &field, count, 10, 2.0, &mut rng);
+            let (frames, _) = frames(&base, &field, count, 10, 2.0, &mut rng);
             let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &options).unwrap();
             let z = z_scores(&found.base, &base);
             assert!(z.amax() < 4.0, "{count} frames: {z:?}");
@@ -139,10 +139,10 @@ fn the_position_is_as_good_as_its_sigma_says() {
 
 /// The least sigma of the position that clicks of known noise allow (Cramér and Rao), m: pinhole, flat ground, every frame's
 /// own parameters eliminated.
-fn bound_m(base: CameraBase, field: &FieldModel, frames: &[FrameClicks], truth: &[Ptz]) -> Vec3 {
+fn bound_m(base: &CameraBase, field: &FieldModel, frames: &[FrameClicks], truth: &[Ptz]) -> Vec3 {
     let mut information = SMatrix::<f64, 5, 5>::zeros();
     for (frame, ptz) in frames.iter().zip(truth) {
-        let camera = PtzCamera::new(base, *ptz);
+        let camera = PtzCamera::new(*base, *ptz);
         let (mut shared, mut own) = (SMatrix::<f64, 5, 5>::zeros(), SMatrix::<f64, 3, 3>::zeros());
         let mut cross = SMatrix::<f64, 5, 3>::zeros();
         for click in &frame.observations {
@@ -168,10 +168,10 @@ fn the_position_is_within_three_sigmas_of_the_bound_with_and_without_gross_error
     for (count, spoiled) in [(5, false), (10, false), (30, false), (10, true), (30, true)] {
         let (mut squares, trials) = (0.0, 4);
         for _ in 0..trials {
-            let (mut clicked, truth) = frames(base, &field, count, 12, 2.0, &mut rng);
+            let (mut clicked, truth) = frames(&base, &field, count, 12, 2.0, &mut rng);
             let good = if spoiled { spoil(&mut clicked, &mut rng).1 } else { clicked.clone() };
             let found = estimate_base(&CameraClicks::centred(&field, &clicked, SIZE), None, &options).unwrap();
-            let z = (found.base.position_m - base.position_m).component_div(&bound_m(base, &field, &good, &truth));
+            let z = (found.base.position_m - base.position_m).component_div(&bound_m(&base, &field, &good, &truth));
             assert!(z.amax() < 3.0, "{count} frames, spoiled {spoiled}: {z:?}");
             squares += z.norm_squared() / f64::from(trials) / 3.0;
         }
@@ -201,7 +201,7 @@ fn gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named() {
     let mut rng = seeded::rng("gross_errors_in_a_tenth_of_the_clicks_survive_and_are_named");
     let field = field(0.1);
     let base = true_base(FocalCurve { at_focal_px: 2000.0, value: -0.04, per_1000_px: 0.2, ..FocalCurve::NONE });
-    let (mut frames, _) = frames(base, &field, 20, 12, 2.0, &mut rng);
+    let (mut frames, _) = frames(&base, &field, 20, 12, 2.0, &mut rng);
     let (wrong, _) = spoil(&mut frames, &mut rng);
     let found = estimate_base(&CameraClicks::centred(&field, &frames, SIZE), None, &BaseOptions::default()).unwrap();
     assert!(z_scores(&found.base, &base).amax() < 4.0, "{:?}", found.base);
@@ -220,12 +220,12 @@ fn what_cannot_be_estimated_says_why() {
         estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &BaseOptions::default()).unwrap_err()
     };
     assert!(matches!(estimate(&[]), BaseError::NoStart { frames: 0, most_landmarks: 0 }));
-    let (three, _) = frames(base, &field, 4, 3, 1.0, &mut rng);
+    let (three, _) = frames(&base, &field, 4, 3, 1.0, &mut rng);
     let error = estimate(&three);
     assert!(matches!(error, BaseError::NoStart { frames: 4, most_landmarks: 3 }), "{error}");
     assert!(error.to_string().contains("click four or more on wide frames"));
     // Names dealt out at random.
-    let (mut nonsense, _) = frames(base, &field, 5, 8, 1.0, &mut rng);
+    let (mut nonsense, _) = frames(&base, &field, 5, 8, 1.0, &mut rng);
     for frame in &mut nonsense {
         for observation in &mut frame.observations {
             observation.image = ImagePoint::new(rng.random_range(0.0..1920.0), rng.random_range(0.0..1080.0));
@@ -243,7 +243,7 @@ fn landmarks_on_one_line_and_one_view_alone_are_told() {
     let mut rng = seeded::rng("landmarks_on_one_line_and_one_view_alone_are_told");
     let field = field(0.0);
     let base = true_base(FocalCurve::NONE);
-    let (many, _) = frames(base, &field, 8, 40, 1.0, &mut rng);
+    let (many, _) = frames(&base, &field, 8, 40, 1.0, &mut rng);
     let on_halfway_line = |click: &Observation| click.shape.point().is_some_and(|at| at.x == 0.0);
     let mut one_line = many.clone();
     for frame in &mut one_line {
@@ -269,7 +269,7 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
     let mut rng = seeded::rng("few_frames_on_one_side_ask_for_one_on_the_other");
     let field = field(0.0);
     // From left to right.
-    let (many, _) = frames(true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
+    let (many, _) = frames(&true_base(FocalCurve::NONE), &field, 8, 4, 2.0, &mut rng);
     let options = prescribed(LensModel::Pinhole, CrownModel::Fixed(0.0));
     let estimate =
         |frames: &[FrameClicks]| estimate_base(&CameraClicks::centred(&field, frames, SIZE), None, &options).unwrap();
@@ -284,7 +284,7 @@ fn few_frames_on_one_side_ask_for_one_on_the_other() {
 #[test]
 fn an_estimation_counts_its_adjustments_and_ends_when_nobody_waits() {
     let mut rng = seeded::rng("an_estimation_counts_its_adjustments");
-    let (frames, _) = frames(true_base(FocalCurve::NONE), &field(0.0), 8, 8, 1.0, &mut rng);
+    let (frames, _) = frames(&true_base(FocalCurve::NONE), &field(0.0), 8, 8, 1.0, &mut rng);
     let estimate = |patience: usize| {
         let told: Mutex<Vec<BaseProgress>> = Mutex::new(Vec::new());
         let watch = |progress: BaseProgress| {

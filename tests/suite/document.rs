@@ -36,6 +36,25 @@ fn the_first_version_opens_forever() {
 }
 
 #[test]
+fn a_base_keeps_how_its_errors_go_together() {
+    use touchline::camera::{BaseCorrelation, BaseSigma};
+    let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
+    let base = document.cameras[0].base().unwrap();
+    assert_eq!(base.sigma.correlation, BaseCorrelation::NONE, "older documents say nothing of it");
+    let mixed = nalgebra::Matrix5::from_fn(|row, column| 0.1 + ((2 * row + 3 * column) % 5) as f64);
+    let sigma = BaseSigma::of_covariance(&(mixed * mixed.transpose() * 1e-4));
+    document.cameras[0].set_base(&touchline::camera::CameraBase { sigma, ..base });
+    let text = document_to_string(&document).unwrap();
+    let again = document_from_bytes(text.as_bytes()).unwrap().cameras[0].base().unwrap();
+    assert_eq!(again.sigma.correlation, sigma.correlation);
+
+    let mut wrong = value(&text);
+    wrong["cameras"][0]["sigma"]["correlation"][0][1] = 2.0.into();
+    let error = document_from_bytes(wrong.to_string().as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("no correlation matrix") && error.contains("leave it out"), "{error}");
+}
+
+#[test]
 fn everything_that_is_read_is_written_back_with_unknown_keys() {
     let document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     let text = document_to_string(&document).unwrap();

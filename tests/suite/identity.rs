@@ -21,7 +21,7 @@ fn field() -> FieldModel {
 fn nominal_base() -> CameraBase {
     CameraBase {
         distortion: FocalCurve { at_focal_px: 2000.0, value: -0.03, per_1000_px: 0.2, ..FocalCurve::NONE },
-        sigma: BaseSigma { position_m: Vec3::new(0.05, 0.15, 0.05), rotation: Vec3::zeros() },
+        sigma: BaseSigma { position_m: Vec3::new(0.05, 0.15, 0.05), rotation: Vec3::zeros(), ..BaseSigma::default() },
         ..CameraBase::new(Vec3::new(2.0, -64.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
     }
 }

@@ -87,7 +87,11 @@ fn stated_regions_hold_what_they_promise() {
     let mut rng = seeded::rng("stated_regions_hold_what_they_promise");
     let field = field();
     let nominal = CameraBase {
-        sigma: BaseSigma { position_m: Vec3::new(0.15, 0.3, 0.1), rotation: Vec3::new(5e-4, 5e-4, 0.0) },
+        sigma: BaseSigma {
+            position_m: Vec3::new(0.15, 0.3, 0.1),
+            rotation: Vec3::new(5e-4, 5e-4, 0.0),
+            ..BaseSigma::default()
+        },
         ..nominal_base()
     };
     let (mut overlay, mut checks, mut corner) =

@@ -246,6 +246,7 @@ fn an_uncertain_base_is_carried_into_the_solution_and_the_overlay() {
         let sigma = BaseSigma {
             position_m: Vec3::new(0.1, 0.2, 0.1),
             rotation: Vec3::new(0.05f64.to_radians(), 0.05f64.to_radians(), 0.0),
+            ..BaseSigma::default()
         };
         let gaussian = Vec3::from_fn(|_, _| normal(&mut rng));
         let turn = Vec3::from_fn(|_, _| normal(&mut rng)).component_mul(&sigma.rotation);

@@ -4,7 +4,7 @@ use super::frames::ClipFrames;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Document, Frame, FrameStatus};
 use crate::geometry::{Mat3, Vec3};
-use crate::solve::{Loss, Uncertainty};
+use crate::solve::{Loss, Uncertainty, covariance_in_radians};
 use crate::track::Anchor;
 
 /// A proposal less certain than this holds nothing.
@@ -38,7 +38,7 @@ fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)
     let stated = solution.and_then(|solution| solution.covariance);
     let covariance = match stated {
         Some(stated) => Uncertainty::of_stored(&camera, &stated, frame.image_size)
-            .map_or_else(|| in_radians(&stated), |uncertainty| uncertainty.clicks),
+            .map_or_else(|| covariance_in_radians(&stated), |uncertainty| uncertainty.clicks),
         None if is_persons => unstated(ptz, UNSTATED_PX * frame.image_size.scale_from_1920(), frame),
         None => return None,
     };
@@ -50,12 +50,6 @@ fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)
 fn tracked(frame: &Frame) -> bool {
     use crate::document::SolutionSource;
     frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Tracking))
-}
-
-fn in_radians(covariance_deg: &Mat3) -> Mat3 {
-    let radian = 1f64.to_radians();
-    let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
-    scale * covariance_deg * scale
 }
 
 fn unstated(ptz: Ptz, sigma_px: f64, frame: &Frame) -> Mat3 {

@@ -15,7 +15,6 @@ use crate::track::{
     AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, PointFollower, PointTracks,
     SmoothOptions, TrackError, Unsmoothed, adjust_clip, carry, smooth,
 };
-use nalgebra::Vector6;
 use std::ops::ControlFlow;
 
 /// How a clip is tracked.
@@ -255,7 +254,7 @@ fn confidence(
     let px = size.scale_from_1920();
     // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
     // What the base leaves open is the same for all frames, and the known ones show it.
-    let uncertainty = Uncertainty { base_sigma: Vector6::zeros(), ..*uncertainty };
+    let uncertainty = uncertainty.with_exact_base();
     let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
     let right = 1.0 - (-0.5 * (RIGHT_PX * px / sigma_px).powi(2)).exp();
     let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);

@@ -136,7 +136,7 @@ pub(super) fn candidates(
         let adjusted = |sized: Option<&Venue>| {
             let field = &fields[start.hypothesis.field];
             let ptz: Vec<Option<Ptz>> = start.turns.ptz.iter().copied().map(Some).collect();
-            let joint = joint(field, sized, &start.paint, base, (&ptz, &tied.ties), size)?;
+            let joint = joint(field, sized, &start.paint, &base, (&ptz, &tied.ties), size)?;
             let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
             Some((joint, evidence))
         };
@@ -210,7 +210,7 @@ fn climb(
         let beside = venue.beside(&joint_here.field);
         let tried = beside.par_iter().filter_map(|field| {
             let from = (joint_here.ptz.as_slice(), tied.ties.as_slice());
-            let joint = joint(field, Some(venue), &start.paint, joint_here.base, from, size)?;
+            let joint = joint(field, Some(venue), &start.paint, &joint_here.base, from, size)?;
             let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
             Some((joint, evidence))
         });

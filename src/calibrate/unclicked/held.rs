@@ -8,7 +8,6 @@ use crate::geometry::{ImageSize, Mat3, Vec3};
 use crate::paint::{Snapped, overlays_apart_px};
 use crate::solve::{Loss, Uncertainty};
 use crate::track::{HeldFrame, Hold, filled, hold_frames};
-use nalgebra::Vector6;
 use std::collections::BTreeMap;
 
 /// A frame whose overlay is less certain at its worst corner is not answered: 1-σ of paint and ties, px at 1920 px width.
@@ -104,6 +103,6 @@ impl Held {
     /// 1-σ at the worst corner, the base taken as exact, px.
     fn corner_px(&self, frame: &UnclickedFrame, known: &Uncertainty) -> f64 {
         let camera = PtzCamera::new(self.base, frame.ptz);
-        Uncertainty { base_sigma: Vector6::zeros(), ..*known }.worst_corner_sigma_px(&camera, self.size)
+        known.with_exact_base().worst_corner_sigma_px(&camera, self.size)
     }
 }

@@ -134,14 +134,14 @@ pub(super) fn joint(
     start_field: &FieldModel,
     sized: Option<&Venue>,
     paint: &[FramePaint],
-    start: CameraBase,
+    start: &CameraBase,
     (ptz, ties): (&[Option<Ptz>], &[Tie]),
     size: ImageSize,
 ) -> Option<Joint> {
     let scale = size.scale_from_1920();
     let mut field = start_field.clone();
     let mut map = PitchMap::of(&field);
-    let mut base = start;
+    let mut base = *start;
     let mut ptz = ptz.to_vec();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
     for (round, reach_px) in REACH_PX.into_iter().enumerate() {

@@ -198,7 +198,7 @@ fn each_base_has_what_was_suggested_for_it() {
         desk.suggest(&[proposal(&desk.now, 0, Some(3.0))]);
     }
     let id = &desk.now.frames[0].id;
-    assert_eq!(desk.layered.suggestions.of(id, Some(base(18.0))), None, "it was too long ago");
+    assert_eq!(desk.layered.suggestions.of(id, Some(&base(18.0))), None, "it was too long ago");
     desk.check();
 }
 

@@ -2,12 +2,12 @@
 
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
-use super::parameters::{OF_BASE, ROTATION, Shared, free_parameters};
+use super::parameters::{OF_BASE, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
 use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
 use crate::field::{Crown, FieldModel};
-use crate::geometry::{Angle, Mat3, Vec3};
+use crate::geometry::{Angle, Mat3};
 use crate::solve::{Loss, Observation};
 
 /// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only where the clicks are few.
@@ -107,13 +107,10 @@ pub fn adjust_base(
     let found = bundle.minimum(BundleState { shared, ptz }, options.max_iterations);
     let noise_scale = bundle.noise_scale(&found.state);
     let covariance = bundle.covariance(&found, noise_scale);
-    let deviation = |index: usize| covariance[(index, index)].max(0.0).sqrt();
     let BundleState { shared, ptz } = &found.state;
     let (mut base, added) = shared.base.in_pan_gauge();
-    base.sigma = BaseSigma {
-        position_m: Vec3::from_fn(|axis, _| deviation(axis)),
-        rotation: Vec3::new(deviation(ROTATION), deviation(ROTATION + 1), 0.0),
-    };
+    // The position and the two angles that are no pan gauge come first.
+    base.sigma = BaseSigma::of_covariance(&covariance.fixed_view::<5, 5>(0, 0).into_owned());
     let mut solved = ptz.iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..*ptz });
     AdjustedBase {
         base,
@@ -141,7 +138,7 @@ pub(super) fn starting(field: &FieldModel, start: &CameraBase, image_width_px: u
         },
     };
     let height_m = model.crown.fixed_m().unwrap_or(field.crown_m);
-    Shared::new(CameraBase { distortion, ..*start }, Crown { height_m, ..field.crown() })
+    Shared::new(&CameraBase { distortion, ..*start }, Crown { height_m, ..field.crown() })
 }
 
 /// The focal length at which k₁ itself is a parameter, px of a frame 1920 px wide.

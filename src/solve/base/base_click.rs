@@ -170,7 +170,7 @@ mod tests {
         let shared = Shared {
             larger_m: [0.4, -0.3],
             width_by_size: [0.0, 1.0],
-            ..Shared::new(base(), Crown { height_m: 0.15, width_m: 67.7 })
+            ..Shared::new(&base(), Crown { height_m: 0.15, width_m: 67.7 })
         };
         let ptz = Ptz::from_degrees(-14.0, -15.0, 1910.0);
         for click in clicks() {
@@ -189,7 +189,7 @@ mod tests {
     #[test]
     fn a_click_on_a_larger_field_shows_the_landmark_or_line_of_that_field() {
         let (usual, larger) = (field(105.0, 68.0), field(106.5, 66.0));
-        let shared = Shared { larger_m: [1.5, -2.0], ..Shared::new(base(), larger.crown()) };
+        let shared = Shared { larger_m: [1.5, -2.0], ..Shared::new(&base(), larger.crown()) };
         for (click, element) in clicks().into_iter().zip(elements(&usual)) {
             let there = ObservedShape::of_element(&larger, element).unwrap();
             let there = there.recrowned(larger.crown(), Crown::FLAT);

@@ -13,7 +13,7 @@ use super::parameters::{K1, OF_BASE, ROTATION, Shared};
 use super::shared_prior::near;
 use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{Angle, Vec3, median_high};
+use crate::geometry::{Angle, median_high};
 use crate::solve::least_squares::{BlockEquations, Stopping, minimise};
 use crate::solve::{Loss, Observation, refine};
 use nalgebra::{SMatrix, SVector};
@@ -68,7 +68,7 @@ pub fn base_change(
     ptz: &[Option<Ptz>],
     base: &CameraBase,
 ) -> Option<BaseChange> {
-    let shared = Shared::new(*base, field.crown());
+    let shared = Shared::new(base, field.crown());
     let telling: Vec<Telling> = frames
         .iter()
         .zip(ptz)
@@ -252,10 +252,6 @@ impl Displaced {
     /// How far position and rotation are known.
     fn sigma(&self, scatter: f64) -> BaseSigma {
         let covariance = (self.information / scatter + prior()).try_inverse().unwrap_or_else(variance);
-        let deviation = |index: usize| covariance[(index, index)].max(0.0).sqrt();
-        BaseSigma {
-            position_m: Vec3::from_fn(|axis, _| deviation(axis)),
-            rotation: Vec3::new(deviation(ROTATION), deviation(ROTATION + 1), 0.0),
-        }
+        BaseSigma::of_covariance(&covariance.fixed_view::<5, 5>(0, 0).into_owned())
     }
 }

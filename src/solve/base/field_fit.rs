@@ -151,7 +151,7 @@ impl SizeFit<'_> {
         let changed: Vec<(FieldModel, f64)> =
             (0..values.len()).map(|size| self.changed(values, size)).collect::<Option<_>>()?;
         let crown = Crown { width_m: field.width_m, ..shared.crown };
-        let mut shared = Shared::new(shared.base, crown);
+        let mut shared = Shared::new(&shared.base, crown);
         for (size, (larger, by_m)) in changed.iter().enumerate() {
             shared.width_by_size[size] = (larger.width_m - field.width_m) / by_m;
         }

@@ -36,8 +36,8 @@ pub(super) struct Shared {
 
 impl Shared {
     /// A base on a field whose size is as the clicks have it.
-    pub const fn new(base: CameraBase, crown: Crown) -> Self {
-        Self { base, crown, larger_m: [0.0; SIZES], width_by_size: [0.0; SIZES] }
+    pub const fn new(base: &CameraBase, crown: Crown) -> Self {
+        Self { base: *base, crown, larger_m: [0.0; SIZES], width_by_size: [0.0; SIZES] }
     }
 
     /// The parameters after a step.

@@ -135,7 +135,7 @@ mod tests {
         let shared = Shared {
             larger_m: [0.5, -0.2],
             width_by_size: [0.0, 1.0],
-            ..Shared::new(base, Crown { height_m: 0.15, width_m: 68.0 })
+            ..Shared::new(&base, Crown { height_m: 0.15, width_m: 68.0 })
         };
         let from = base.base_from_world * from_rotation_vector(Vec3::new(0.02, -0.05, 0.03));
         let mut all =

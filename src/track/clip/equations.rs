@@ -2,11 +2,8 @@
 
 use super::envelope::{Envelope, Factor};
 use crate::geometry::{Mat3, Vec2, Vec3};
-use crate::solve::{Equations, Loss};
+use crate::solve::{Equations, Loss, NO_VALUE_SIGMAS};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
-
-/// What a sighting beyond the lens counts for, in sigmas.
-const NO_VALUE_SIGMAS: f64 = 1e3;
 
 /// What the sightings of one point say.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use super::section;
 use crate::app::Action;
-use crate::camera::BaseAngles;
+use crate::camera::{BaseAngles, BaseSigma};
 use crate::document::{Camera, CameraSigma, K1Curve, Stage};
 use crate::geometry::{Angle, Mat3, Vec3};
 use crate::ui::number::Number;
@@ -259,9 +259,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let position = known.map_or(Vec3::zeros(), |sigma| sigma.position_m);
     let rotation = known.map_or(Vec3::zeros(), |sigma| sigma.rotation_deg);
     let written = |camera: &mut Camera, change: &dyn Fn(&mut CameraSigma)| {
-        let none =
-            CameraSigma { position_m: Vec3::zeros(), rotation_deg: Vec3::zeros(), extra: serde_json::Map::new() };
-        change(camera.sigma.get_or_insert(none));
+        change(camera.sigma.get_or_insert_with(|| CameraSigma::from(&BaseSigma::default())));
     };
     let spacing = [2.0 * theme::SPACE, theme::SPACE];
     let field = ((ui.available_width() - 40.0 - 3.0 * spacing[0]) / 3.0).floor();
