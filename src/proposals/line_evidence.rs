@@ -6,7 +6,7 @@ use crate::document::{DocumentAt, Fields, Frame, FramePtz, FrameStatus};
 use crate::field::FieldError;
 use crate::geometry::ImageSize;
 use crate::media::{FrameReader, Picture, ReadFrames};
-use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, snap};
+use crate::paint::{GroundPicture, LineCheck, LineVerdict, SnapOptions, Snapped, check_lines, overlays_apart_px, snap};
 use crate::relocalize::{Evidence, FromReference, NotFound};
 use rayon::prelude::*;
 
@@ -19,6 +19,9 @@ const FEATURES_AT_MOST: f64 = 1.0;
 /// What a median distance of paint across the lines says of the overlay's 1-σ: half of a normal distribution lies within .674 σ of
 /// one component, and the length has two of them.
 const SIGMAS_PER_MEDIAN: f64 = 2.1;
+
+/// An answer that lies no farther beside the paint is the one that it is pulled to, px at 1920 px width.
+const BESIDE_PX: f64 = 30.0;
 
 /// Without references, the paint is ignored if it supports fewer than this share of the answers,
 const LEAST_SUPPORTED: f64 = 0.1;
@@ -64,8 +67,8 @@ impl LineEvidence {
     }
 
     /// Asks the paint about the answers: it enters their confidence, and those that fall below `min_confidence` are answers no
-    /// more. The others are snapped to it where that is wanted and the paint decides. Pictures that cannot be read change
-    /// nothing.
+    /// more, unless they are snapped to it and it then bears them out. The others are snapped where that is wanted and the
+    /// paint decides. Pictures that cannot be read change nothing.
     pub fn judge(
         &self,
         at: DocumentAt<'_>,
@@ -95,12 +98,15 @@ impl LineEvidence {
             let scale =
                 at.document.frames.by_id(&proposal.frame).map_or(1.0, |frame| frame.image_size.scale_from_1920());
             let Ok(answer) = &mut proposal.outcome else { continue };
-            if let Some(contradicted) = weigh(answer, scale, min_confidence) {
-                proposal.outcome = Err(contradicted);
-            } else if let Some(mut snapped) = snapped
-                && weigh(&mut snapped, scale, min_confidence).is_none()
-            {
+            let refused = weigh(answer, scale, min_confidence);
+            let is_better = |snapped: &mut Answer| {
+                let stands = weigh(snapped, scale, min_confidence).is_none();
+                stands && (refused.is_none() || is_borne_out(snapped, answer, proposal.asked.base.as_ref(), scale))
+            };
+            if let Some(snapped) = snapped.and_then(|mut snapped| is_better(&mut snapped).then_some(snapped)) {
                 *answer = snapped;
+            } else if let Some(refused) = refused {
+                proposal.outcome = Err(refused);
             }
         }
     }
@@ -126,8 +132,9 @@ impl LineEvidence {
 fn on_paint(answer: &Answer, base: &CameraBase, snapped: &Snapped, image_size: ImageSize) -> Answer {
     let camera = PtzCamera::new(*base, snapped.ptz);
     let worst_corner_sigma_px = snapped.uncertainty.worst_corner_sigma_px(&camera, image_size);
-    let labelled_sigma_px = worst_corner_sigma_px / image_size.scale_from_1920();
-    // The paint says where the camera is, however far the references are.
+    // The paint says where the camera is, however far the references are, and whatever the base leaves open.
+    let by_paint = snapped.uncertainty.with_exact_base();
+    let labelled_sigma_px = by_paint.worst_corner_sigma_px(&camera, image_size) / image_size.scale_from_1920();
     let evidence = Evidence { labelled_sigma_px, from_reference: FromReference::default(), ..answer.evidence };
     Answer {
         ptz: FramePtz::new(snapped.ptz, Some(camera.lens()).filter(|lens| !lens.is_none())),
@@ -139,6 +146,14 @@ fn on_paint(answer: &Answer, base: &CameraBase, snapped: &Snapped, image_size: I
         samples: Some(snapped.samples),
         ..answer.clone()
     }
+}
+
+/// Whether the paint bears out an answer that was pulled onto it from so near that it is the same answer.
+fn is_borne_out(snapped: &Answer, answer: &Answer, base: Option<&CameraBase>, scale: f64) -> bool {
+    let (Some(base), Some(check)) = (base, &snapped.line_check) else { return false };
+    let size = ImageSize::new((1920.0 * scale).round() as u32, (1080.0 * scale).round() as u32);
+    let apart_px = overlays_apart_px(&PtzCamera::new(*base, answer.ptz.ptz()), snapped.ptz.ptz(), size);
+    check.verdict() == LineVerdict::Supports && apart_px <= BESIDE_PX * scale
 }
 
 fn ground(at: DocumentAt<'_>, frame: &Frame, picture: &Picture) -> GroundPicture {
