@@ -20,7 +20,8 @@ const MARGIN_PX: f64 = 14.0;
 /// pictures some coincide by chance anywhere.
 const LEAST_PICTURES: f64 = 0.05;
 
-/// A box with fewer features in all pictures together may be a coincidence.
+/// A box with fewer features in all pictures together, or with less than one in each picture that it lasts for, may be a
+/// coincidence.
 const LEAST_FEATURES: usize = 6;
 
 /// What is burnt into a set of pictures.
@@ -104,8 +105,8 @@ fn graphics(pictures: &[&Features], burnt: &[BTreeSet<usize>]) -> Vec<BurntInGra
     }
     let mut found: Vec<BurntInGraphic> = joined(&points, CELL_PX * size.scale_from_1920(), least_pictures)
         .into_iter()
-        .filter(|members| members.len() >= LEAST_FEATURES)
         .filter_map(|members| boxed(&points, &members, size))
+        .filter(|graphic| graphic.features >= LEAST_FEATURES.max(graphic.last - graphic.first + 1))
         .collect();
     found.sort_by(|a, b| {
         let corner = |graphic: &BurntInGraphic| (graphic.pixel_box.y, graphic.pixel_box.x);
