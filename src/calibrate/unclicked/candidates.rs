@@ -20,9 +20,8 @@ use std::sync::Arc;
 /// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
 const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
 
-/// Places that are adjusted with all frames, and how many at most while something speaks against each.
+/// Places that are adjusted with all frames.
 const ADJUSTED: usize = 5;
-const MOST_ADJUSTED: usize = 12;
 
 /// The best of these are moved to neighbouring sizes of the field.
 const CLIMBING: usize = 2;
@@ -123,11 +122,10 @@ pub(super) fn candidates(
     let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
     let mut tried = 0;
     for start in &starts {
-        let is_doubted = |(joint, evidence, _): &(Joint, UnclickedEvidence, &Start)| !evidence.doubts(joint).is_empty();
-        if tried >= if joints.iter().all(is_doubted) { MOST_ADJUSTED } else { ADJUSTED } {
+        if tried == ADJUSTED {
             break;
         }
-        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED.max(tried + 1) })?;
+        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED })?;
         let base = start.base(size);
         if joints.iter().any(|(joint, ..)| (joint.start_m - base.position_m).norm() < SAME_M) {
             continue;
