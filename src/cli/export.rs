@@ -63,7 +63,7 @@ pub struct ExportArgs {
     #[arg(long, default_value = "drop", value_parser = ["drop", "keep"])]
     outside: String,
     /// Up to so many frames that are missing between solved frames of a video get cameras between theirs, marked as interpolated.
-    #[arg(long, value_name = "FRAMES", conflicts_with = "takes")]
+    #[arg(long, value_name = "FRAMES", conflicts_with = "takes", value_parser = clap::value_parser!(u64).range(1..=100_000))]
     interpolate: Option<u64>,
     /// A gap between the frames of a video begins a new take, in a file of its own.
     #[arg(long)]
@@ -262,9 +262,11 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
             print(std::str::from_utf8(bytes).context("the format is no text; name a file with -o")?)?;
         }
     }
-    messages.note(&format!(
-        "{} frames written as {}; read again, landmarks are within {:.1e} px",
-        exported.frames, exported.format, exported.worst_px
-    ));
+    let proof = if exported.format.is_proved() {
+        format!("; read again, landmarks are within {:.1e} px", exported.worst_px)
+    } else {
+        String::new()
+    };
+    messages.note(&format!("{} frames written as {}{proof}", exported.frames, exported.format));
     Ok(if exported.left_out.is_empty() { Outcome::Done } else { Outcome::SomeFailed })
 }

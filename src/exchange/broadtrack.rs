@@ -61,7 +61,7 @@ fn from_json(name: &str, node: &Node<'_>) -> Result<FrameCamera, Problem> {
     );
     let view = camera.key("horizontalFieldOfViewDegrees")?.positive()?;
     if !(view < 179.0) {
-        let what = "cp.horizontalFieldOfViewDegrees".to_owned();
+        let what = format!("[{name:?}].cp.horizontalFieldOfViewDegrees");
         return Err(Problem::OutOfRange { what, value: view, wanted: "below 179" });
     }
     let angles = [number("panDegrees")?, number("tiltDegrees")?, number("rollDegrees")?];
@@ -167,7 +167,10 @@ mod tests {
                 swap("43.43", "-43.43"),
                 "[\"0001.jpg\"].cp.horizontalFieldOfViewDegrees is -43.43876531380934, which must be above 0",
             ),
-            (swap("43.43", "243.43"), "cp.horizontalFieldOfViewDegrees is 243.43876531380934, which must be below 179"),
+            (
+                swap("43.43", "243.43"),
+                "[\"0001.jpg\"].cp.horizontalFieldOfViewDegrees is 243.43876531380934, which must be below 179",
+            ),
             (swap("60.0", "\"far\""), "[\"0001.jpg\"].cp.positionYMeters: a number is wanted, found the text \"far\""),
         ] {
             let files = Files::one("a.json", text.into_bytes());

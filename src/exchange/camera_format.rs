@@ -43,6 +43,11 @@ pub trait CameraFormat: Sync {
         EXACT_PX
     }
 
+    /// Whether what is written is read again before it goes out.
+    fn is_proved(&self) -> bool {
+        true
+    }
+
     /// How exactly its frames agree on a common base.
     fn exactness(&self) -> Exactness {
         Exactness::default()

@@ -86,6 +86,10 @@ impl CameraFormat for Cdf {
         has_ending(name, "json")
     }
 
+    fn is_proved(&self) -> bool {
+        false
+    }
+
     fn read(&self, _files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
         Err(ExchangeError::OneWay { format: Format::Cdf, what: "imported", instead: "exported" })
     }

@@ -50,7 +50,7 @@ fn number_of(frame: &FrameCamera, index: usize) -> u64 {
 }
 
 fn read_line(line: &str, options: &ImportOptions) -> Result<Option<FrameCamera>, Problem> {
-    let values = numbers("the line", line)?;
+    let values = numbers("a column", line)?;
     if values.is_empty() {
         return Ok(None);
     }
@@ -155,8 +155,8 @@ mod tests {
             ("", "the file is empty"),
             ("412 0 18 60 -11 -12 0\n", "line 1: columns: 8 are wanted, found 7"),
             ("412 0 18 60 -11 -12 0 25 1\n", "line 1: columns: 8 are wanted, found 9"),
-            ("frame tx ty\n", "line 1: the line: a number is wanted, found \"frame\""),
-            ("412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n", "line 2: the line is not a finite number"),
+            ("frame tx ty\n", "line 1: a column: a number is wanted, found \"frame\""),
+            ("412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n", "line 2: a column is not a finite number"),
             ("412 0 18 60 -11 -12 0 0\n", "line 1: the field of view is 0, which must be between 0 and 179 degrees"),
             (
                 "412 0 18 60 -11 -12 0 2000\n",

@@ -2,7 +2,7 @@
 //!
 //! The pixel (0.5, 0.5) is the first one's centre, as ours; world→camera as a Hamilton quaternion and t = −R C; world and units
 //! are free and stay ours. A zoom has a camera a frame. Every image has two lines, the second one even where it is empty:
-//! without it readers lose images and say nothing.
+//! without it readers lose images and say nothing. Landmarks that people clicked are points with tracks.
 //! Source: colmap/colmap, doc/format.rst.
 
 use super::camera_format::{CameraFormat, WriteContext};
@@ -15,6 +15,7 @@ use super::options::ImportOptions;
 use super::table::{number, numbers};
 use super::values::clipped;
 use crate::camera::Radial;
+use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use std::collections::BTreeMap;
@@ -147,6 +148,48 @@ fn read_images(bytes: &[u8], cameras: &BTreeMap<u64, Lens>) -> Result<Vec<FrameC
     Ok(frames)
 }
 
+/// A landmark that people clicked.
+struct Track {
+    point_in_world: Vec3,
+    /// The distances of its clicks from where the cameras show it, px, together.
+    off_px: f64,
+    /// The image, from 1, and the place among its points, from 0.
+    seen: Vec<(usize, usize)>,
+}
+
+/// The second line of an image: its clicks, with the points that they are of.
+fn points_line(frame: &FrameCamera, image: usize, field: &FieldModel, tracks: &mut BTreeMap<usize, Track>) -> String {
+    let mut points = Vec::new();
+    for (name, at) in &frame.record.clicks {
+        let Some(index) = field.landmarks.iter().position(|landmark| landmark.id.as_str() == name) else { continue };
+        let point_in_world = field.landmark_in_world(&field.landmarks[index]);
+        let Some(shown) = frame.image_from_world(point_in_world) else { continue };
+        let track = tracks.entry(index + 1).or_insert(Track { point_in_world, off_px: 0.0, seen: Vec::new() });
+        // A point has one place in an image.
+        if track.seen.last().is_none_or(|(last, _)| *last != image) {
+            track.seen.push((image, points.len()));
+            track.off_px += shown.distance_px(*at);
+            points.push(format!("{} {} {}", at.x, at.y, index + 1));
+        }
+    }
+    points.join(" ")
+}
+
+/// `points3D.txt`.
+fn points_file(tracks: &BTreeMap<usize, Track>) -> String {
+    let mut text = "# POINT3D_ID X Y Z R G B ERROR TRACK[] (IMAGE_ID POINT2D_IDX)\n".to_owned();
+    for (id, Track { point_in_world: point, off_px, seen }) in tracks {
+        let error = off_px / seen.len() as f64;
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{id} {} {} {} 255 255 255 {error}", point.x, point.y, point.z);
+        for (image, at) in seen {
+            let _ = write!(text, " {image} {at}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
 impl CameraFormat for Colmap {
     fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let name = relative_name(frame);
@@ -156,13 +199,15 @@ impl CameraFormat for Colmap {
         Ok(FrameCamera { name, ..frame.clone() })
     }
 
-    fn write(&self, held: &[FrameCamera], _context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
+    fn write(&self, held: &[FrameCamera], context: &WriteContext<'_>) -> Result<Files, ExchangeError> {
         let mut cameras = "# CAMERA_ID MODEL WIDTH HEIGHT PARAMS[] (f, cx, cy, k1, k2)\n".to_owned();
         let mut images = "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# POINTS2D[] (X Y POINT3D_ID)\n\
                           # world: metres from the field's middle, x right, y away, z up\n"
             .to_owned();
+        let mut tracks = BTreeMap::new();
         for (index, frame) in held.iter().enumerate() {
             let Ok((pinhole, size)) = parts(frame) else { continue };
+            let points = points_line(frame, index + 1, context.field, &mut tracks);
             let (id, c, t) = (index + 1, pinhole.principal_point, pinhole.translation());
             let (f, Radial { k1, k2 }) = (pinhole.focal_px, pinhole.lens);
             let rotation = Rotation3::from_matrix_unchecked(pinhole.cam_from_world);
@@ -171,12 +216,12 @@ impl CameraFormat for Colmap {
             let [w, x, y, z] = [q.w, q.i, q.j, q.k].map(|part| sign * part);
             // Writing to a string cannot fail.
             let _ = writeln!(cameras, "{id} RADIAL {} {} {f} {} {} {k1} {k2}", size.width, size.height, c.x, c.y);
-            let _ = writeln!(images, "{id} {w} {x} {y} {z} {} {} {} {id} {}\n", t.x, t.y, t.z, frame.name);
+            let _ = writeln!(images, "{id} {w} {x} {y} {z} {} {} {} {id} {}\n{points}", t.x, t.y, t.z, frame.name);
         }
         let mut files = Files::default();
         files.add(CAMERAS, cameras);
         files.add(IMAGES, images);
-        files.add(POINTS, "# POINT3D_ID X Y Z R G B ERROR TRACK[] (IMAGE_ID POINT2D_IDX)\n");
+        files.add(POINTS, points_file(&tracks));
         Ok(files)
     }
 
@@ -199,7 +244,7 @@ impl CameraFormat for Colmap {
 mod tests {
     use super::*;
     use crate::exchange::Format;
-    use crate::exchange::tests::{awkward, exported, reference, text_of};
+    use crate::exchange::tests::{awkward, clicked, exported, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
@@ -226,6 +271,22 @@ mod tests {
     }
 
     #[test]
+    fn clicked_landmarks_are_points_with_tracks_and_held_out_points_are_not() {
+        let mut document = clicked();
+        let twice = document.frames[0].clicks[0].clone();
+        document.frames[0].clicks.push(twice);
+        let files = exported(&document, Format::Colmap).files;
+        let points: Vec<String> = text_of(&files, POINTS).lines().skip(1).map(ToOwned::to_owned).collect();
+        assert_eq!(points.len(), 2, "{points:?}");
+        let first: Vec<f64> = numbers("a point", &points[0]).unwrap();
+        assert_eq!(first[1..7], [0.0, 0.0, 0.0, 255.0, 255.0, 255.0]);
+        assert!(first[7] < 1e-3 && first[8..] == [1.0, 0.0], "its error and its track: {first:?}");
+        let images = text_of(&files, IMAGES);
+        let line = images.lines().last().unwrap();
+        assert!(line.starts_with("444.681 789.175 ") && line.split(' ').count() == 6, "{line}");
+    }
+
+    #[test]
     fn awkward_cameras_come_back() {
         let exported = exported(&awkward(), Format::Colmap);
         assert!(exported.loss.is_none() && exported.worst_px < 1e-6, "{exported:?}");
@@ -241,7 +302,7 @@ mod tests {
             (
                 swap(&cameras, "RADIAL", "FISHEYE"),
                 images.clone(),
-                "cameras.txt: line 2: the camera model \"FISHEYE\" is not supported: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
+                "cameras.txt: line 2: the camera model \"FISHEYE\" cannot be read: SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL and OPENCV are read",
             ),
             (
                 swap(&cameras, " 0.0661 0", " 0.0661"),

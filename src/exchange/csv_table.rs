@@ -185,10 +185,7 @@ impl CameraFormat for Csv {
     fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;
-            let required = ["focal_px", "cx_px", "cy_px", "camera_x_m", "r11", "width_px"];
-            if let Some(column) = required.into_iter().find(|column| !table.has(column)) {
-                return Err(Problem::Missing(format!("the column {column}")));
-            }
+            table.needs(&["focal_px", "cx_px", "cy_px", "camera_x_m", "r11", "width_px"])?;
             table.rows().map(read_row).collect::<Result<Vec<_>, _>>()
         })
     }

@@ -20,6 +20,13 @@ use std::collections::BTreeMap;
 /// The format.
 pub struct Cvat;
 
+fn not_xml(error: roxmltree::Error) -> Problem {
+    Problem::NotXml(match error {
+        roxmltree::Error::DtdDetected => "it has a document type (<!DOCTYPE …>), which is not read".to_owned(),
+        error => error.to_string(),
+    })
+}
+
 type Element<'a> = roxmltree::Node<'a, 'a>;
 
 /// An attribute that must be there.
@@ -107,7 +114,7 @@ fn task_size(root: Element<'_>) -> Result<Option<ImageSize>, Problem> {
 }
 
 fn read_file(bytes: &[u8], options: &ImportOptions) -> Result<Vec<LabelledFrame>, Problem> {
-    let xml = Xml::parse(text(bytes)?).map_err(|error| Problem::NotXml(error.to_string()))?;
+    let xml = Xml::parse(text(bytes)?).map_err(not_xml)?;
     let root = xml.root_element();
     if root.tag_name().name() != "annotations" {
         let found = format!("it begins with <{}>", clipped(root.tag_name().name()));
@@ -205,7 +212,7 @@ mod tests {
             (String::new(), "the file is empty"),
             ("not xml".to_owned(), "not valid XML: "),
             (GOOD[..200].to_owned(), "not valid XML: "),
-            (entities.to_owned(), "not valid XML: XML with DTD detected"),
+            (entities.to_owned(), "not valid XML: it has a document type (<!DOCTYPE …>), which is not read"),
             ("<html></html>".to_owned(), "not CVAT's XML: it begins with <html>"),
             (swap("width=\"1920\"", ""), "width of <image> is missing"),
             (swap("width=\"1920\"", "width=\"0\""), "width is 0, which must be a whole number from 1 to 65535"),

@@ -124,12 +124,12 @@ mod tests {
             (
                 "R",
                 json!([1, 0, 0, 0, 1, 0, 0, 0, -1]),
-                "the rotation of the camera is no rotation: its rows are off by inf",
+                "the rotation of the camera is no rotation: it is mirrored, or has no numbers",
             ),
             (
                 "kc",
                 json!([0.1, 0, 0.01, 0, 0]),
-                "a distortion coefficient of 0.01 beyond k1 and k2 is not supported: the document's lens has k1 and k2 only",
+                "a distortion coefficient of 0.01 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
             ),
             ("T", json!([1e9, 0, 0]), "a coordinate of the position of the camera is"),
             ("img_width", json!("wide"), "calibration.img_width: a number is wanted, found the text \"wide\""),

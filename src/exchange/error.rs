@@ -57,7 +57,7 @@ pub enum ExchangeError {
         name: String,
     },
     /// A point lies nowhere near a picture.
-    #[error("{}: {label:?} of {frame:?} is at ({x:e}, {y:e}) px, which is no place in a picture", path.display())]
+    #[error("{}: {label:?} of {frame:?} is at ({}, {}) px, which is no place in a picture", path.display(), number_text(*x), number_text(*y))]
     NoPlace {
         /// The file or folder.
         path: PathBuf,
@@ -83,7 +83,10 @@ pub enum ExchangeError {
         limit: usize,
     },
     /// No camera shows the ground as a homography does.
-    #[error("{}: the homography of {frame:?} is no picture that a camera takes: {source}", path.display())]
+    #[error(
+        "{}: the homography of {frame:?} is no picture that a camera takes ({source}); look at its direction, unit and picture size",
+        path.display()
+    )]
     NoCamera {
         /// The file or folder.
         path: PathBuf,
@@ -245,7 +248,7 @@ pub enum Problem {
     #[error("the file is empty")]
     Empty,
     /// It is larger than anything of the format.
-    #[error("{bytes} bytes are more than the {limit} that are read")]
+    #[error("it has {} MiB, and at most {} MiB are read", bytes.div_ceil(1 << 20), limit >> 20)]
     TooLarge {
         /// Its size.
         bytes: u64,
@@ -312,11 +315,11 @@ pub enum Problem {
         wanted: &'static str,
     },
     /// A matrix is no rotation.
-    #[error("{what} is no rotation: its rows are off by {distance:.1e}")]
+    #[error("{what} is no rotation: {}", if distance.is_finite() { format!("its rows are off by {distance:.1e}") } else { "it is mirrored, or has no numbers".to_owned() })]
     NotRotation {
         /// Which.
         what: String,
-        /// How far it is from one.
+        /// How far it is from one; not finite where none is near.
         distance: f64,
     },
     /// A matrix has no inverse.
@@ -350,7 +353,7 @@ pub enum Problem {
         option: &'static str,
     },
     /// Something that this program does not hold.
-    #[error("{what} is not supported: {why}")]
+    #[error("{what} cannot be read: {why}")]
     Unsupported {
         /// What.
         what: String,

@@ -26,10 +26,12 @@ pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Re
         return match options.gaps {
             Gaps::Keep => export(at, options),
             Gaps::Interpolate(most) => {
-                let filled = interpolated(at.document, &options.frames, most);
+                let (filled, note) = interpolated(at.document, &options.frames, most);
                 // Everything in it was chosen, or lies between what was.
                 let options = ExportOptions { frames: FrameChoice::everything(), ..options.clone() };
-                export(filled.at(at.folder), &options)
+                let mut exported = export(filled.at(at.folder), &options)?;
+                exported.notes.extend(note);
+                Ok(exported)
             }
             Gaps::Takes => in_takes(at, &options.frames, &|at| export(at, options)),
         };

@@ -12,19 +12,24 @@ use super::loss::{farthest_landmark, loss_between};
 use super::options::ExportOptions;
 use super::rate::Rate;
 use super::stage::{in_stage, in_world, takes_stage};
-use crate::document::{Camera, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
+use crate::document::{Camera, Click, Document, DocumentAt, Fields, Frame, SolutionSource, Stage};
 use crate::field::FieldModel;
-use crate::geometry::ImageSize;
+use crate::geometry::{ImagePoint, ImageSize};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A solved frame as formats exchange it; none where it is not solved.
 fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> Option<FrameCamera> {
     let camera = document.pointed(frame)?;
+    let scale = size.map_or(1.0, |size| f64::from(size.width) / f64::from(frame.image_size.width));
     let mut pinhole = Pinhole::of(&camera);
-    if let Some(size) = size {
-        pinhole = pinhole.scaled(f64::from(size.width) / f64::from(frame.image_size.width));
+    if size.is_some() {
+        pinhole = pinhole.scaled(scale);
     }
+    let on_landmark = |click: &Click| {
+        let target = click.target.as_ref().filter(|target| target.line().is_none() && !click.check)?;
+        Some((target.as_str().to_owned(), ImagePoint::new(click.image.x * scale, click.image.y * scale)))
+    };
     let solution = frame.solution.as_ref();
     let variances = solution.and_then(|solution| solution.covariance).map(|covariance| covariance.diagonal());
     Some(FrameCamera {
@@ -43,6 +48,7 @@ fn frame_camera(document: &Document, frame: &Frame, size: Option<ImageSize>) -> 
             worst_corner_sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
             rms_px: solution.and_then(|solution| solution.rms_px),
             confidence: solution.and_then(|solution| solution.confidence),
+            clicks: frame.clicks.iter().filter_map(on_landmark).collect(),
         },
     })
 }
@@ -118,7 +124,7 @@ pub fn export_cameras(
         None => camera_format.write(&held, &context)?,
     };
     let proof = Proof { format, of: camera_format, stage };
-    let worst_px = if format.imports() { proof.worst_px(&files, &held, &context)? } else { 0.0 };
+    let worst_px = if camera_format.is_proved() { proof.worst_px(&files, &held, &context)? } else { 0.0 };
     let mut notes = camera_format.notes(&held, &context);
     notes.extend(stage_note(format, options.stage.as_ref(), stage));
     notes.extend(interpolated_note(&held));

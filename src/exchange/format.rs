@@ -184,6 +184,13 @@ impl Format {
         self.facts().imports
     }
 
+    /// Whether an export is read again, and every landmark or click compared, before it is written. A sheet without cameras is not;
+    /// a document is compared as a text.
+    #[must_use]
+    pub const fn is_proved(self) -> bool {
+        self.exports() && !matches!(self, Self::Cdf | Self::Json)
+    }
+
     /// Whether it can be exported.
     #[must_use]
     pub const fn exports(self) -> bool {

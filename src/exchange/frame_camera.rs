@@ -69,6 +69,8 @@ pub struct Record {
     pub rms_px: Option<f64>,
     /// 0 to 1.
     pub confidence: Option<f64>,
+    /// Where people clicked on landmarks, by name, in px of the picture as it is written; points that were held out are not here.
+    pub clicks: Vec<(String, ImagePoint)>,
 }
 
 impl FrameCamera {

@@ -8,7 +8,7 @@
 use super::body_angles::{angles_deg, cam_from_world};
 use super::camera_format::{CameraFormat, EXACT_PX, WriteContext, has_ending};
 use super::error::{ExchangeError, Problem};
-use super::files::Files;
+use super::files::{Files, refuse_archive};
 use super::format::Format;
 use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::held::{parts, plain, with};
@@ -252,6 +252,7 @@ impl CameraFormat for FreeD {
             if bytes.is_empty() {
                 return Err(Problem::Empty);
             }
+            refuse_archive(bytes)?;
             let frame = |(index, packet): (usize, &[u8])| {
                 let pinhole = Sample::from_packet(packet).and_then(|sample| sample.pinhole(reading));
                 let pinhole = pinhole.map_err(|problem| problem.at_packet(index + 1))?;
@@ -331,6 +332,7 @@ impl CameraFormat for FreeDCsv {
         let mut count = 0;
         files.read_all(|_, bytes| {
             let table = Table::read(bytes)?;
+            table.needs(&COLUMNS[4..11])?;
             let frame = |row| {
                 count += 1;
                 read_row(row, reading, &format!("{:06}", count - 1))

@@ -15,14 +15,25 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The chosen frames, and cameras for up to `most` frames in a row that are missing between two solved ones of the same video,
 /// camera and clip. Pan and tilt are linear in time between them, and so is the logarithm of the focal length. A gap in which
 /// somebody rejected a frame, or in which a frame has a camera that was not asked for, stays.
+/// What stays is told as a note.
 #[must_use]
-pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> Document {
+pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> (Document, Option<String>) {
     let mut filled: BTreeMap<FrameId, Vec<Frame>> = BTreeMap::new();
+    let (mut long, mut held) = (0_usize, 0_usize);
     for run in runs(document, choice) {
         for pair in run.windows(2) {
             let (before, after) = (pair[0], pair[1]);
-            if let Some(between) = between(document, before, after, most) {
-                filled.insert(before.id.clone(), between);
+            let missing = missing_between(before, after);
+            if missing == 0 {
+                continue;
+            }
+            if missing > most {
+                long += 1;
+                continue;
+            }
+            match between(document, before, after) {
+                Some(between) => drop(filled.insert(before.id.clone(), between)),
+                None => held += 1,
             }
         }
     }
@@ -33,7 +44,23 @@ pub fn interpolated(document: &Document, choice: &FrameChoice, most: u64) -> Doc
         frames.push(frame.clone());
         frames.extend(filled.get(&frame.id).into_iter().flatten().cloned().map(Shared::from));
     }
-    Document { frames: frames.into_iter().collect(), ..document.clone() }
+    let reasons = [
+        (long, format!("longer than {most} frames")),
+        (held, "with a rejected frame, or a camera that was not asked for, in it".to_owned()),
+    ];
+    let reasons: Vec<String> = reasons
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, why)| format!("{count} {} {why}", if count == 1 { "gap" } else { "gaps" }))
+        .collect();
+    let note = (!reasons.is_empty()).then(|| format!("not filled: {}", reasons.join(", ")));
+    (Document { frames: frames.into_iter().collect(), ..document.clone() }, note)
+}
+
+/// How many numbers of a video are missing between two frames.
+fn missing_between(before: &Frame, after: &Frame) -> u64 {
+    let number = |frame: &Frame| frame.video.as_ref().map_or(0, |video| video.frame_index);
+    number(after).saturating_sub(number(before)).saturating_sub(1)
 }
 
 /// The chosen, solved frames of each video, camera and clip, by their numbers.
@@ -52,13 +79,9 @@ fn runs<'a>(document: &'a Document, choice: &FrameChoice) -> Vec<Vec<&'a Frame>>
     runs.into_values().map(sorted).collect()
 }
 
-/// The frames between two; none where the gap stays.
-fn between(document: &Document, before: &Frame, after: &Frame, most: u64) -> Option<Vec<Frame>> {
+/// The frames between two; none where somebody has decided otherwise for one of them.
+fn between(document: &Document, before: &Frame, after: &Frame) -> Option<Vec<Frame>> {
     let (first, last) = (before.video.as_ref()?, after.video.as_ref()?);
-    let missing = last.frame_index.checked_sub(first.frame_index)?.checked_sub(1)?;
-    if missing == 0 || missing > most {
-        return None;
-    }
     let is_within = |frame: &Frame| {
         let video = frame.video.as_ref();
         video.is_some_and(|video| {
@@ -203,7 +226,8 @@ mod tests {
 
     #[test]
     fn short_gaps_are_filled_on_request_and_every_filled_frame_says_so() {
-        let filled = interpolated(&gappy(), &FrameChoice::default(), 5);
+        let (filled, note) = interpolated(&gappy(), &FrameChoice::default(), 5);
+        assert_eq!(note.as_deref(), Some("not filled: 1 gap longer than 5 frames"));
         let numbers: Vec<u64> = filled.frames.iter().map(|frame| frame.video.as_ref().unwrap().frame_index).collect();
         assert_eq!(numbers, [412, 413, 414, 415, 416, 440], "the long gap stays");
         let ptz = filled.frames[2].ptz.as_ref().unwrap();
@@ -214,7 +238,8 @@ mod tests {
             let source = frame.solution.as_ref().and_then(|solution| solution.source);
             assert_eq!(source == Some(SolutionSource::Interpolated), is_filled);
         }
-        assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 1).frames, gappy().frames);
+        assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 1).0.frames, gappy().frames);
+        assert_eq!(interpolated(&gappy(), &FrameChoice::default(), 50).1, None);
     }
 
     #[test]
@@ -224,7 +249,10 @@ mod tests {
             Frame::from_video(VideoFrame::new("match.mp4", 414, None), "main".into(), ImageSize::new(1920, 1080));
         rejected.status = FrameStatus::Rejected;
         document.frames.push(rejected.into());
-        assert_eq!(interpolated(&document, &FrameChoice::default(), 5).frames.len(), 4);
+        let (filled, note) = interpolated(&document, &FrameChoice::default(), 50);
+        assert_eq!(filled.frames.iter().filter(|frame| frame.ptz.is_some()).count(), 27, "the other gap is filled");
+        let why = "not filled: 1 gap with a rejected frame, or a camera that was not asked for, in it";
+        assert_eq!(note.as_deref(), Some(why));
     }
 
     #[test]
@@ -232,7 +260,7 @@ mod tests {
         let mut document = gappy();
         document.frames[1].ptz = Some(FramePtz::new(Ptz::from_degrees(179.0, -10.0, 2000.0), None));
         document.frames[2].ptz = Some(FramePtz::new(Ptz::from_degrees(-178.0, -10.0, 2000.0), None));
-        let filled = interpolated(&document, &FrameChoice::default(), 5);
+        let (filled, _) = interpolated(&document, &FrameChoice::default(), 5);
         // 180 and −180 degrees are one direction.
         assert!((filled.frames[2].ptz.as_ref().unwrap().pan_deg.abs() - 180.0).abs() < 1e-9);
         assert!((filled.frames[3].ptz.as_ref().unwrap().pan_deg + 179.0).abs() < 1e-9);

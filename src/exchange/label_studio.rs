@@ -219,7 +219,7 @@ mod tests {
             ),
             (
                 with("/image_rotation", json!(90)),
-                "[0].annotations[0].result[0].image_rotation is not supported: turn the picture itself",
+                "[0].annotations[0].result[0].image_rotation cannot be read: turn the picture itself",
             ),
             (
                 with("/value/x", json!("left")),

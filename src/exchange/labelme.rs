@@ -153,7 +153,7 @@ mod tests {
             (
                 with("/imageWidth", json!(1080)),
                 Some(SIZE),
-                "a file of 1080 × 1080 px for a picture of 1920 × 1080 is not supported: labelme turns pictures as their EXIF says; save it turned",
+                "a file of 1080 × 1080 px for a picture of 1920 × 1080 cannot be read: labelme turns pictures as their EXIF says; save it turned",
             ),
             (with("/shapes", json!(1)), None, "shapes: a list is wanted, found 1"),
             (with("/shapes/0/label", Value::Null), None, "shapes[0].label: a text is wanted, found null"),

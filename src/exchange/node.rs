@@ -16,7 +16,7 @@ pub(super) struct Node<'a> {
 
 /// The JSON value of a file.
 pub(super) fn parse(bytes: &[u8]) -> Result<Value, Problem> {
-    strict_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(error.to_string()))
+    strict_json::from_str(text(bytes)?).map_err(|error| Problem::NotJson(strict_json::said(&error)))
 }
 
 impl<'a> Node<'a> {

@@ -124,7 +124,7 @@ mod tests {
             (swap("<f8", "<i8"), format!("{not}numbers of the type '<i8'")),
             (
                 swap("'<f8'", "'|O' "),
-                "an object array is not supported: reading it would run code; save the matrix as float64".to_owned(),
+                "an object array cannot be read: reading it would run code; save the matrix as float64".to_owned(),
             ),
             (nan, "a number of the homography is not a finite number".to_owned()),
         ] {

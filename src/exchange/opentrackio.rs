@@ -335,15 +335,15 @@ mod tests {
             (swap("\"pan\"", "\"yaw\""), "line 1: transforms[0].rotation.pan is missing"),
             (
                 swap("\"id\":\"Camera\"", "\"scale\":{\"x\":2}"),
-                "line 1: transforms[0].scale is not supported: cameras have one scale",
+                "line 1: transforms[0].scale cannot be read: cameras have one scale",
             ),
             (
                 swap("Brown-Conrady U-D", "Brown-Conrady D-U"),
-                "line 1: the model of lens.distortion[0] is not supported: only Brown-Conrady U-D is read",
+                "line 1: the model of lens.distortion[0] cannot be read: only Brown-Conrady U-D is read",
             ),
             (
                 swap(",0.0,0.0,0.0]}", ",0.5,0.0,0.0]}"),
-                "line 1: a coefficient of lens.distortion[0] beyond l1 and l3 is not supported: the document's lens has k1 and k2 only",
+                "line 1: a coefficient of lens.distortion[0] beyond l1 and l3 cannot be read: the document's lens has k1 and k2 only",
             ),
             (
                 swap("\"pinholeFocalLength\":12.05", "\"pinholeFocalLength\":0"),

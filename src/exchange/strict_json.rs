@@ -15,6 +15,15 @@ pub fn from_str(text: &str) -> Result<Value, serde_json::Error> {
     serde_json::from_str::<Strict>(text).map(|strict| strict.0)
 }
 
+/// What is wrong, in words that say what a person can change.
+pub fn said(error: &serde_json::Error) -> String {
+    error
+        .to_string()
+        .replace("recursion limit exceeded", "lists and objects lie more than 127 deep within each other")
+        .replace("EOF while parsing", "it ends within")
+        .replace("expected value", "a value is wanted (JSON has no NaN and no Infinity)")
+}
+
 struct Strict(Value);
 
 impl<'de> serde::Deserialize<'de> for Strict {

@@ -49,10 +49,14 @@ impl Table {
         (0..self.rows.len()).map(|index| Row { table: self, index })
     }
 
-    /// Whether there is a column of this name.
-    #[must_use]
-    pub fn has(&self, column: &str) -> bool {
-        self.header.iter().any(|name| name == column)
+    /// Refuses a table without one of some columns.
+    ///
+    /// # Errors
+    /// One is missing; it is named.
+    pub fn needs(&self, columns: &[&str]) -> Result<(), Problem> {
+        let is_there = |column: &&&str| self.header.iter().any(|name| name == **column);
+        let missing = columns.iter().find(|column| !is_there(column));
+        missing.map_or(Ok(()), |column| Err(Problem::Missing(format!("the column {column}"))))
     }
 }
 

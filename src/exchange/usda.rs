@@ -8,14 +8,15 @@
 
 use super::camera_format::{CameraFormat, WriteContext, has_ending};
 use super::chan::{looking_back, y_up};
-use super::error::ExchangeError;
-use super::files::Files;
-use super::format::Format;
-use super::frame_camera::{FrameCamera, Pinhole};
+use super::error::{ExchangeError, Problem};
+use super::files::{Files, text};
+use super::frame_camera::{FrameCamera, Pinhole, Shown};
 use super::held::{parts, with};
 use super::options::ImportOptions;
+use super::table::{number, numbers};
+use super::values::{frame_number, side_px};
 use crate::camera::Radial;
-use crate::geometry::{ImageSize, Mat3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use std::fmt::Write as _;
 
 /// The format.
@@ -25,10 +26,13 @@ pub struct Usda;
 const NOMINAL_MM: f64 = 36.0;
 /// Centimetres a metre.
 const CM: f64 = 100.0;
+/// How far a landmark may move through 32-bit focal lengths, px.
+const RESOLUTION_PX: f64 = 1e-3;
 
 /// A camera of the stage: its frames follow each other without a gap.
 struct Take<'a> {
     name: String,
+    camera: &'a str,
     size: ImageSize,
     samples: Vec<(u64, &'a Pinhole)>,
 }
@@ -49,11 +53,12 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
     for (index, frame) in held.iter().enumerate() {
         let (Some(pinhole), Some(size)) = (frame.pinhole(), frame.size) else { continue };
         let time = frame.frame_index.unwrap_or(index as u64);
-        let name = prim_name(frame.camera.as_deref().unwrap_or_default());
+        let camera = frame.camera.as_deref().unwrap_or_default();
+        let name = prim_name(camera);
         let goes_on = |take: &Take<'_>| {
             let follows = take.samples.last().is_some_and(|(last, _)| last + 1 == time);
             let same = take.samples.last().is_some_and(|(_, last)| last.principal_point == pinhole.principal_point);
-            follows && same && take.size == size && take.name.starts_with(&name)
+            follows && same && take.size == size && take.camera == camera
         };
         if let Some(take) = takes.last_mut().filter(|take| goes_on(take)) {
             take.samples.push((time, pinhole));
@@ -62,7 +67,7 @@ fn takes(held: &[FrameCamera]) -> Vec<Take<'_>> {
         let taken = |candidate: &String| takes.iter().any(|take| take.name == *candidate);
         let numbered = (1..).map(|number| if number == 1 { name.clone() } else { format!("{name}_take{number}") });
         let name = numbered.into_iter().find(|candidate| !taken(candidate)).unwrap_or(name);
-        takes.push(Take { name, size, samples: vec![(time, pinhole)] });
+        takes.push(Take { name, camera, size, samples: vec![(time, pinhole)] });
     }
     takes
 }
@@ -88,12 +93,13 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "    def Camera \"{}\"\n    {{\n        token projection = \"perspective\"\n        float2 clippingRange = (10, 100000)\n        \
+        "    def Camera \"{}\"\n    {{\n        custom string touchline:camera = {}\n        token projection = \"perspective\"\n        float2 clippingRange = (10, 100000)\n        \
          float horizontalAperture = {aperture_mm}\n        float verticalAperture = {}\n        \
          float horizontalApertureOffset = {}\n        float verticalApertureOffset = {}\n        \
          float focalLength.timeSamples = {{ {} }}\n        matrix4d xformOp:transform.timeSamples = {{ {} }}\n        \
          uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n",
         take.name,
+        serde_json::Value::from(take.camera),
         height * per_px,
         offset[0],
         offset[1],
@@ -102,7 +108,66 @@ fn push_take(take: &Take<'_>, aperture_mm: f64, text: &mut String) {
     );
 }
 
+/// What stands between two texts.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> Result<&'a str, Problem> {
+    let rest = text.split_once(from).ok_or_else(|| Problem::Missing(from.trim().to_owned()))?.1;
+    Ok(rest.split_once(to).map_or(rest, |(found, _)| found))
+}
+
+/// A number with as many digits as a reader keeps: attributes are 32-bit floats.
+#[expect(clippy::cast_possible_truncation, reason = "that is what readers do")]
+fn single(what: &str, text: &str) -> Result<f64, Problem> {
+    Ok(f64::from(number(what, text)? as f32))
+}
+
+/// The frames of a camera that [`push_take`] wrote. Stages of other programs are built otherwise.
+fn read_take(prim: &str, stage: &str) -> Result<Vec<FrameCamera>, Problem> {
+    let name = prim.split('"').next().unwrap_or_default();
+    let camera: String = serde_json::from_str(between(prim, "touchline:camera = ", "\n")?)
+        .map_err(|error| Problem::NotFormat { wanted: "a name of a camera", found: error.to_string() })?;
+    let sides =
+        numbers("the size", &between(stage, &format!("int2 {name}_image_size_px = ("), ")")?.replace(',', " "))?;
+    let [width, height]: [f64; 2] = sides.try_into().map_err(|sides: Vec<f64>| {
+        let (what, found) = ("sides of the picture".to_owned(), sides.len());
+        Problem::Count { what, wanted: 2, found }
+    })?;
+    let size = ImageSize::new(side_px("width", width)?, side_px("height", height)?);
+    let lens = |what: &str| single(what, between(prim, &format!("float {what} = "), "\n")?);
+    let per_px = lens("horizontalAperture")? / width;
+    let principal_point = ImagePoint::new(
+        width / 2.0 - lens("horizontalApertureOffset")? / per_px,
+        height / 2.0 + lens("verticalApertureOffset")? / per_px,
+    );
+    let lengths = between(prim, "focalLength.timeSamples = { ", " }")?.split(',');
+    let poses = between(prim, "transform.timeSamples = { ", " }")?.replace(['(', ')'], " ");
+    let poses: Vec<&str> = poses.split(',').collect();
+    let frame = |(length, pose): (&str, &[&str])| {
+        let (time, length) = length.split_once(':').unwrap_or_default();
+        let time = frame_number("the time", number("the time", time.trim())?)?;
+        let entry = |index: usize| -> Result<f64, Problem> {
+            let text = pose.get(index).copied().unwrap_or_default();
+            number("the pose", text.rsplit(':').next().unwrap_or_default().trim())
+        };
+        let m: Vec<f64> = (0..16).map(entry).collect::<Result<_, _>>()?;
+        let axes = Mat3::from_fn(|row, column| m[4 * column + row]);
+        let pinhole = Pinhole {
+            cam_from_world: (y_up().transpose() * axes * looking_back().transpose()).transpose(),
+            position_m: y_up().transpose() * Vec3::new(m[12], m[13], m[14]) / CM,
+            focal_px: single("focalLength", length.trim())? / per_px,
+            principal_point,
+            lens: Radial::default(),
+        };
+        let name = format!("{camera}@{time}");
+        Ok(FrameCamera { frame_index: Some(time), ..FrameCamera::new(&name, Some(size), Shown::Camera(pinhole)) })
+    };
+    lengths.zip(poses.chunks(16)).map(frame).collect()
+}
+
 impl CameraFormat for Usda {
+    fn resolution_px(&self, _held: &FrameCamera) -> f64 {
+        RESOLUTION_PX
+    }
+
     fn hold(&self, frame: &FrameCamera, index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let (pinhole, _) = parts(frame)?;
         let camera = frame.camera.as_deref().unwrap_or_default();
@@ -162,15 +227,20 @@ impl CameraFormat for Usda {
         has_ending(name, "usda")
     }
 
-    fn read(&self, _files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
-        Err(ExchangeError::OneWay { format: Format::Usda, what: "imported", instead: "exported" })
+    fn read(&self, files: &Files, _options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
+        files.read_all(|_, bytes| {
+            let stage = text(bytes)?;
+            let takes = stage.split("    def Camera \"").skip(1).map(|prim| read_take(prim, stage));
+            Ok(takes.collect::<Result<Vec<_>, _>>()?.concat())
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exchange::tests::{exported, reference, text_of};
+    use crate::exchange::Format;
+    use crate::exchange::tests::{awkward, exported, reference, text_of};
 
     #[test]
     fn the_reference_camera_has_the_published_numbers() {
@@ -189,8 +259,25 @@ mod tests {
     }
 
     #[test]
+    fn what_is_written_is_read_again_as_32_bit_floats() {
+        let exported = exported(&awkward(), Format::Usda);
+        assert!(exported.worst_px > 0.0 && exported.worst_px < 5e-4, "{}", exported.worst_px);
+    }
+
+    #[test]
+    fn cameras_whose_names_begin_alike_are_two() {
+        let mut document = awkward();
+        let mut other = (*document.cameras[0]).clone();
+        other.id = "main2".into();
+        document.cameras.push(other.into());
+        document.frames[0].camera = "main2".into();
+        let text = text_of(&exported(&document, Format::Usda).files, "camera.usda");
+        assert!(text.contains("def Camera \"main2\"") && text.contains("def Camera \"main\""), "{text}");
+    }
+
+    #[test]
     fn a_gap_begins_another_camera() {
-        let mut document = super::super::tests::awkward();
+        let mut document = awkward();
         for (index, frame) in document.frames.iter_mut().enumerate() {
             frame.video.as_mut().unwrap().frame_index = if index < 5 { 100 } else { 200 } + index as u64;
         }

@@ -84,7 +84,7 @@ fn names_of(yaml: &str) -> Option<Vec<String>> {
 }
 
 fn marks_of(line: &str, names: Option<&[String]>, size: ImageSize) -> Result<Vec<Mark>, Problem> {
-    let values = numbers("the label", line)?;
+    let values = numbers("a column", line)?;
     let count = values.len().saturating_sub(5) / 3;
     let wanted = 5 + 3 * names.map_or(count, <[String]>::len);
     if values.len() != wanted || values.len() < 5 {
@@ -210,8 +210,8 @@ mod tests {
                 "columns (class, box, and x y v for each keypoint): 11 are wanted, found 8",
             ),
             ("0 0.5 0.5 1 1 1.2 0.3 2", None, "keypoint 0 is 1.2, which must be between 0 and 1"),
-            ("0 0.5 0.5 1 1 x 0.3 2", None, "the label: a number is wanted, found \"x\""),
-            ("0 0.5 0.5 1 1 nan 0.3 2", None, "the label is not a finite number"),
+            ("0 0.5 0.5 1 1 x 0.3 2", None, "a column: a number is wanted, found \"x\""),
+            ("0 0.5 0.5 1 1 nan 0.3 2", None, "a column is not a finite number"),
         ] {
             assert_eq!(marks_of(line, names.as_deref(), SIZE).unwrap_err().to_string(), wanted);
         }

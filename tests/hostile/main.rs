@@ -1,4 +1,4 @@
-//! Hostile files for every importer: none of them costs a panic or all memory, and what is imported is a document that opens.
+//! Damaged and hostile files for every importer: what is said of each, and that none of them costs a panic or all memory.
 //!
 //! A binary of its own, because it counts what is allocated.
 
@@ -13,6 +13,10 @@
 #[path = "../../src/exchange/authors_mat/writer.rs"]
 mod mat_writer;
 
+mod damage;
+mod damage_cameras;
+mod damage_clicks;
 mod memory;
+mod messages;
 mod mutations;
 mod samples;

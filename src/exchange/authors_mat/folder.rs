@@ -10,8 +10,8 @@ use crate::document::{Camera, CameraId, Clip, Document, FieldSpec, Frame, FrameP
 use crate::files::read_named;
 use crate::geometry::{Angle, ImageSize, Vec3};
 use crate::media;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// A yard, m.
 const YARD_M: f64 = 0.9144;
@@ -71,7 +71,11 @@ pub fn read_authors_folder(folder: &Path, field_yd: [f64; 2]) -> Result<AuthorsF
 
 /// The MAT files of a folder, by name.
 fn mat_files(folder: &Path) -> Result<Vec<PathBuf>, AuthorsError> {
-    let read = |source| AuthorsError::Read { path: folder.to_path_buf(), source };
+    let read = |source: io::Error| {
+        let is_file = source.kind() == io::ErrorKind::NotADirectory;
+        let source = if is_file { io::Error::other("it is a file; give the folder that it lies in") } else { source };
+        AuthorsError::Read { path: folder.to_path_buf(), source }
+    };
     let mut files = Vec::new();
     for entry in fs::read_dir(folder).map_err(read)? {
         let path = entry.map_err(read)?.path();

@@ -148,10 +148,10 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
             let frames = if made.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", made.frames) };
             let files =
                 if made.files.len() == 1 { "one file".to_owned() } else { format!("{} files", made.files.len()) };
-            let proof = if made.format == Format::Json {
-                String::new()
-            } else {
+            let proof = if made.format.is_proved() {
                 format!(" Read again, everything is within {:.0e} px.", made.worst_px.max(1e-12))
+            } else {
+                String::new()
             };
             line(ui, format!("{frames} in {files}.{proof}"), theme::STRONG);
             match &made.loss {
