@@ -1,14 +1,15 @@
 //! `touchline export --dataset`: a folder with frames, labels, pictures and their card.
 
 use super::Outcome;
+use super::interrupt::Interrupt;
 use super::messages::Messages;
 use crate::document::{DocumentAt, FrameStatus};
 use crate::exchange::{
-    DatasetOptions, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
+    DatasetOptions, ExchangeError, FrameChoice, PictureFormat, Pictures, Split, SplitBy, Splitting, plan_dataset,
     write_dataset as write,
 };
 use crate::media::FrameReader;
-use clap::builder::{PossibleValuesParser, TypedValueParser as _};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -23,7 +24,7 @@ pub struct DatasetArgs {
     #[arg(long, default_value = "copy", value_parser = named(&Pictures::ALL.map(Pictures::name)), requires = "dataset")]
     images: String,
     /// How decoded pictures are written.
-    #[arg(long, default_value = "png", value_parser = ["png", "jpeg"], requires = "dataset")]
+    #[arg(long, default_value = "png", value_parser = picture_format(), requires = "dataset")]
     image_format: String,
     /// Shares of training, validation and test, such as 80/10/10; without it there are no splits.
     #[arg(long, value_name = "SHARES", value_parser = parse_shares, requires = "dataset")]
@@ -44,6 +45,11 @@ fn named(names: &[&'static str]) -> impl clap::builder::TypedValueParser<Value =
     PossibleValuesParser::new(names.to_vec()).map(|name| name)
 }
 
+/// `png` or `jpeg`, which is also called `jpg`.
+fn picture_format() -> impl clap::builder::TypedValueParser<Value = String> {
+    PossibleValuesParser::new([PossibleValue::new("png"), PossibleValue::new("jpeg").alias("jpg")]).map(|name| name)
+}
+
 /// `80/10/10`.
 fn parse_shares(text: &str) -> Result<[u32; 3], String> {
     let shares: Option<Vec<u32>> =
@@ -62,7 +68,7 @@ impl DatasetArgs {
         DatasetOptions {
             frames,
             pictures: Pictures::ALL.into_iter().find(|images| images.name() == self.images).unwrap_or_default(),
-            picture_format: if self.image_format == "jpeg" { PictureFormat::Jpeg } else { PictureFormat::Png },
+            picture_format: if self.image_format.starts_with("jp") { PictureFormat::Jpeg } else { PictureFormat::Png },
             undistorted,
             splitting: self.split.map(|shares| Splitting { shares, by, seed: self.seed }),
             licence: self.licence.clone(),
@@ -88,12 +94,20 @@ pub fn write_dataset(
     for note in &plan.notes {
         messages.note(note);
     }
+    let interrupt = Interrupt::listen();
     let bar = messages.progress(plan.pictures(), "pictures");
     let done = write(at, &plan, &options, &mut FrameReader::new(), folder, force, &mut |done, _| {
         bar.set_position(done as u64);
-        ControlFlow::Continue(())
-    })?;
+        if interrupt.is_pressed() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
     bar.finish_and_clear();
+    let done = match done {
+        Err(stopped @ ExchangeError::Stopped) => {
+            messages.note(&stopped.to_string());
+            return Ok(Outcome::Stopped);
+        }
+        done => done?,
+    };
     for (frame, why) in &done.left_out {
         messages.frame_failed(frame, why);
     }

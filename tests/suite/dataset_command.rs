@@ -18,21 +18,26 @@ const SIZE: ImageSize = ImageSize::new(160, 90);
 
 /// Twelve references in four clips with pictures, a suggestion, a rejected frame and one without a label, as `doc.json`.
 fn document(folder: &Path) -> Document {
+    document_of(folder, SIZE)
+}
+
+/// The same with pictures of another size.
+fn document_of(folder: &Path, size: ImageSize) -> Document {
     let base = CameraBase {
         distortion: FocalCurve::constant(-0.1),
-        ..CameraBase::new(Vec3::new(1.0, -58.0, 16.0), BaseAngles::default().base_from_world(), SIZE.centre())
+        ..CameraBase::new(Vec3::new(1.0, -58.0, 16.0), BaseAngles::default().base_from_world(), size.centre())
     };
     let field = builtin("soccer").unwrap().default_model().unwrap();
     let mut document = Document::new(FieldSpec::new("soccer"));
-    let mut camera = Camera::new("main".into(), SIZE);
+    let mut camera = Camera::new("main".into(), size);
     camera.set_base(&base);
     document.cameras.push(camera.into());
     fs::create_dir_all(folder.join("images")).unwrap();
     for index in 0..15_u8 {
         let name = format!("images/{index:04}.jpg");
         let shade = |x: u32, y: u32| image::Rgb([(x + u32::from(index)) as u8, (2 * y) as u8, 40]);
-        image::RgbImage::from_fn(SIZE.width, SIZE.height, shade).save(folder.join(&name)).unwrap();
-        let mut frame = Frame::from_image(&name, "main".into(), SIZE);
+        image::RgbImage::from_fn(size.width, size.height, shade).save(folder.join(&name)).unwrap();
+        let mut frame = Frame::from_image(&name, "main".into(), size);
         frame.clip = Some(Clip::Number(i64::from(index / 3)));
         frame.status = match index {
             12 => FrameStatus::Suggested,
@@ -128,6 +133,7 @@ fn a_dataset_is_whole_and_says_what_it_is() {
         "| suggested_and_accepted | 1 |",
         "| clicks on landmarks from the camera's overlay | median 0.00 px, 95 % below 0.00 px, largest 0.00 px; known in 12 of 12 |",
         "| confidence (overlay within 10 px at 1920 px width) | not known in any of 12 |",
+        "| images | 12 |",
         "Split 2 : 1 : 1 by clip, which is never divided; seed 3.",
         "## Licence\n\nCC-BY-4.0",
     ] {
@@ -176,6 +182,30 @@ fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
 }
 
 #[test]
+#[cfg(unix)]
+fn ctrl_c_stops_the_export_and_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    document_of(folder.path(), ImageSize::new(1920, 1080));
+    let entries = || fs::read_dir(folder.path()).unwrap().count();
+    let before = entries();
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_touchline"))
+        .args(["export", "doc.json", "--dataset", "set", "--undistorted"])
+        .current_dir(folder.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    while entries() == before {
+        std::thread::yield_now();
+    }
+    assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert_eq!(said.lines().last(), Some("touchline: stopped; nothing was written"));
+    assert_eq!(entries(), before, "nothing is left, also nothing temporary");
+}
+
+#[test]
 fn frames_and_pictures_are_chosen() {
     let folder = tempfile::tempdir().unwrap();
     let mut document = document(folder.path());
@@ -196,6 +226,9 @@ fn frames_and_pictures_are_chosen() {
     assert!(ran.stderr.contains("12 frames and 12 pictures in anew"), "{}", ran.stderr);
     let pixels = |path: &str| image::open(folder.path().join(path)).unwrap().into_rgb8();
     assert_eq!(pixels("anew/images/0003.png"), pixels("images/0003.jpg"));
+    let ran = touchline(folder.path(), "export doc.json --dataset smaller --images extract --image-format jpg");
+    assert!(ran.stderr.contains("12 frames and 12 pictures in smaller"), "{}", ran.stderr);
+    assert!(folder.path().join("smaller/images/0003.jpg").is_file());
     // A picture that is not the one that was labelled, one that is gone, and two of one name.
     document.frames[0].sha256 = Some("00".repeat(32));
     fs::remove_file(folder.path().join("images/0001.jpg")).unwrap();

@@ -1,6 +1,7 @@
 //! The dataset card: what a stranger has to know before using it.
 
 use super::done::DatasetDone;
+use super::matches::match_names;
 use super::options::{DatasetOptions, Pictures};
 use super::plan::PlannedFrame;
 use super::split::{Split, match_of};
@@ -140,25 +141,45 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
         said.insert(format!(
             "- {}, {} × {} m, crown {} m; its size is {size}.\n",
             spec.template,
-            model.length_m,
-            model.width_m,
-            spec.crown_m()
+            in_millimetres(model.length_m),
+            in_millimetres(model.width_m),
+            in_millimetres(spec.crown_m())
         ));
     }
     text.extend(said);
 }
 
-/// Median, 95 % and largest of some values, with how many of all frames have one.
-fn spread(mut values: Vec<f64>, of: usize, unit: &str) -> String {
+/// Rounded to a millimetre: what is fitted has sixteen digits.
+fn in_millimetres(metres: f64) -> f64 {
+    (metres * 1000.0).round() / 1000.0
+}
+
+/// Median, 95 % and largest of some distances in px, with how many of all frames have one.
+fn spread(mut values: Vec<f64>, of: usize) -> String {
     if values.is_empty() {
         return format!("not known in any of {of}");
     }
     values.sort_by(f64::total_cmp);
     let largest = values.last().copied().unwrap_or_default();
     format!(
-        "median {:.2}{unit}, 95 % below {:.2}{unit}, largest {largest:.2}{unit}; known in {} of {of}",
+        "median {:.2} px, 95 % below {:.2} px, largest {largest:.2} px; known in {} of {of}",
         quantile(&values, 0.5),
         quantile(&values, 0.95),
+        values.len()
+    )
+}
+
+/// Median, 5 % and smallest of some probabilities, with how many of all frames have one.
+fn probabilities(mut values: Vec<f64>, of: usize) -> String {
+    if values.is_empty() {
+        return format!("not known in any of {of}");
+    }
+    values.sort_by(f64::total_cmp);
+    format!(
+        "median {:.2}, 5 % below {:.2}, smallest {:.2}; known in {} of {of}",
+        quantile(&values, 0.5),
+        quantile(&values, 0.05),
+        values[0],
         values.len()
     )
 }
@@ -204,20 +225,17 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
     });
     text.push_str("\n## Quality\n\nEach figure says in how many frames (or of how many clicks) it is known; what is not known is not counted as good.\n");
     let rows = [
-        ("clicks on landmarks from the camera's overlay", spread(solved, clicks[0], " px")),
-        ("the same of held-out clicks", spread(held_out, clicks[1], " px")),
-        ("residual of a frame (rms)", spread(in_solution(|solution| solution.rms_px), of, " px")),
-        (
-            "1-σ of the overlay at the worst corner",
-            spread(in_solution(|solution| solution.worst_corner_sigma_px), of, " px"),
-        ),
+        ("clicks on landmarks from the camera's overlay", spread(solved, clicks[0])),
+        ("the same of held-out clicks", spread(held_out, clicks[1])),
+        ("residual of a frame (rms)", spread(in_solution(|solution| solution.rms_px), of)),
+        ("1-σ of the overlay at the worst corner", spread(in_solution(|solution| solution.worst_corner_sigma_px), of)),
         (
             "confidence (overlay within 10 px at 1920 px width)",
-            spread(in_solution(|solution| solution.confidence), of, ""),
+            probabilities(in_solution(|solution| solution.confidence), of),
         ),
         (
-            "what the painted lines say of the camera",
-            spread(in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)), of, ""),
+            "the same by the painted lines alone",
+            probabilities(in_solution(|solution| solution.line_check.as_ref().map(|check| check.score)), of),
         ),
     ];
     table(["figure", "value"], rows.map(|(name, value)| (name.to_owned(), value)), text);
@@ -256,9 +274,11 @@ fn quality(card: &Card<'_>, fields: &Fields, text: &mut String) {
 
 fn provenance(card: &Card<'_>, text: &mut String) {
     text.push_str("\n## Provenance\n");
-    let matches = counted(card.original.document.frames.iter().map(|frame| match match_of(frame) {
-        empty if empty.is_empty() => "(the document's folder)".to_owned(),
-        name => name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned(),
+    let originals = || card.original.document.frames.iter().map(|frame| &**frame);
+    let names = match_names(originals());
+    let matches = counted(originals().map(|frame| match names.get(&match_of(frame)).map(String::as_str) {
+        None | Some("") => "(the document's folder)".to_owned(),
+        Some(name) => name.to_owned(),
     }));
     table(["video or folder", "frames"], matches.into_iter().map(|(name, count)| (name, count.to_string())), text);
     let annotators: BTreeSet<String> =

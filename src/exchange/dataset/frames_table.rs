@@ -1,5 +1,6 @@
 //! `frames.csv`: a row a frame.
 
+use super::matches::match_names;
 use super::plan::PlannedFrame;
 use super::split::match_of;
 use crate::document::{Click, Frame};
@@ -29,16 +30,18 @@ const COLUMNS: [&str; 20] = [
 ];
 
 /// The table of the frames of a dataset; `dataset` and `original` are a frame as the dataset and as the document has it.
-pub fn frames_table<'a>(frames: impl Iterator<Item = (&'a PlannedFrame, &'a Frame, &'a Frame)>) -> String {
+pub fn frames_table(frames: &[(&PlannedFrame, &Frame, &Frame)]) -> String {
+    let matches = match_names(frames.iter().map(|(_, _, original)| *original));
     let mut text = String::new();
     push_row(&COLUMNS.map(ToOwned::to_owned), &mut text);
     for (planned, dataset, original) in frames {
-        push_row(&row(planned, dataset, original), &mut text);
+        let name = matches.get(&match_of(original)).cloned().unwrap_or_default();
+        push_row(&row(planned, dataset, name), &mut text);
     }
     text
 }
 
-fn row(planned: &PlannedFrame, frame: &Frame, original: &Frame) -> [String; 20] {
+fn row(planned: &PlannedFrame, frame: &Frame, name_of_match: String) -> [String; 20] {
     let count = |is_one: &dyn Fn(&Click) -> bool| frame.clicks.iter().filter(|click| is_one(click)).count().to_string();
     let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     let solution = frame.solution.as_ref();
@@ -48,7 +51,7 @@ fn row(planned: &PlannedFrame, frame: &Frame, original: &Frame) -> [String; 20] 
         planned.split.map(|split| split.to_string()).unwrap_or_default(),
         planned.origin.to_string(),
         frame.status.as_str().to_owned(),
-        match_of(original),
+        name_of_match,
         frame.camera.to_string(),
         frame.clip.as_ref().map(ToString::to_string).unwrap_or_default(),
         video.map(|video| video.path.clone()).unwrap_or_default(),

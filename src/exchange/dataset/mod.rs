@@ -22,6 +22,7 @@ mod done;
 mod field_lines;
 mod frames_table;
 mod label_origin;
+mod matches;
 mod names;
 mod options;
 mod pictures;

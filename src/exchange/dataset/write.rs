@@ -84,7 +84,7 @@ pub fn write_dataset(
         let of_dataset: &Frame = dataset.frames.by_id(&planned.id)?;
         Some((*planned, of_dataset, &**chosen.frames.by_id(&planned.id)?))
     });
-    files.write("frames.csv", frames_table(rows).as_bytes())?;
+    files.write("frames.csv", frames_table(&rows.collect::<Vec<_>>()).as_bytes())?;
     for split in Split::ALL.into_iter().filter(|_| options.splitting.is_some()) {
         let of_split = kept.iter().filter(|frame| frame.split == Some(split));
         let names =
