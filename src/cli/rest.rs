@@ -28,7 +28,7 @@ pub fn answer_the_rest(
         return Ok((0, 0));
     }
     if document.frames.iter().any(|frame| frame.video.is_some()) {
-        carry(document, folder, None, &TrackClipOptions::default(), messages)?;
+        carry(document, folder, None, &TrackClipOptions::default(), &|| false, messages)?;
     } else {
         relocalize(document, folder, found, messages)?;
     }

@@ -2,6 +2,7 @@
 
 use super::Outcome;
 use super::document::{DocumentArg, DocumentOutput, Loaded};
+use super::interrupt::Interrupt;
 use super::messages::Messages;
 use crate::calibrate::{
     ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, clips, record_tracked, track_clip,
@@ -47,9 +48,22 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
     let before = document.clone();
     let options =
         TrackClipOptions { smooth: args.smooth, paint_every: args.paint_every, ..TrackClipOptions::default() };
-    let carried = carry(&mut document, location.folder(), args.frames.as_ref(), &options, messages)?;
+    let interrupt = Interrupt::listen();
+    let is_stopped = || interrupt.is_pressed();
+    let carried = carry(&mut document, location.folder(), args.frames.as_ref(), &options, &is_stopped, messages)?;
+    if carried.is_stopped && carried.frames == 0 {
+        messages.note("stopped; no clip was finished, nothing was written");
+        return Ok(Outcome::Stopped);
+    }
     document.count_edits_since(&before);
     args.output.write(&document, location.folder())?;
+    if carried.is_stopped {
+        messages.note(&format!(
+            "stopped: {} frames of finished clips were carried and are written; track what was written for the rest",
+            carried.frames
+        ));
+        return Ok(Outcome::Stopped);
+    }
     messages.note(&format!("{} frames carried, {} not", carried.frames, carried.failed));
     Ok(if carried.failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
@@ -61,17 +75,21 @@ pub struct CarriedFrames {
     pub frames: usize,
     /// How many did not.
     pub failed: usize,
+    /// Somebody ended it; clips that were finished before are carried.
+    pub is_stopped: bool,
 }
 
-/// Carries the cameras of a document's clips to their other frames.
+/// Carries the cameras of a document's clips to their other frames. A clip that cannot be carried is named, and the others go on;
+/// `is_stopped` ends it within a clip, and keeps those before.
 ///
 /// # Errors
-/// The field is not valid, or a picture cannot be read.
+/// The field is not valid.
 pub fn carry(
     document: &mut Document,
     folder: &Path,
     within: Option<&RangeInclusive<usize>>,
     options: &TrackClipOptions,
+    is_stopped: &dyn Fn() -> bool,
     messages: Messages,
 ) -> anyhow::Result<CarriedFrames> {
     let before = document.clone();
@@ -93,7 +111,7 @@ pub fn carry(
                 }
                 ClipProgress::Adjusting => bar.set_message("Adjusting"),
             }
-            ControlFlow::Continue(())
+            if is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let mut evidence = ClipEvidence::default();
         let tracked = track_clip(before.at(folder), &clip, field, &mut reader, options, &mut evidence, &mut watch);
@@ -124,11 +142,14 @@ pub fn carry(
                     }
                 }
             }
-            Err(error @ (TrackClipError::NothingKnown { .. } | TrackClipError::NoBase { .. })) => {
+            Err(TrackClipError::Stopped) => {
+                all.is_stopped = true;
+                break;
+            }
+            Err(error) => {
                 all.failed += clip.frames.iter().filter(|frame| frame.place.is_some()).count();
                 messages.frame_failed(&name, &error.to_string());
             }
-            Err(error) => return Err(error.into()),
         }
     }
     Ok(all)

@@ -9,7 +9,8 @@ use touchline::app::guidance::next_step;
 use touchline::app::{Action, App, Command};
 use touchline::camera::Ptz;
 use touchline::document::{
-    Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes, document_to_string,
+    Clip, Document, Frame, FramePtz, FrameStatus, Solution, SolutionSource, Target, document_from_bytes,
+    document_to_string,
 };
 use touchline::field::{Landmark, LandmarkId};
 use touchline::geometry::{Angle, ImagePoint, Mat3, Vec3};
@@ -127,6 +128,28 @@ fn nothing_is_carried_across_a_cut_or_from_nothing() {
     assert!(ran.stderr.contains("none of its 30 frames has a camera to carry on"), "{}", ran.stderr);
     let wrong = touchline(&folder, "track ask.json -o never.json --frames 9..3");
     assert_eq!((wrong.code, wrong.stderr.trim_end().lines().count()), (2, 1), "{}", wrong.stderr);
+}
+
+#[test]
+fn a_clip_that_cannot_be_read_is_named_and_the_others_are_carried() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_clip(place.path());
+    let folder = place.path().join("match");
+    let mut asked = document(&folder.join("ask.json"));
+    for (at, frame) in asked.frames.iter_mut().enumerate() {
+        let frame: &mut Frame = frame;
+        frame.clip = Some(Clip::Number(i64::from(at >= 15)));
+    }
+    let gone = asked.frames[20].image.clone().unwrap();
+    fs::remove_file(folder.join(&gone)).unwrap();
+    write(&folder.join("two.json"), &asked);
+    let ran = touchline(&folder, "track two.json -o out.json --paint-every 0");
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains(gone.rsplit('/').next().unwrap()), "{}", ran.stderr);
+    let out = document(&folder.join("out.json"));
+    let solved = |frames: std::ops::Range<usize>| out.frames.iter().skip(frames.start).take(frames.len());
+    assert!(solved(0..15).all(|frame| frame.ptz.is_some()), "the first clip is carried");
+    assert!(solved(15..29).all(|frame| frame.ptz.is_none()), "the second keeps what it had");
 }
 
 /// Frames with a tracked camera.
