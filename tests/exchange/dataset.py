@@ -1,8 +1,9 @@
 """An exported dataset as its users see it: README's example, the loader, the recipes.
 
-usage: dataset.py TOUCHLINE
+usage: dataset.py TOUCHLINE PYTHON
 
-The demo match is exported; the example draws the field on a frame, and the loader's overlay is compared with the program's own.
+PYTHON is one that has numpy and OpenCV alone: README's example and the recipes run with it. The demo match is exported; the example draws
+the field on a frame, and the loader's overlay is compared with the program's own.
 """
 
 import glob
@@ -85,28 +86,38 @@ def overlays(touchline, folder, data, work):
     return largest
 
 
-def example(folder):
+def example(python, folder):
     """README's example, run as it stands."""
     (code,) = blocks("README.md", "data.overlay(0)")
     assert len([line for line in code.splitlines() if line.strip()]) <= 15
     work = os.path.dirname(folder)
-    run(sys.executable, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
+    run(python, "-c", code, cwd=work, env={**os.environ, "PYTHONPATH": folder})
     return cv2.imread(os.path.join(work, "overlay.png"))
 
 
-def recipes(touchline, folder):
+def numpy_alone(python, folder):
+    """The loader needs nothing but numpy."""
+    code = (
+        "import sys; sys.modules['cv2'] = None; import touchline_dataset as t; d = t.load(%r); "
+        "print(len(d), len(d.overlay(0)) > 0)" % folder
+    )
+    said = run(python, "-c", code, env={**os.environ, "PYTHONPATH": folder}).stdout.split()
+    assert int(said[0]) > 0 and said[1] == "True", said
+
+
+def recipes(touchline, python, folder):
     """Every Python block of the recipes runs after the command above it."""
     with open(os.path.join(ROOT, "assets", "recipes.md"), encoding="utf-8") as file:
         page = file.read()
     work = os.path.dirname(folder)
     for kind, code in re.findall(r"```(sh|python)\n(.*?)```", page, re.S):
         environment = {**os.environ, "PYTHONPATH": folder, "PATH": os.path.dirname(touchline) + os.pathsep + os.environ["PATH"]}
-        command = ["sh", "-ec", code] if kind == "sh" else [sys.executable, "-c", code]
+        command = ["sh", "-ec", code] if kind == "sh" else [python, "-c", code]
         run(*command, cwd=work, env=environment)
 
 
 def main():
-    touchline = os.path.abspath(sys.argv[1])
+    touchline, python = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
     with tempfile.TemporaryDirectory() as work:
         folder = os.path.join(work, "out")
         demo = os.path.join(ROOT, "projects", "demo")
@@ -122,15 +133,16 @@ def main():
         off = overlays(touchline, folder, data, work)
         print("%-12s %-42s %.1e px" % ("dataset", "touchline_dataset.py, lines of %d frames" % len(data), off))
         assert off < ALLOWED_PX
-        picture, drawn = cv2.imread(data.picture(0)), example(folder)
+        picture, drawn = cv2.imread(data.picture(0)), example(python, folder)
         changed = np.argwhere((picture != drawn).any(axis=2))[:, ::-1] + 0.5
         lines = list(data.overlay(0).values())
         far = max(min(distance(pixel, line) for line in lines) for pixel in changed[:: max(1, len(changed) // 500)])
         print("%-12s %-42s %.1f px from the lines" % ("README", "OpenCV, %d px drawn" % len(changed), far))
         assert len(changed) > 500 and far < 2.5
+        numpy_alone(python, folder)
         plain = touchline_dataset.load(os.path.join(folder, "undistorted"))
         assert len(plain) == len(data) and not plain.k1.any() and os.path.exists(plain.picture(0))
-        recipes(touchline, folder)
+        recipes(touchline, python, folder)
         print("%-12s run" % "recipes")
 
 

@@ -184,6 +184,13 @@ def colmap(exports, truths, world):
 
     reconstruction = pycolmap.Reconstruction(exports.make("colmap", "colmap"))
     assert reconstruction.num_images() == len(truths)
+    # Clicks on landmarks are points with tracks, where the truth has them.
+    clicked = [click for clicks in clicks_of(exports).values() for click in clicks.items()]
+    points = reconstruction.points3D.values()
+    assert sum(point.track.length() for point in points) == len(clicked) > 0
+    places = {"centre_mark": [0, 0, 0], "halfway_far": [0, WIDTH_M / 2, 0]}
+    assert {tuple(point.xyz) for point in points} == {tuple(map(float, places[name])) for name, _ in clicked}
+    assert all(point.error < 1e-6 for point in points)
     pairs = []
     for truth, image in zip(truths, sorted(reconstruction.images.values(), key=lambda image: image.name)):
         shown = [image.project_point(point) for point in world]
@@ -465,6 +472,92 @@ def cdf(exports, truths, _world):
     return np.abs(np.array([place["x"], place["y"], place["z"]]) - truths[0].C).max()
 
 
+def plain(truth):
+    """What formats without a lens and a principal point keep of a camera."""
+    return lambda world: truth.project(world, bent=False, pp=[WIDTH / 2, HEIGHT / 2])
+
+
+def whole(truth):
+    return truth.project
+
+
+def straight(truth):
+    """The ground of a picture without lens distortion; what stands on it takes no part in a homography."""
+    return lambda world: np.where(world[:, 2:] == 0, truth.project(world, bent=False), np.nan)
+
+
+def without_point(truth):
+    return lambda world: truth.project(world, pp=[WIDTH / 2, HEIGHT / 2])
+
+
+def whole_zoom(truth):
+    """FreeD's zoom is a whole number."""
+    rounded = Truth(np.eye(3), truth.C, 0, 0, float(round(truth.f)), 0, 0, [WIDTH / 2, HEIGHT / 2])
+    rounded.R = truth.R
+    return rounded.project
+
+
+# Formats of cameras that are read again by `touchline import`: what is exported and imported with, what the format keeps, px.
+SIZE = ["--size", "%dx%d" % (WIDTH, HEIGHT)]
+ZOOM = ["--zoom", "focal-px"]
+BACK = [
+    ("soccernet", "soccernet", [], [], whole, 1e-6),
+    ("pnlcalib", "soccernet", [], [], whole, 1e-6),
+    ("csv", "csv", [], [], whole, 1e-6),
+    ("broadtrack", "broadtrack", [], [], without_point, 1e-6),
+    ("colmap", "colmap", [], [], whole, 1e-6),
+    ("opencv", "opencv", [], [], whole, 1e-6),
+    ("opentrackio", "opentrackio", [], [], whole, 1e-6),
+    ("chan", "chan", [], SIZE, plain, 1e-6),
+    ("freed", "freed", ZOOM, SIZE + ZOOM, whole_zoom, 7e-3),
+    ("freed-csv", "freed-csv", ZOOM, SIZE + ZOOM, whole_zoom, 1e-6),
+]
+# A homography has no principal point: cameras are fitted to it with theirs in the middle, 12 px beside that of the truth.
+FITTED = [
+    ("wc14", "wc14", ["--undistorted"], SIZE, straight, 12.0),
+    ("tsworldcup", "tsworldcup", ["--undistorted"], SIZE, straight, 12.0),
+    ("homography", "homography", ["--undistorted"], SIZE, straight, 12.0),
+]
+
+
+def imported(exports, name, exported, options=()):
+    """The document that the program makes of exported files."""
+    document = os.path.join(exports.folder, "back-%s.json" % name)
+    field = ["--set", "length_m=%r" % LENGTH_M, "--set", "width_m=%r" % WIDTH_M]
+    command = [exports.program, "import", exported, "--format", name, "-o", document, *field, *options]
+    ran = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    return document
+
+
+def back(exports, truths, world):
+    """Each format of cameras imported again by the program, against the formulas: format, largest distance, allowed, px."""
+    for name, written_as, out, into, kept, allowed in BACK + FITTED:
+        exported = exports.make(written_as, "again-" + name, *out)
+        data = touchline_dataset.load(imported(exports, name, exported, into))
+        assert len(data) == len(truths), name
+        # Formats name frames by picture, by number or not at all; all keep their order.
+        order = sorted(range(len(data)), key=lambda index: data.videos[index] or (os.path.basename(data.images[index]), 0))
+        yield name, worst([(kept(truth)(world), data.project(index, world)) for truth, index in zip(truths, order)]), allowed
+
+
+def clicks_back(exports):
+    """Each format of clicks imported again: format, largest distance of a click, allowed, px."""
+    wanted = clicks_of(exports)
+    for name, allowed in (("coco", 1e-9), ("yolo-pose", 1e-6), ("label-studio", 1e-9), ("labelme", 0.0)):
+        document = imported(exports, name, exports.make(name, "again-" + name, code=1), SIZE)
+        with open(document, encoding="utf-8") as file:
+            frames = [frame for frame in json.load(file)["frames"] if frame["clicks"]]
+        found = {os.path.splitext(os.path.basename(frame["image"]))[0]: frame["clicks"] for frame in frames}
+        assert len(found) == len(wanted), name
+        largest = 0.0
+        for image, expected in wanted.items():
+            clicks = {click["landmark"]: click["image_px"] for click in found[os.path.splitext(image)[0]]}
+            assert clicks.keys() == expected.keys(), name
+            largest = max([largest, *(np.abs(np.subtract(clicks[label], at)).max() for label, at in expected.items())])
+        yield name, largest, allowed
+
+
 READERS = [
     ("soccernet", soccernet, "its formulas, cv2.projectPoints", 1e-6),
     ("csv", csv, "pandas.read_csv, cv2.projectPoints", 1e-6),
@@ -498,6 +591,10 @@ def main():
             if not off <= allowed:
                 failed.append(name)
             print("%-12s %-42s %.1e px%s" % (name, reader, off, "" if off <= allowed else "  TOO FAR, allowed %g" % allowed))
+        for name, off, allowed in [*back(exports, truths, world), *clicks_back(exports)]:
+            if not off <= allowed:
+                failed.append(name + " back")
+            print("%-12s %-42s %.1e px%s" % (name, "touchline import", off, "" if off <= allowed else "  TOO FAR, allowed %g" % allowed))
     # At the step of the task's own script, and at one that leaves nothing to where its points fall at the picture's border.
     for step_m, least in ((0.9, 0.98), (0.05, 0.995)):
         same, every, apart = soccernet_score.compared(sys.argv[1], step_m)
