@@ -64,14 +64,14 @@ fn a_drawn_match_is_calibrated_without_a_click_and_other_sports_are_not_found_in
         (document(&place.path().join("found/project.json")), document(&place.path().join("match/truth.json")));
     let (base, exact) = (found.cameras[0].base().unwrap(), truth.cameras[0].base().unwrap());
     let off_m = (base.position_m - exact.position_m).norm();
-    assert!(off_m < 1.0 && off_m < 4.0 * base.sigma.position_m.norm(), "{off_m} m: {}", ran.stderr);
+    assert!(off_m < 0.2 && off_m < 4.0 * base.sigma.position_m.norm(), "{off_m} m: {}", ran.stderr);
     for frame in 0..found.frames.len() {
         assert!(found.frames[frame].clicks.is_empty());
         assert_eq!(found.frames[frame].status, FrameStatus::Suggested);
         let source = found.frames[frame].solution.as_ref().and_then(|solution| solution.source);
         assert_eq!(source, Some(SolutionSource::Markings));
         let off_px = worst_px(&found, &truth, frame);
-        assert!(off_px < 5.0, "frame {frame}: {off_px} px");
+        assert!(off_px < 1.5, "frame {frame}: {off_px} px");
     }
     let map = image::open(place.path().join("map.png")).unwrap().to_rgb8();
     let colours: BTreeSet<[u8; 3]> = map.pixels().map(|pixel| pixel.0).collect();
