@@ -6,8 +6,8 @@
 struct Instance {
     // The picture, image px. Its texture has fewer when the picture is larger than the device allows.
     @location(0) size: vec2f,
-    // 1 as it is, less is darker.
-    @location(1) brightness: f32,
+    // Brightness, contrast, gamma: 1 as it is.
+    @location(1) look: vec3f,
     // The mip level that suits the scale.
     @location(2) level: f32,
     // 1: bare pixels, 0: smooth.
@@ -18,7 +18,7 @@ struct Varying {
     @builtin(position) position: vec4f,
     // 0 to 1 across the picture.
     @location(0) unit: vec2f,
-    @location(1) @interpolate(flat) brightness: f32,
+    @location(1) @interpolate(flat) look: vec3f,
     @location(2) @interpolate(flat) level: f32,
     @location(3) @interpolate(flat) bare: u32,
 }
@@ -29,7 +29,7 @@ fn vs_picture(@builtin(vertex_index) index: u32, picture: Instance) -> Varying {
     var out: Varying;
     out.position = clip_from_canvas(canvas_from_image(unit * picture.size));
     out.unit = unit;
-    out.brightness = picture.brightness;
+    out.look = picture.look;
     out.level = picture.level;
     out.bare = picture.bare;
     return out;
@@ -45,5 +45,12 @@ fn fs_picture(in: Varying) -> @location(0) vec4f {
     } else {
         colour = textureSampleLevel(pixels, smooth_sampler, in.unit, in.level);
     }
-    return premultiplied(vec4f(colour.rgb * in.brightness, colour.a));
+    var shown = colour.rgb;
+    if in.look.y != 1.0 {
+        shown = clamp((shown - 0.5) * in.look.y + 0.5, vec3f(0.0), vec3f(1.0));
+    }
+    if in.look.z != 1.0 {
+        shown = pow(shown, vec3f(1.0 / in.look.z));
+    }
+    return premultiplied(vec4f(min(shown * in.look.x, vec3f(1.0)), colour.a));
 }

@@ -18,7 +18,7 @@ use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
-use crate::scene::OverlayStyle;
+use crate::scene::{OverlayStyle, PictureLook};
 use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
@@ -63,6 +63,10 @@ pub enum Action {
 
     /// What is typed while a point waits for its name.
     TypeName(String),
+    /// What is typed right after a point was named by itself: other names for it are offered.
+    RefineName(String),
+    /// The name that a point was given by itself is right.
+    ConfirmName,
     /// A candidate on offer is under the pointer.
     HighlightName(usize),
     /// A candidate on offer is taken.
@@ -304,6 +308,19 @@ pub enum Action {
 
     /// The overlay's style.
     SetOverlayStyle(OverlayStyle),
+    /// How bright the picture is shown.
+    SetPictureLook(PictureLook),
+    /// How large texts and controls are; 1 is the system's.
+    SetTextSize(f32),
+    /// The field is another template's.
+    ChooseSport(String),
+    /// The side panel or the filmstrip was made larger or smaller, points; none: by the window's size.
+    SetPanelSizes {
+        /// The side panel's width.
+        side: Option<f32>,
+        /// The filmstrip's height.
+        filmstrip: Option<f32>,
+    },
     /// A command gets a key.
     AssignKey(Command, Chord),
     /// Every key goes back to its default.
@@ -448,6 +465,8 @@ impl Action {
             | Self::AskCamera(_)
             | Self::LookAt { .. }
             | Self::TypeName(_)
+            | Self::RefineName(_)
+            | Self::ConfirmName
             | Self::HighlightName(_)
             | Self::OfferLines(_) => ActionKind::Navigation,
             Self::Transfer(TransferAction::TakeOver)
@@ -468,6 +487,7 @@ impl Action {
             | Self::EditPtz(_)
             | Self::EditCamera(_)
             | Self::EditField(_)
+            | Self::ChooseSport(_)
             | Self::EndEdit
             | Self::AbortEdit
             | Self::SolveAgain
@@ -517,9 +537,13 @@ impl Action {
             | Self::LeaveUnsaved
             | Self::Copied(_)
             | Self::CloseRequested => ActionKind::Report,
-            Self::SetOverlayStyle(_) | Self::AssignKey(..) | Self::ResetKeys | Self::SetDetails(_) => {
-                ActionKind::Settings
-            }
+            Self::SetOverlayStyle(_)
+            | Self::SetPictureLook(_)
+            | Self::SetTextSize(_)
+            | Self::SetPanelSizes { .. }
+            | Self::AssignKey(..)
+            | Self::ResetKeys
+            | Self::SetDetails(_) => ActionKind::Settings,
         }
     }
 }
@@ -552,6 +576,8 @@ pub struct Opened {
     pub notices: Vec<(Level, String)>,
     /// Edits of another version of the document that were set aside.
     pub orphans: Vec<Orphan>,
+    /// The project was just made: the sport is asked for.
+    pub is_new: bool,
 }
 
 impl Opened {
@@ -562,7 +588,16 @@ impl Opened {
         let file = file.into();
         let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
         let (prepared, history) = (Prepared::of(document), History::default());
-        Self { prepared, history, folder, file, read_only: None, notices: Vec::new(), orphans: Vec::new() }
+        Self {
+            prepared,
+            history,
+            folder,
+            file,
+            read_only: None,
+            notices: Vec::new(),
+            orphans: Vec::new(),
+            is_new: false,
+        }
     }
 
     /// The document.

@@ -1,10 +1,11 @@
 //! Estimating a camera's base: what the frames give so far, the estimation under way, the result.
 
 use super::OpenProject;
-use crate::calibrate::{BaseEstimationError, BaseOnPaintError, EstimatedBase, calibrate};
-use crate::camera::PtzCamera;
+use crate::calibrate::{BaseEstimationError, BaseOnPaintError, CalibrationError, EstimatedBase, calibrate};
+use crate::camera::{CameraBase, PtzCamera};
 use crate::field::FieldModel;
 use crate::solve::base::BaseProgress;
+use crate::solve::{FrameSolution, Judgement, judge};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -131,8 +132,16 @@ impl BaseWork {
 pub struct WithProposal {
     /// The field with the crown that was found.
     pub field: Arc<FieldModel>,
+    /// The camera's base as it was found.
+    pub base: CameraBase,
     /// The frame's camera; none where its clicks do not give one.
     pub camera: Option<PtzCamera>,
+    /// What its clicks say; none without any.
+    pub solution: Option<Result<FrameSolution, CalibrationError>>,
+    /// One word and its reason.
+    pub judgement: Option<Judgement>,
+    /// The clicks that the others contradict.
+    pub disputed: Vec<usize>,
 }
 
 impl WithProposal {
@@ -142,8 +151,13 @@ impl WithProposal {
         found.write_camera(&mut document);
         let field = document.at(&open.folder).model_of_frame(frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
-        let solved = calibrate(&document, open.derived.lookup(&open.document), frame, &field, index);
-        let camera = solved.ok().map(|solved| PtzCamera::new(base, solved.ptz));
-        Some(Self { field: Arc::new(field), camera })
+        let is_named = frame.clicks.iter().any(|click| click.target.is_some());
+        let solution =
+            is_named.then(|| calibrate(&document, open.derived.lookup(&open.document), frame, &field, index));
+        let solved = solution.as_ref().and_then(|solution| solution.as_ref().ok());
+        let camera = solved.map(|solved| PtzCamera::new(base, solved.ptz));
+        let judgement = solved.map(|solved| judge(solved, frame.image_size));
+        let disputed = solved.map(FrameSolution::disputed).unwrap_or_default();
+        Some(Self { field: Arc::new(field), base, camera, solution, judgement, disputed })
     }
 }

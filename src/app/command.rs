@@ -118,8 +118,14 @@ pub enum Command {
     ChangeBurntIn,
     ConfirmFieldSize,
     FitFieldSize,
+    ChooseSport,
+    PictureLook,
+    Preferences,
+    Guide,
     Palette,
     Keys,
+    Messages,
+    DismissNotices,
     About,
 }
 
@@ -201,12 +207,12 @@ rows! {
     OpenDemo, "open_demo", File, "Try the demo match", "Open a synthetic match and try the two-click method (2 minutes).", [];
     Save, "save", File, "Save now", "Write project.json now. Every edit is already in the journal.", ["Ctrl+S"];
     SaveAs, "save_as", File, "Save a copy…", "Write the project to another folder; its paths keep pointing at the same files.", ["Ctrl+Shift+S"];
-    Import, "import", File, "Import labels…", "Read clicks or cameras of another program and join them with this document, after a look. One step of undo.", [];
-    Export, "export", File, "Export…", "Write the document in one of many formats; what a format does not hold is said before.", ["Ctrl+E"];
+    Import, "import", File, "Import labels…", "Read clicks or cameras from another program, preview them, and merge them into this document. One step of undo.", [];
+    Export, "export", File, "Export…", "Write the document in one of many formats; anything that a format cannot hold is listed first.", ["Ctrl+E"];
     ExportDataset, "export_dataset", File, "Export dataset…", "Write a folder with pictures, labels, splits, a card and a manifest.", ["Ctrl+Shift+E"];
     Orphans, "orphans", File, "Edits set aside…", "Edits that were made to another version of this document: merge them, or keep them as a separate document.", [];
     Quit, "quit", File, "Quit", "Save and close the window.", ["Ctrl+Q"];
-    Undo, "undo", Edit, "Undo", "Undo the last change. If it is on another frame, the first press goes to its frame first.", ["Ctrl+Z"];
+    Undo, "undo", Edit, "Undo", "Undo the last change. If it is on another frame, the first press goes to that frame.", ["Ctrl+Z"];
     Redo, "redo", Edit, "Redo", "Redo the last change that was undone.", ["Ctrl+Shift+Z", "Ctrl+Y"];
     DeleteClick, "delete_click", Edit, "Delete point", "Delete the selected point.", ["Delete"];
     RenameClick, "rename_click", Edit, "Name point…", "Give the selected point another name.", ["C"];
@@ -215,12 +221,13 @@ rows! {
     NextClick, "next_click", Edit, "Next point", "Select the next point of this frame.", ["Tab"];
     PreviousClick, "previous_click", Edit, "Previous point", "Select the previous point of this frame.", ["Shift+Tab"];
     Cancel, "cancel", Edit, "Cancel", "Cancel the current action, or deselect.", ["Escape"];
+    Preferences, "preferences", Edit, "Preferences…", "Size of texts, panels, snapping, overlay, keys: what belongs to you and not to a project.", ["Ctrl+Comma"];
     NextFrame, "next_frame", Frame, "Next frame", "Go one frame forward; hold to play.", ["Period"];
     PreviousFrame, "previous_frame", Frame, "Previous frame", "Go one frame back.", ["Comma"];
     NextTenFrames, "next_ten_frames", Frame, "Ten frames forward", "Go ten frames forward.", ["Shift+Period"];
     PreviousTenFrames, "previous_ten_frames", Frame, "Ten frames back", "Go ten frames back.", ["Shift+Comma"];
-    NextNeedsMe, "next_needs_me", Frame, "Next frame that needs me", "Go to the next frame that has to be looked at; in the order of the list while the review panel is open.", ["N"];
-    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame that needs me", "Go to the previous frame that has to be looked at.", ["Shift+N"];
+    NextNeedsMe, "next_needs_me", Frame, "Next frame to do", "Go to the next frame that is neither accepted nor rejected; in the order of the list while the review panel is open.", ["N"];
+    PreviousNeedsMe, "previous_needs_me", Frame, "Previous frame to do", "Go to the previous frame that is neither accepted nor rejected.", ["Shift+N"];
     NextUnanswered, "next_unanswered", Frame, "Where to label next", "Go to the frame whose label would help most frames without a confident proposal.", [];
     FirstFrame, "first_frame", Frame, "First frame", "Go to the first frame, number 0.", ["Home"];
     LastFrame, "last_frame", Frame, "Last frame", "Go to the last frame.", ["End"];
@@ -230,14 +237,14 @@ rows! {
     PreviousShot, "previous_shot", Frame, "Previous shot", "Go to the first frame of this shot, or of the one before.", ["PageUp"];
     FindShots, "find_shots", Frame, "Find the cuts", "Look at every frame of this video for cuts between shots, in the background; shots marked before are replaced. One step of undo.", [];
     StopShotSearch, "stop_shot_search", Frame, "Stop looking for cuts", "Stop the search for cuts; nothing is changed.", [];
-    AddCut, "add_cut", Frame, "Cut before this frame", "A shot begins at this frame; the one it was in ends before it. One step of undo.", [];
-    MoveCutHere, "move_cut_here", Frame, "Move the cut here", "The nearest cut goes before this frame: the shot that begins there begins with it. One step of undo.", [];
-    RemoveCut, "remove_cut", Frame, "Join with the shot before", "This shot becomes part of the one before it: no cut is between them. One step of undo.", [];
+    AddCut, "add_cut", Frame, "Cut before this frame", "Start a new shot at this frame and end the previous one before it. One step of undo.", [];
+    MoveCutHere, "move_cut_here", Frame, "Move the cut here", "Move the nearest cut to just before this frame, so that its shot starts here. One step of undo.", [];
+    RemoveCut, "remove_cut", Frame, "Join with previous shot", "Remove the cut before this shot and merge it with the previous one. One step of undo.", [];
     NextReference, "next_reference", Frame, "Next reference", "Go to the next accepted frame.", ["R"];
     PreviousReference, "previous_reference", Frame, "Previous reference", "Go to the previous accepted frame.", ["Shift+R"];
-    Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next that needs you.", ["Enter"];
+    Accept, "accept", Frame, "Accept and next", "Make this frame a reference and go to the next frame to do.", ["Enter"];
     AcceptAndStay, "accept_and_stay", Frame, "Accept and stay", "Make this frame a reference and stay on it.", ["Shift+Enter"];
-    AcceptAnyway, "accept_anyway", Frame, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is no training frame unless you say so.", [];
+    AcceptAnyway, "accept_anyway", Frame, "Accept although it looks wrong", "Make this frame a reference although something contradicts it. It is not used for training unless you say so.", [];
     AcceptAllAbove, "accept_all_above", Frame, "Accept all above…", "Accept every suggestion above a confidence you choose, after a preview. One step of undo.", ["Ctrl+Enter"];
     UseForTraining, "use_for_training", Frame, "Use for training", "Train the forest with this reference. Accepted suggestions are not used unless you say so.", [];
     Reject, "reject", Frame, "Not calibratable…", "Mark this frame as not calibratable, with the reason (1–6).", ["X"];
@@ -245,14 +252,15 @@ rows! {
     Comment, "comment", Frame, "Comment…", "Write a comment on this frame.", ["Ctrl+M"];
     MendNames, "mend_names", Frame, "Use the names that fit", "Where other names fit the points better or equally well: swap, mirror or rename them.", [];
     SwitchRoot, "switch_root", Frame, "Switch to the other focal length", "Where two focal lengths fit the two clicks, use the other one.", [];
-    Snap, "snap", Frame, "Snap to the painted lines", "Pull pan, tilt and focal length onto the painted lines of the picture, tied to the points. Hold the key to see the camera before. One step of undo.", ["S"];
-    SearchLines, "search_lines", Frame, "Search the painted lines", "Find the camera of a frame that has none by its painted lines alone: for wide views of a camera whose base is known. One step of undo.", [];
-    Track, "track", Frame, "Carry cameras through the shot", "Give every frame of this shot its camera from those that are known: points are followed from frame to frame, and all frames are adjusted together, held to the painted lines. The results are suggestions, as the forest's are.", ["T"];
-    DiscardCarried, "discard_carried", Frame, "Discard the carried cameras", "The frames that cameras were carried to get back what they showed before. Those that you have changed or accepted since stay.", [];
+    Snap, "snap", Frame, "Snap to the painted lines", "Refine pan, tilt and focal length on the painted lines of the picture, held by the points. Hold the key to see the camera before. One step of undo.", ["S"];
+    SearchLines, "search_lines", Frame, "Search the painted lines", "Find this frame's camera from its painted lines alone; for wide views of a camera whose base is known. One step of undo.", [];
+    Track, "track", Frame, "Carry cameras through the shot", "Propagate the known cameras to every frame of this shot: points are tracked from frame to frame, and all frames are adjusted together on the painted lines. The results are suggestions.", ["T"];
+    DiscardCarried, "discard_carried", Frame, "Discard the carried cameras", "Restore what the frames showed before cameras were carried to them. Frames that you have changed or accepted since are kept.", [];
     StopTracking, "stop_tracking", Frame, "Stop carrying cameras", "Stop carrying cameras through the shot; nothing is changed.", [];
     StopSearch, "stop_search", Frame, "Stop searching the painted lines", "Stop the search for this frame's camera; nothing is changed.", [];
-    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that is placed or dropped goes to the painted corner, crossing or spot that it names, where that is certain. Alt at the release keeps it where it is.", [];
-    SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "What the forest proposes is pulled onto the painted lines before you review it, where they decide; elsewhere it stays as proposed. Switching it over asks the forest again.", [];
+    SnapPoints, "snap_points", Edit, "Snap points to the paint", "A point that you place or drop moves to the painted corner, crossing or spot that it names, where that is certain. Hold Alt while releasing to keep it where it is.", [];
+    SnapSuggestions, "snap_suggestions", Edit, "Snap suggestions to the paint", "Refine the forest's proposals on the painted lines before you review them, wherever the lines are clear. Switching this asks the forest again.", [];
+    PictureLook, "picture_look", View, "Brightness and contrast…", "Brightness, contrast and gamma of the picture as you see it, kept between frames. Exports never change.", ["I"];
     ZoomIn, "zoom_in", View, "Zoom in", "Enlarge the picture.", ["Plus", "Equals"];
     ZoomOut, "zoom_out", View, "Zoom out", "Show more of the picture.", ["Minus"];
     ZoomToFit, "zoom_to_fit", View, "Fit", "Show the whole picture.", ["F"];
@@ -270,13 +278,13 @@ rows! {
     ReviewPanel, "review_panel", View, "Review panel", "All proposals, by confidence, by disagreement between neighbours or by time.", ["F4"];
     QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
     CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
-    FindCamera, "find_camera", Camera, "Find the camera by itself", "Find where the camera stands, and the cameras of its frames, by the pictures alone: without a click. It is given only where it is certain, as suggestions, and is one step of undo.", [];
-    StopFindCamera, "stop_find_camera", Camera, "Stop finding the camera", "Stop the search for the camera, or let go of the answers that it left to decide; nothing is changed.", [];
-    TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Take the first of two cameras that explain the paint alike. One step of undo.", [];
-    TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Take the other of two cameras that explain the paint alike. One step of undo.", [];
+    FindCamera, "find_camera", Camera, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];
+    StopFindCamera, "stop_find_camera", Camera, "Stop looking for the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
+    TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
+    TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
-    BaseOnPaint, "base_on_paint", Camera, "Use the painted lines for the base", "The base is also fitted to the painted lines in the frames' pictures, and each frame is then pulled onto its lines. Takes longer: every picture is looked at twice.", [];
-    ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame of this camera whose points would tell most about its base: it looks where no frame with four landmarks does.", [];
+    BaseOnPaint, "base_on_paint", Camera, "Use the painted lines for the base", "Also fit the base to the painted lines in the frames' pictures, then refine each frame on its lines. Takes longer: every picture is read twice.", [];
+    ShowForBase, "show_for_base", Camera, "Where to click for the base", "Go to the frame whose points would help this camera's base most: it looks where no frame with four landmarks does.", [];
     UseEstimatedBase, "use_estimated_base", Camera, "Use the estimated base", "Apply the estimated base and solve every frame with it.", [];
     DropEstimatedBase, "drop_estimated_base", Camera, "Discard the estimated base", "Keep the current base, or stop the estimation.", [];
     StopSolving, "stop_solving", Camera, "Stop solving frames again", "Stop the change that solves many frames again; nothing is changed.", [];
@@ -284,10 +292,11 @@ rows! {
     LoadCamera, "load_camera", Camera, "Load a camera…", "Copy the camera's base from another project or dataset.", [];
     AssignToCamera, "assign_to_camera", Camera, "Assign frames to a camera…", "Set which camera took this frame, the selected frames, the shot, or all frames from here on.", [];
     NewCameraFromChange, "new_camera_from_change", Camera, "New camera from where it stopped fitting", "If the camera was moved, create a new camera for the frames from there on.", [];
-    KeepBurntIn, "keep_burnt_in", Camera, "Mask what looks burned in", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];
-    ChangeBurntIn, "change_burnt_in", Camera, "Change what looks burned in…", "Do the same and open the masks, to move, delete or draw some.", [];
+    KeepBurntIn, "keep_burnt_in", Camera, "Mask burned-in graphics", "Turn the score bugs, banners, watermarks and black boxes that were found into masks of the camera, each for the frames that show it. One step of undo.", [];
+    ChangeBurntIn, "change_burnt_in", Camera, "Edit burned-in graphics…", "Mask them and open the masks, to move, delete or add some.", [];
     ConfirmFieldSize, "confirm_field_size", Camera, "Confirm the field's size", "Confirm length and width. Until then they are marked as assumed in the dataset.", [];
     FitFieldSize, "fit_field_size", Camera, "Fit the field's size to the points", "Estimate length and width together with the base, within what the rules allow. Uncertain with few frames.", [];
+    ChooseSport, "choose_sport", Camera, "Sport and field…", "Choose the sport: soccer, basketball, ice hockey and others, each with its pitch, court or rink. Free until points are named.", [];
     SelectShot, "select_shot", Frame, "Select this shot", "Select every frame of this shot. Shift-click or Ctrl-click on the filmstrip selects single frames.", [];
     MarkGold, "mark_gold", Frame, "Gold frame", "Click this reference again later without seeing its label, to measure your click noise.", [];
     ChooseGold, "choose_gold", Frame, "Choose gold frames", "Mark a few references as gold, spread over pan and landmarks. One step of undo.", [];
@@ -295,8 +304,11 @@ rows! {
     SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "Skip a point that cannot be seen well enough and go on with the next.", ["Shift+S"];
     UseOwnNoise, "use_own_noise", Frame, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
     UseUsualNoise, "use_usual_noise", Frame, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
+    Guide, "guide", Help, "User guide", "First project, base, trust, video, review, quality, export, glossary: a page each.", ["F1"];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
+    Messages, "messages", Help, "Messages…", "Every message of this session, the latest first.", [];
+    DismissNotices, "dismiss_notices", Help, "Dismiss all messages", "Clear the row of messages; they stay in the list of messages.", [];
     About, "about", Help, "About", "Version, licence, citation and a diagnostic report.", [];
 }
 
@@ -361,6 +373,11 @@ impl Command {
             | Self::BaseOnPaint
             | Self::Palette
             | Self::Keys
+            | Self::Messages
+            | Self::DismissNotices
+            | Self::PictureLook
+            | Self::Preferences
+            | Self::Guide
             | Self::About => CommandKind::Application,
             Self::ZoomIn | Self::ZoomOut | Self::ZoomToFit => CommandKind::Zoom,
             Self::ClickAgain | Self::SkipAgain => CommandKind::Round,
@@ -450,6 +467,7 @@ impl Command {
             | Self::TrainerPanel
             | Self::ReviewPanel
             | Self::QualityPage
+            | Self::ChooseSport
             | Self::LoadCamera => CommandKind::Document,
         }
     }

@@ -245,7 +245,7 @@ fn judge_snapped(solution: &Solution, size: ImageSize) -> Judgement {
     let is_good = corner_px <= GOOD_CORNER_SIGMA_PX * size.scale_from_1920();
     let samples = solution.samples.unwrap_or(0);
     let rms = solution.rms_px.map(|px| format!(" to {px:.1} px")).unwrap_or_default();
-    let reason = format!("worst corner ±{corner_px:.1} px; {samples} places of the painted lines fit{rms}");
+    let reason = format!("worst corner ±{corner_px:.1} px; {samples} points on painted lines fit{rms}");
     Judgement { verdict: if is_good { Verdict::Good } else { Verdict::Check }, reason }
 }
 
@@ -261,7 +261,8 @@ fn trial(session: &Session, frame: &Frame) -> Option<Trial> {
         Mode::Placing(target) => Some(Trial { click: Click::new(target.clone(), session.hover?), replaced: None }),
         Mode::Naming(naming) => {
             let at = frame.clicks.get(naming.click)?.image;
-            let click = Click::new(naming.chosen()?.target.clone(), at);
+            let chosen = naming.chosen().filter(|chosen| chosen.in_use.is_none())?;
+            let click = Click::new(chosen.target.clone(), at);
             Some(Trial { click, replaced: Some(naming.click) })
         }
         _ => None,
@@ -324,9 +325,9 @@ fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     found
 }
 
-fn taken_names(frame: &Frame, except: usize) -> Vec<Target> {
+fn taken_names(frame: &Frame, except: usize) -> Vec<(Target, usize)> {
     let others = frame.clicks.iter().enumerate().filter(|(index, _)| *index != except);
-    others.filter_map(|(_, click)| click.target.clone()).collect()
+    others.filter_map(|(index, click)| Some((click.target.clone()?, index))).collect()
 }
 
 fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<(Target, ImagePoint)> {

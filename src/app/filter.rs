@@ -8,8 +8,8 @@ pub enum Filter {
     /// All of them.
     #[default]
     All,
-    /// Somebody has to look at them.
-    NeedsMe,
+    /// Neither accepted nor rejected.
+    ToDo,
     /// The forest has no answer for them.
     Unanswered,
     /// One status.
@@ -20,7 +20,7 @@ impl Filter {
     /// Every filter, in the order of the list.
     pub const ALL: [Self; 8] = [
         Self::All,
-        Self::NeedsMe,
+        Self::ToDo,
         Self::Status(FrameStatus::New),
         Self::Status(FrameStatus::Draft),
         Self::Status(FrameStatus::Suggested),
@@ -34,7 +34,7 @@ impl Filter {
     pub fn shows(self, frame: &Frame) -> bool {
         match self {
             Self::All => true,
-            Self::NeedsMe => needs_me(frame),
+            Self::ToDo => is_to_do(frame),
             Self::Unanswered => frame.is_unanswered(),
             Self::Status(wanted) => frame.status == wanted,
         }
@@ -45,21 +45,18 @@ impl Filter {
     pub const fn label(self) -> &'static str {
         match self {
             Self::All => "All frames",
-            Self::NeedsMe => "To do",
+            Self::ToDo => "To do",
             Self::Unanswered => "No answer",
             Self::Status(status) => status_label(status),
         }
     }
 }
 
-/// Whether somebody still has to look at a frame. One that the forest has no answer for waits for a label elsewhere.
+/// Whether a frame is still to do: it is neither accepted nor rejected. The filmstrip, the keys, every count and every sentence
+/// mean this by it.
 #[must_use]
-pub fn needs_me(frame: &Frame) -> bool {
-    match frame.status {
-        FrameStatus::New => !frame.is_unanswered(),
-        FrameStatus::Draft | FrameStatus::Suggested => true,
-        FrameStatus::Reference | FrameStatus::Rejected => false,
-    }
+pub const fn is_to_do(frame: &Frame) -> bool {
+    !matches!(frame.status, FrameStatus::Reference | FrameStatus::Rejected)
 }
 
 /// A status as a person reads it.

@@ -1,10 +1,10 @@
 //! The next step, as the status row shows it.
 
 use super::base::BaseWork;
-use super::progress::nothing_needs_you;
+use super::progress::{ALL_DONE, missing_references};
 use super::session::{Mode, Snapping, reason_label};
 use super::{App, Command};
-use crate::calibrate::{CalibrationError, LANDMARKS_ALONE, WIDE_FRAMES};
+use crate::calibrate::{CalibrationError, LANDMARKS_ALONE};
 use crate::document::{Frame, FrameStatus, SolutionSource, Target};
 use crate::solve::{ClickResidual, SolveError, Verdict};
 
@@ -102,9 +102,11 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
             Some(Guidance::say(format!("Not calibratable{why}. X removes the mark, N goes on.")))
         }
         FrameStatus::Reference => {
-            let said = Guidance::say(of_reference(app));
-            let ended = app.review().advice.next.is_some() && nobody_waits(app);
-            Some(if ended { said.offer("Go there", Command::NextUnanswered) } else { said })
+            let label_next = app.review().advice.next.is_some() && only_labels_help(app);
+            Some(match app.where_to_label().filter(|_| label_next) {
+                Some(text) => Guidance::say(text).offer("Go there", Command::NextUnanswered),
+                None => Guidance::say(of_reference(app)),
+            })
         }
         FrameStatus::New | FrameStatus::Draft | FrameStatus::Suggested => None,
     }
@@ -113,22 +115,22 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
 /// The text for a frame that is a reference.
 fn of_reference(app: &App) -> String {
     let Some(open) = app.open() else { return String::new() };
-    let (left, references) = (open.counts().need_me, open.counts().used_for_training);
-    let missing = WIDE_FRAMES.saturating_sub(references);
+    let (left, missing) = (open.counts().to_do, missing_references(open.counts()));
     let label =
         app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
     match (left, missing) {
-        (0, _) => nothing_needs_you(app.review()),
-        _ if label => format!("Accepted (not used for training). N goes to the next of {left} that need you."),
-        (_, 0) => format!("Reference. N goes to the next of {left} that need you; a click here changes it."),
+        (0, _) => ALL_DONE.to_owned(),
+        _ if label => format!("Accepted (not used for training). N goes to the next of {left} to do."),
+        (_, 0) => format!("Reference. N goes to the next of {left} to do; a click here changes it."),
         (_, missing) => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
         }
     }
 }
 
-fn nobody_waits(app: &App) -> bool {
-    app.open().is_some_and(|open| open.counts().need_me == 0)
+/// Whether all that is to do are frames without an answer: a label elsewhere helps more than going through them.
+fn only_labels_help(app: &App) -> bool {
+    app.open().is_some_and(|open| open.counts().to_do == open.counts().unanswered)
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
@@ -142,15 +144,16 @@ fn estimated(app: &App) -> Option<Guidance> {
     match &app.session.base {
         BaseWork::Estimating(work) => Some(Guidance::say(work.describe()).offer("Stop", Command::DropEstimatedBase)),
         BaseWork::Proposed(_) => {
-            let text = match app.current().base {
-                Some(_) => "The lines are drawn with the estimated base. Hold B for the current one.",
-                None => "The lines are drawn with the estimated base. Step through the frames and check them.",
-            };
-            Some(
-                Guidance::say(text)
-                    .offer("Use it", Command::UseEstimatedBase)
-                    .offer("Discard", Command::DropEstimatedBase),
-            )
+            let proposal = app.current().proposal.as_ref();
+            let drawn = proposal.is_some_and(|proposal| proposal.camera.is_some());
+            Some(Guidance::say(match (proposal, app.current().base) {
+                (None, _) => "The estimated base is of another camera. Go to one of its frames to see it.",
+                _ if !drawn => "This frame has no points to draw the estimated base with. Step to one that has.",
+                (_, Some(_)) => "Lines and numbers are those of the estimated base. Hold B for the current one.",
+                (_, None) => {
+                    "Lines and numbers are those of the estimated base. Step through the frames and check them."
+                }
+            }))
         }
         BaseWork::Idle | BaseWork::Applied(_) => None,
     }
@@ -179,7 +182,7 @@ fn no_base(app: &App, frame: &Frame) -> Option<Guidance> {
     };
     let mut guidance = Guidance::say(text);
     if ready.frames == 0 && app.why_not(Command::FindCamera).is_none() {
-        guidance = guidance.offer("Find the camera by itself", Command::FindCamera);
+        guidance = guidance.offer("Find the camera automatically", Command::FindCamera);
     }
     guidance = guidance.offer("Load a camera", Command::LoadCamera);
     guidance = if ready.wide == 0 {
@@ -332,7 +335,7 @@ mod tests {
         let step = next_step(&app);
         assert!(step.text.ends_with("Done: 0 of 3."), "{}", step.text);
         assert!(step.offers.contains(&("Load a camera", Command::LoadCamera)), "{step:?}");
-        let by_itself = ("Find the camera by itself", Command::FindCamera);
+        let by_itself = ("Find the camera automatically", Command::FindCamera);
         assert_eq!(step.offers[0] == by_itself, cfg!(feature = "opencv"), "{step:?}");
         for landmark in ["centre_mark", "halfway_far", "centre_circle_left", "centre_circle_right"] {
             click(&mut app, landmark, &pointed);

@@ -31,6 +31,10 @@ pub struct NameCandidate {
     pub distance_px: Option<f64>,
     /// The frame's camera if this name is right; none where it cannot be told yet.
     pub ptz: Option<Ptz>,
+    /// The other click of the frame that has this name already.
+    pub in_use: Option<usize>,
+    /// Nothing painted marks it and no camera is known yet: it is only offered to whoever types it.
+    pub hidden: bool,
     score: f64,
     plausible: bool,
 }
@@ -47,8 +51,8 @@ pub struct NamingScene<'a> {
     pub camera: Option<&'a PtzCamera>,
     /// The other named clicks of the frame.
     pub named: &'a [Observation],
-    /// Names that are taken in this frame.
-    pub taken: &'a [Target],
+    /// Names that other clicks of this frame have.
+    pub taken: &'a [(Target, usize)],
     /// Cameras of the frames around, nearest first.
     pub neighbours: &'a [Ptz],
     /// Cameras of solved frames in other shots: where this camera usually looks.
@@ -73,12 +77,13 @@ pub fn certain(candidates: &[NameCandidate]) -> Option<&NameCandidate> {
     clear.then_some(best)
 }
 
-/// The candidates whose label or code matches what was typed: a code's beginning first, then words' beginnings.
+/// The candidates whose label or code matches what was typed: a code's beginning first, then words' beginnings. While nothing is
+/// typed, names in use and hidden ones are left out.
 #[must_use]
 pub fn matching<'a>(candidates: &'a [NameCandidate], typed: &str) -> Vec<&'a NameCandidate> {
     let typed = typed.trim().to_lowercase();
     if typed.is_empty() {
-        return candidates.iter().collect();
+        return candidates.iter().filter(|candidate| candidate.in_use.is_none() && !candidate.hidden).collect();
     }
     let rank = |candidate: &NameCandidate| {
         let (code, label) = (candidate.code.to_lowercase(), candidate.label.to_lowercase());
@@ -105,8 +110,8 @@ fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandi
         .landmarks
         .iter()
         .map(|landmark| (landmark, Target::Landmark(landmark.id.clone())))
-        .filter(|(_, target)| !scene.taken.contains(target))
         .map(|(landmark, target)| {
+            let in_use = scene.taken.iter().find(|(taken, _)| *taken == target).map(|(_, click)| *click);
             let world = scene.field.landmark_in_world(landmark);
             let distance = |camera: &PtzCamera| camera.image_from_world(world).ok().map(|image| image.distance_px(at));
             let mut candidate = NameCandidate {
@@ -115,9 +120,14 @@ fn landmark_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandi
                 code: landmark.code.clone(),
                 distance_px: None,
                 ptz: None,
+                in_use,
+                hidden: landmark.is_unmarked && scene.base.is_none(),
                 score: f64::INFINITY,
                 plausible: false,
             };
+            if in_use.is_some() || candidate.hidden {
+                return candidate;
+            }
             if let Some(camera) = scene.camera {
                 candidate.distance_px = distance(camera);
                 candidate.score = candidate.distance_px.map_or(f64::INFINITY, |px| px / near_px);
@@ -179,6 +189,8 @@ fn line_candidates(scene: &NamingScene<'_>, at: ImagePoint) -> Vec<NameCandidate
                 code: line.code.clone(),
                 distance_px,
                 ptz: None,
+                in_use: None,
+                hidden: false,
                 score,
             }
         })

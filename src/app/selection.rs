@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(selected(&app), [0, 1]);
         app.update(Action::SelectFrame { frame: 0, how: Selecting::Toggle });
         assert!(selected(&app).is_empty(), "a lone frame is no selection");
-        app.update(Action::SetFilter(Filter::NeedsMe));
+        app.update(Action::SetFilter(Filter::ToDo));
         app.update(Action::SelectFrame { frame: 4, how: Selecting::Range });
         assert_eq!(selected(&app), [1, 2, 4], "what the filter hides is not meant");
         app.update(Action::SelectFrame { frame: 99, how: Selecting::Toggle });

@@ -1,6 +1,6 @@
 //! The state of the window: not saved, not undone.
 
-pub use super::filter::{Filter, needs_me, status_label};
+pub use super::filter::{Filter, is_to_do, status_label};
 
 use super::base::BaseWork;
 use super::bulk::BulkWork;
@@ -53,6 +53,8 @@ pub struct Session {
     pub panel: SidePanel,
     /// What lies over the window.
     pub dialog: Option<Dialog>,
+    /// The sport that the name of the pictures speaks of, while it is asked for.
+    pub sport_guess: Option<&'static str>,
     /// How the picture is shown; kept from frame to frame.
     pub view: PictureView,
     /// Commands that act while their key is down.
@@ -67,8 +69,10 @@ pub struct Session {
     pub unticked: BTreeSet<FrameId>,
     /// What was chosen on the quality page, and whether it takes the window.
     pub quality: QualityChoice,
-    /// Messages, the latest last.
+    /// Messages that nobody has answered or dismissed, the latest last.
     pub notices: Vec<Notice>,
+    /// Every message that was shown, the latest last; the oldest go.
+    pub told: Vec<(Level, String)>,
     /// How far what was done is on disk.
     pub saving: Saving,
     /// Cameras that are being carried through a clip.
@@ -255,6 +259,16 @@ pub enum Dialog {
     Keys,
     /// Version, licence, citation.
     About,
+    /// Every message of this session.
+    Messages,
+    /// The sport, and with it the field.
+    Sport,
+    /// Brightness, contrast and gamma of the picture.
+    PictureLook,
+    /// The user's own.
+    Preferences,
+    /// The user guide.
+    Guide,
     /// Colour, width and opacity of the overlay.
     OverlayStyle,
     /// Suggestions to be accepted together.
@@ -360,7 +374,7 @@ impl Notice {
 /// How serious a message is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Information; disappears by itself.
+    /// Information; without a button it disappears by itself.
     Info,
     /// Asks for a decision; stays until it is answered or closed.
     Question,
@@ -412,13 +426,19 @@ impl Session {
         text: impl Into<String>,
         offers: impl IntoIterator<Item = (&'static str, Command)>,
     ) {
-        /// More would hide the picture.
-        const SHOWN: usize = 4;
+        /// So many wait at most: then the oldest that only informs goes.
+        const WAITING: usize = 20;
+        /// So many are remembered.
+        const REMEMBERED: usize = 200;
         let text = text.into();
+        if self.told.len() >= REMEMBERED {
+            self.told.remove(0);
+        }
+        self.told.push((level, text.clone()));
         self.notices.retain(|notice| notice.text != text);
         self.next_notice += 1;
         self.notices.push(Notice { id: self.next_notice, level, text, offers: offers.into_iter().collect() });
-        if self.notices.len() > SHOWN {
+        if self.notices.len() > WAITING {
             let gone = self.notices.iter().position(|notice| notice.level == Level::Info).unwrap_or(0);
             self.notices.remove(gone);
         }

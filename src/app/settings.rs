@@ -1,7 +1,7 @@
 //! What belongs to the user and not to a project: style, keys, recent documents.
 
 use super::Keymap;
-use crate::scene::OverlayStyle;
+use crate::scene::{OverlayStyle, PictureLook};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,16 @@ pub const MAX_RECENT: usize = 12;
 pub struct Settings {
     /// How the field's lines are drawn over the picture.
     pub overlay: OverlayStyle,
+    /// How large texts and controls are; 1 is the system's.
+    pub text_size: f32,
+    /// How bright the picture is shown; never in exports.
+    pub picture: PictureLook,
+    /// The width of the side panel, points; none: by the window's size.
+    pub side_width: Option<f32>,
+    /// The height of the filmstrip, points; none: by the window's size.
+    pub filmstrip_height: Option<f32>,
+    /// Where the window was, and its size, points.
+    pub window: Option<WindowPlace>,
     /// Keys that differ from the defaults.
     pub keys: Keymap,
     /// Documents opened before, the latest first.
@@ -33,10 +43,49 @@ pub struct Settings {
     pub told_about_adapter: String,
 }
 
+/// How large texts and controls may be.
+pub const TEXT_SIZE: std::ops::RangeInclusive<f32> = 0.75..=2.0;
+
+/// A size of texts, brought into its range.
+#[must_use]
+pub const fn text_size_within_limits(size: f32) -> f32 {
+    if size.is_finite() { size.clamp(*TEXT_SIZE.start(), *TEXT_SIZE.end()) } else { 1.0 }
+}
+
+/// Where a window is on the screen, and its size, points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowPlace {
+    /// The left and top edge; none where the system does not say.
+    pub position: Option<[f32; 2]>,
+    /// Width and height of its contents.
+    pub size: [f32; 2],
+    /// It fills the screen.
+    pub maximized: bool,
+}
+
+impl WindowPlace {
+    /// The smallest window that everything can be used in, points.
+    pub const LEAST: [f32; 2] = [900.0, 600.0];
+
+    /// A place from a file edited by hand; none where it is none.
+    fn within_limits(self) -> Option<Self> {
+        let size = self.size;
+        let is_usable = size.iter().all(|side| side.is_finite() && *side <= 20_000.0);
+        let position = self.position.filter(|at| at.iter().all(|side| side.is_finite() && side.abs() <= 20_000.0));
+        let size = [size[0].max(Self::LEAST[0]), size[1].max(Self::LEAST[1])];
+        is_usable.then_some(Self { position, size, ..self })
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
             overlay: OverlayStyle::default(),
+            text_size: 1.0,
+            picture: PictureLook::default(),
+            side_width: None,
+            filmstrip_height: None,
+            window: None,
             keys: Keymap::default(),
             recent: Vec::new(),
             field_map: true,
@@ -74,6 +123,11 @@ impl Settings {
         self.overlay.width = within(self.overlay.width, 0.5, 12.0, style.width);
         self.overlay.opacity = within(self.overlay.opacity, 0.05, 1.0, style.opacity);
         self.overlay.outline = within(self.overlay.outline, 0.0, 4.0, style.outline);
+        self.text_size = text_size_within_limits(self.text_size);
+        self.picture = self.picture.within_limits();
+        self.side_width = self.side_width.filter(|width| width.is_finite());
+        self.filmstrip_height = self.filmstrip_height.filter(|height| height.is_finite());
+        self.window = self.window.and_then(WindowPlace::within_limits);
         self.recent.truncate(MAX_RECENT);
         self
     }
@@ -87,6 +141,11 @@ mod tests {
     fn numbers_out_of_their_range_are_brought_into_it() {
         let mended = Settings::from_json(r#"{"overlay": {"width": -4}}"#).unwrap();
         assert!((mended.overlay.width - 0.5).abs() < 1e-6);
+        let mended =
+            Settings::from_json(r#"{"picture": {"gamma": 0}, "window": {"size": [10, 700], "maximized": false}}"#)
+                .unwrap();
+        assert!((mended.picture.gamma - 0.25).abs() < 1e-6);
+        assert_eq!(mended.window.unwrap().size, [900.0, 700.0]);
     }
 
     #[test]

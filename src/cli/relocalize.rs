@@ -138,9 +138,8 @@ fn is_answered(frame: &Frame) -> bool {
 fn tell_where_to_label(document: DocumentAt<'_>, messages: Messages) {
     let coverage = Coverage::of_cameras(document, &TrainingFrames::of_solved(&document).frames);
     let advice = label_advice(&document, &coverage);
-    if let Some(said) = where_to_label(&advice) {
-        let begin = advice.next.map(|next| format!(" Begin with {}.", document.frames[next.frame].name()));
-        messages.note(&format!("{said}{}", begin.unwrap_or_default()));
+    if let Some(said) = where_to_label(&advice, |frame| document.frames[frame].name()) {
+        messages.note(&said);
     }
 }
 

@@ -11,9 +11,9 @@ use crate::geometry::ImageSize;
 use crate::media::{self, FrameReader};
 use crate::proposals::read_picture;
 use crate::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
-use crate::scene::OverlayStyle;
 use crate::scene::field_map::{FieldMap, SURROUND, field_map, picture_from_above};
 use crate::scene::overlay::{OverlayScene, Standing, overlay};
+use crate::scene::{OverlayStyle, PictureLook};
 use anyhow::{Context as _, bail};
 use image::RgbaImage;
 use std::io::Cursor;
@@ -137,7 +137,7 @@ fn pixels_per_point(width: u32) -> f32 {
 }
 
 fn layer(pixels: media::Picture, brightness: f32) -> Layer {
-    Layer::Picture(PictureLayer { key: PictureKey(0), pixels, brightness })
+    Layer::Picture(PictureLayer { key: PictureKey(0), pixels, look: PictureLook::of_brightness(brightness) })
 }
 
 /// Finds a frame: by its name in the document, by its file name if only one frame has it, else by its index.

@@ -90,6 +90,7 @@ fn filled_in(template: &Template, params: BTreeMap<String, f64>, crown_m: f64) -
                 click_sigma_px: part.click_sigma_px,
                 place_sigma_px: (1.0 - CLICKING_SHARE).sqrt() * part.click_sigma_px,
                 spot_diameter_m: spot,
+                is_unmarked: part.is_unmarked,
             })
         })
         .collect::<Result<_, FieldError>>()?;

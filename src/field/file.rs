@@ -73,6 +73,8 @@ pub struct LandmarkFile {
     pub at: Vec<Formula>,
     pub click_sigma_px: Option<f64>,
     pub spot_diameter_m: Option<Formula>,
+    #[serde(default)]
+    pub unmarked: bool,
 }
 
 #[derive(serde::Deserialize)]

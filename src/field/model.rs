@@ -68,6 +68,9 @@ pub struct Landmark {
     pub place_sigma_px: f64,
     /// The diameter of the spot that is painted around it, m; none where there is none.
     pub spot_diameter_m: Option<f64>,
+    /// Nothing painted marks it: a point somewhere along a curve, defined by a direction on the ground. In a picture it is not where
+    /// the curve looks widest, so that only who knows the camera finds it.
+    pub is_unmarked: bool,
 }
 
 /// The share of a template's click noise `σ²` that comes from clicking; the rest is the place itself (see `calibrate`'s own

@@ -11,6 +11,7 @@ pub struct LandmarkPart {
     pub at: PointPart,
     pub click_sigma_px: f64,
     pub spot_diameter_m: Option<Scoped>,
+    pub is_unmarked: bool,
 }
 
 /// A line whose place is still an expression.

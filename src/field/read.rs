@@ -201,7 +201,15 @@ impl Reader<'_> {
             let at = self.coordinates(&format!("{part}, at"), &variant, &file.at)?;
             let spot = file.spot_diameter_m.as_ref();
             let spot = spot.map(|diameter| self.scoped(&format!("{part}, spot_diameter_m"), diameter, &variant));
-            into.push(LandmarkPart { id, label, code, at, click_sigma_px, spot_diameter_m: spot.transpose()? });
+            into.push(LandmarkPart {
+                id,
+                label,
+                code,
+                at,
+                click_sigma_px,
+                spot_diameter_m: spot.transpose()?,
+                is_unmarked: file.unmarked,
+            });
         }
         self.not_too_many("landmarks", into.len())
     }

@@ -84,7 +84,9 @@ pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>)
         match write_project(&folder, &made.document) {
             Ok(()) => {
                 notices.push((Level::Info, format!("The project is kept in {}.", folder.display())));
-                return open_document(&folder, held, notices);
+                let mut ready = open_document(&folder, held, notices)?;
+                ready.opened.is_new = true;
+                return Ok(ready);
             }
             Err(error) => refused = Some(error),
         }

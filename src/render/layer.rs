@@ -1,6 +1,7 @@
 //! What a canvas shows, from the bottom up.
 
 use crate::media;
+use crate::scene::PictureLook;
 use crate::scene::drawing::Drawing;
 use crate::scene::uncertainty::HeatMap;
 use std::sync::Arc;
@@ -18,8 +19,8 @@ pub struct PictureLayer {
     pub key: PictureKey,
     /// sRGB bytes; shown as they are, in gamma space.
     pub pixels: media::Picture,
-    /// 1 shows it as it is, less darkens it so that lines stand out.
-    pub brightness: f32,
+    /// How bright it is; darker lets lines stand out.
+    pub look: PictureLook,
 }
 
 /// One layer of a canvas.

@@ -289,7 +289,11 @@ mod tests {
         }
         let pixels = crate::media::Picture::new(crate::geometry::ImageSize::new(100, 70), pixels.into_raw()).unwrap();
         let layers = [
-            Layer::Picture(crate::render::PictureLayer { key: crate::render::PictureKey(1), pixels, brightness: 1.0 }),
+            Layer::Picture(crate::render::PictureLayer {
+                key: crate::render::PictureKey(1),
+                pixels,
+                look: crate::scene::PictureLook::default(),
+            }),
             Layer::Drawing(Arc::new(drawing)),
         ];
         let view = View::one_to_one([100, 70]);

@@ -28,14 +28,14 @@ const SHARPER_LEVELS: f32 = 0.25;
 #[repr(C)]
 pub(super) struct PictureInstance {
     size: [f32; 2],
-    brightness: f32,
+    look: [f32; 3],
     level: f32,
     bare: u32,
 }
 
 /// How [`PictureInstance`] lies in a vertex buffer.
 pub(super) const PICTURE_ATTRIBUTES: [wgpu::VertexAttribute; 4] = wgpu::vertex_attr_array![
-    0 => Float32x2, 1 => Float32, 2 => Float32, 3 => Uint32
+    0 => Float32x2, 1 => Float32x3, 2 => Float32, 3 => Uint32
 ];
 
 impl PictureInstance {
@@ -44,7 +44,7 @@ impl PictureInstance {
         let texels_per_px = texture_width as f32 / width.max(1) as f32 / view.scale;
         Self {
             size: [width as f32, height as f32],
-            brightness: picture.brightness,
+            look: [picture.look.brightness, picture.look.contrast, picture.look.gamma],
             level: if texels_per_px > 1.0 { (texels_per_px.log2() - SHARPER_LEVELS).max(0.0) } else { 0.0 },
             bare: u32::from(view.scale > SMOOTH_UP_TO_SCALE),
         }
@@ -171,7 +171,7 @@ mod tests {
         let picture = PictureLayer {
             key: PictureKey(0),
             pixels: media::Picture::filled(ImageSize::new(8, 4), [0; 4]),
-            brightness: 1.0,
+            look: crate::scene::PictureLook::default(),
         };
         PictureInstance::new(&picture, 8, &View { scale, ..View::one_to_one([8, 4]) })
     }

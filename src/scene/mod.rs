@@ -11,4 +11,4 @@ mod style;
 pub mod timeline;
 pub mod uncertainty;
 
-pub use style::OverlayStyle;
+pub use style::{OverlayStyle, PictureLook};

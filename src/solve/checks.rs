@@ -68,7 +68,7 @@ fn contradiction(solution: &FrameSolution) -> Option<Warning> {
             message: format!(
                 "The two points contradict the camera base by {:.1} px, {misfit:.1} times what is usual. Check their \
                  names, or the base.",
-                solution.rms_px
+                solution.farthest_px()
             ),
             clicks: solution.residuals.iter().map(|residual| residual.click).collect(),
         });

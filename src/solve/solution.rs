@@ -111,6 +111,12 @@ impl FrameSolution {
         (self.redundancy > 0).then(|| (self.chi_squared / self.expected_chi_squared).sqrt())
     }
 
+    /// The largest distance of a click that took part from its projection, px; 0 where all are out of sight.
+    #[must_use]
+    pub fn farthest_px(&self) -> f64 {
+        self.residuals.iter().filter_map(ClickResidual::distance_px).fold(0.0, f64::max)
+    }
+
     /// 1-σ of the pan.
     #[must_use]
     pub fn sigma_pan(&self) -> Angle {

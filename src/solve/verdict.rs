@@ -68,7 +68,7 @@ pub fn judge(solution: &FrameSolution, image_size: ImageSize) -> Judgement {
         let verdict = if misfit > WRONG_MISFIT + chance { Verdict::Wrong } else { Verdict::Check };
         let contradicting = solution.warnings.iter().find(|warning| warning.code == WarningCode::Contradiction);
         let on_average =
-            || format!("clicks are {:.1} px off on average, {misfit:.1} times what is usual", solution.rms_px);
+            || format!("points are up to {:.1} px off, {misfit:.1} times what is usual", solution.farthest_px());
         let reason = contradicting.map_or_else(on_average, |warning| warning.message.clone());
         return judgement(verdict, reason);
     }

@@ -98,7 +98,7 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
         if stroke.key == Key::Escape || opens_it && (focus != Focus::Text || stroke.modifiers.command) {
             return Some(Action::CloseDialog);
         }
-        if *dialog != Dialog::OverlayStyle {
+        if !matches!(dialog, Dialog::OverlayStyle | Dialog::PictureLook) {
             return None;
         }
     }
@@ -238,6 +238,8 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
         (Command::Palette, Dialog::Palette)
             | (Command::Keys, Dialog::Keys)
             | (Command::OverlayStyle, Dialog::OverlayStyle)
+            | (Command::PictureLook, Dialog::PictureLook)
+            | (Command::Guide, Dialog::Guide)
     )
 }
 

@@ -1,16 +1,34 @@
 //! The layout of all panels.
 
+use super::resizing::{Edge, Resized};
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
     rejecting, review, status, theme, timeline, trainer, viewport,
 };
+use crate::app::Action;
 use crate::app::session::SidePanel;
 use egui::{Frame, Margin, Ui};
 
-/// The height of the menu row and of the status row, points.
+/// The height of the menu row, the row of messages and the status row, points.
 const ROW: f32 = 24.0;
 /// From this width on there is room for wider panels, points.
 const WIDE: f32 = 1800.0;
+
+/// The picture is at least this large however large the panels are made, points.
+const LEAST_PICTURE: [f32; 2] = [480.0, 260.0];
+
+/// Remembers sizes of panels that were dragged.
+fn resized(panel: &mut Panel<'_>, edges: [Resized; 2], remembered: [Option<f32>; 2]) {
+    let of = |edge: usize| match edges[edge] {
+        Resized::No => remembered[edge],
+        Resized::To(size) => Some(size),
+        Resized::Default => None,
+    };
+    let [side, filmstrip] = [of(0), of(1)];
+    if [side, filmstrip] != remembered {
+        panel.actions.push(Action::SetPanelSizes { side, filmstrip });
+    }
+}
 
 /// Reads keys and pointer; their actions are carried out before anything is drawn.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
@@ -28,30 +46,52 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
 /// Shows every panel; what the user asks for is in the panel's actions afterwards.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (filmstrip_height, side_width) = if ui.available_width() >= WIDE { (110.0, 380.0) } else { (92.0, 300.0) };
+    let edges = [
+        Edge {
+            id: "side panel",
+            name: "Width of the side panel",
+            panel_is_right: true,
+            range: [280.0, (ui.available_width() - LEAST_PICTURE[0]).min(640.0)],
+        },
+        Edge {
+            id: "filmstrip",
+            name: "Height of the filmstrip",
+            panel_is_right: false,
+            range: [72.0, (ui.available_height() - LEAST_PICTURE[1]).min(260.0)],
+        },
+    ];
+    let settings = &panel.app.settings;
+    let remembered = [settings.side_width, settings.filmstrip_height];
+    let side_width = edges[0].size(ui.ctx(), remembered[0], side_width);
+    let filmstrip_height = edges[1].size(ui.ctx(), remembered[1], filmstrip_height);
     let row = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 0));
     let side = Frame::new().fill(theme::PANEL);
     egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
     egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
+    egui::Panel::bottom("messages").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| notices::show(panel, ui));
     let is_open = panel.app.open().is_some();
     let page = panel.app.session.quality.open;
     if is_open && !page {
-        egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
-            if panel.app.round().is_some() {
-                reclick::show(panel, ui);
-                return;
-            }
-            match panel.app.session.panel {
-                SidePanel::Frame => inspector::show(panel, ui),
-                SidePanel::Camera => camera_panel::show(panel, ui),
-                SidePanel::Trainer => trainer::show(panel, ui),
-                SidePanel::Review => review::show(panel, ui),
-            }
-        });
-        egui::Panel::bottom("filmstrip")
+        let side_panel =
+            egui::Panel::right("side").exact_size(side_width).resizable(false).frame(side).show(ui, |ui| {
+                if panel.app.round().is_some() {
+                    reclick::show(panel, ui);
+                    return;
+                }
+                match panel.app.session.panel {
+                    SidePanel::Frame => inspector::show(panel, ui),
+                    SidePanel::Camera => camera_panel::show(panel, ui),
+                    SidePanel::Trainer => trainer::show(panel, ui),
+                    SidePanel::Review => review::show(panel, ui),
+                }
+            });
+        let strip = egui::Panel::bottom("filmstrip")
             .exact_size(filmstrip_height)
             .resizable(false)
             .frame(side)
             .show(ui, |ui| filmstrip::show(panel, ui));
+        let areas = [side_panel.response.rect, strip.response.rect];
+        resized(panel, [edges[0].read(ui, areas[0]), edges[1].read(ui, areas[1])], remembered);
         if timeline::is_wanted(panel.app) {
             egui::Panel::bottom("timeline")
                 .exact_size(timeline::HEIGHT)
@@ -60,8 +100,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 .show(ui, |ui| timeline::show(panel, ui));
         }
     }
-    let canvas = egui::CentralPanel::no_frame().show(ui, |ui| {
-        let rect = ui.max_rect();
+    egui::CentralPanel::no_frame().show(ui, |ui| {
         if page {
             quality::show(panel, ui);
         } else if is_open {
@@ -69,8 +108,6 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         } else {
             empty::show(panel, ui);
         }
-        rect
     });
-    notices::show(panel, ui, canvas.inner);
     dialogs::show(panel, ui);
 }

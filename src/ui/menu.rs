@@ -4,19 +4,18 @@ use super::{Panel, symbol, theme};
 use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
-use egui::{Align, Button, Layout, RichText, Ui};
+use egui::{Align, Button, Event, Id, Key, Layout, Modifiers, RichText, Ui};
 use std::path::Path;
 
 /// A line is drawn above these.
-const SECTIONS: [Command; 19] = [
+const SECTIONS: [Command; 18] = [
     Command::Save,
     Command::LoadCamera,
     Command::Quit,
     Command::DeleteClick,
     Command::NextClick,
     Command::Cancel,
-    Command::NextNeedsMe,
-    Command::NextReference,
+    Command::Preferences,
     Command::Accept,
     Command::Reject,
     Command::Comment,
@@ -30,11 +29,74 @@ const SECTIONS: [Command; 19] = [
     Command::About,
 ];
 
+/// Commands of a long menu, in groups of their own at its top.
+const SUBMENUS: [(&str, &[Command]); 5] = [
+    (
+        "Go to",
+        &[
+            Command::NextFrame,
+            Command::PreviousFrame,
+            Command::NextTenFrames,
+            Command::PreviousTenFrames,
+            Command::FirstFrame,
+            Command::LastFrame,
+            Command::GoToPlace,
+            Command::NextNeedsMe,
+            Command::PreviousNeedsMe,
+            Command::NextUnanswered,
+            Command::NextReference,
+            Command::PreviousReference,
+            Command::PlayPause,
+        ],
+    ),
+    (
+        "Shots",
+        &[
+            Command::NextShot,
+            Command::PreviousShot,
+            Command::SelectShot,
+            Command::FindShots,
+            Command::StopShotSearch,
+            Command::AddCut,
+            Command::MoveCutHere,
+            Command::RemoveCut,
+        ],
+    ),
+    (
+        "Lines and tracking",
+        &[
+            Command::Snap,
+            Command::SearchLines,
+            Command::StopSearch,
+            Command::Track,
+            Command::StopTracking,
+            Command::DiscardCarried,
+        ],
+    ),
+    (
+        "Gold frames",
+        &[
+            Command::MarkGold,
+            Command::ChooseGold,
+            Command::ClickAgain,
+            Command::SkipAgain,
+            Command::UseOwnNoise,
+            Command::UseUsualNoise,
+        ],
+    ),
+    ("Training", &[Command::UseForTraining, Command::PauseTrainer]),
+];
+
 /// Shows the row.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let opens = is_menu_key(ui);
     egui::MenuBar::new().ui(ui, |ui| {
         for group in MenuGroup::ALL {
-            ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group));
+            let title = ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group));
+            if opens && group == MenuGroup::File {
+                title.request_focus();
+                egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(&title));
+            }
         }
         ui.add_space(2.0 * theme::SPACE);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -43,6 +105,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| place(panel.app, ui));
         });
     });
+}
+
+/// Whether F10 was pressed, or Alt tapped alone.
+fn is_menu_key(ui: &Ui) -> bool {
+    let (f10, alt, busy) = ui.input_mut(|input| {
+        let f10 = input.consume_key(Modifiers::NONE, Key::F10);
+        let is_other = |event: &Event| {
+            matches!(event, Event::Key { .. } | Event::Text(_) | Event::PointerButton { .. } | Event::MouseWheel { .. })
+        };
+        (f10, input.modifiers.alt, input.pointer.any_down() || !input.focused || input.events.iter().any(is_other))
+    });
+    // Alt is tapped alone if nothing else happens until it is let go.
+    let memory = Id::unique("alt is held alone");
+    let tapped = ui.data_mut(|data| {
+        let before = data.get_temp::<(bool, bool)>(memory).unwrap_or_default();
+        let alone = alt && !busy && (!before.0 || before.1);
+        data.insert_temp(memory, (alt, alone));
+        !alt && before.1 && !busy
+    });
+    f10 || tapped
 }
 
 const fn tip(group: MenuGroup) -> &'static str {
@@ -58,7 +140,11 @@ const fn tip(group: MenuGroup) -> &'static str {
 
 fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
     ui.set_min_width(232.0);
-    for command in Command::all().filter(|command| command.group() == group) {
+    let grouped = |command: &Command| SUBMENUS.iter().any(|(_, commands)| commands.contains(command));
+    for (title, commands) in SUBMENUS.iter().filter(|(_, commands)| commands[0].group() == group) {
+        ui.menu_button(*title, |ui| entries(panel, ui, commands));
+    }
+    for command in Command::all().filter(|command| command.group() == group && !grouped(command)) {
         if SECTIONS.contains(&command) {
             ui.separator();
         }
@@ -66,6 +152,14 @@ fn menu(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup) {
         if command == Command::OpenDemo {
             recent(panel, ui);
         }
+    }
+}
+
+/// Entries of a submenu or of a context menu.
+pub fn entries(panel: &mut Panel<'_>, ui: &mut Ui, commands: &[Command]) {
+    ui.set_min_width(216.0);
+    for command in commands {
+        entry(panel, ui, *command);
     }
 }
 
@@ -221,7 +315,7 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(search) = &panel.app.session.video.search else { return };
     let share = 100 * search.progress.done / search.progress.of.max(1);
     let says = ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(theme::WEAK)).frame(false));
-    let tip = format!("Looking for the cuts of {}. A click stops that.", file_name(&search.video));
+    let tip = format!("Looking for cuts in {}. Click to stop.", file_name(&search.video));
     if says.on_hover_text(tip).clicked() {
         panel.actions.push(Action::Command(Command::StopShotSearch));
     }
@@ -232,7 +326,7 @@ fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(work) = panel.app.session.transfer.under_way.filter(|work| work.writes) else { return };
     let far = work.pictures.map(|(done, of)| format!(" {} %", 100 * done / of.max(1))).unwrap_or_default();
     let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(theme::WEAK)).frame(false));
-    if says.on_hover_text("An export is being written. A click shows it.").clicked() {
+    if says.on_hover_text("An export is being written. Click to show it.").clicked() {
         panel.actions.push(Action::Command(Command::Export));
     }
 }
@@ -241,7 +335,7 @@ fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
     let status = &panel.app.session.trainer.status;
     let (text, colour) = match (&status.trouble, status.doing.in_brief()) {
-        (Some(_), _) => ("trainer: trouble".to_owned(), theme::CAUTION),
+        (Some(_), _) => ("trainer: problem".to_owned(), theme::CAUTION),
         (None, Some(brief)) => (brief, theme::WEAK),
         (None, None) => return,
     };

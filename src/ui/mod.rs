@@ -31,6 +31,7 @@ mod plot;
 mod quality;
 mod reclick;
 mod rejecting;
+mod resizing;
 mod review;
 mod shell;
 mod status;

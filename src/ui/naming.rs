@@ -2,14 +2,15 @@
 
 use super::placement::Placement;
 use super::{Panel, theme};
-use crate::app::Action;
-use crate::app::Command;
 use crate::app::naming::NameCandidate;
 use crate::app::session::{Mode, Naming, OFFERED};
+use crate::app::{Action, App, Command};
 use egui::{
     Align2, Area, Event, FocusDirection, FontId, Id, Key, Order, Pos2, Rect, Role, Sense, Vec2, WidgetInfo, pos2, vec2,
 };
 
+/// For this long letters refine a name that was taken by itself, s.
+const REFINED_S: f64 = 2.0;
 /// The least width of the list, so that its hint fits, points.
 const LEAST_WIDTH: f32 = 300.0;
 /// Where the labels begin, points from a row's left end.
@@ -25,7 +26,10 @@ const MARGIN: f32 = 6.0;
 
 /// Reads the keys while names are offered; nothing else gets them then.
 pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
-    let Mode::Naming(naming) = &panel.app.session.mode else { return };
+    let Mode::Naming(naming) = &panel.app.session.mode else {
+        refine(panel, ctx);
+        return;
+    };
     if ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
         return;
     }
@@ -48,6 +52,50 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
     });
     // The keys of the list must not move the keyboard focus as well.
     ctx.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+}
+
+/// Reads the keys for a moment after a point has named itself: letters refine that name from the first one on, and Enter only
+/// confirms it. What a hand that types a code means by them is never a command.
+fn refine(panel: &mut Panel<'_>, ctx: &egui::Context) {
+    if !is_fresh(panel.app, ctx) || ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
+        return;
+    }
+    let actions = &mut *panel.actions;
+    ctx.input_mut(|input| {
+        input.events.retain(|event| match event {
+            Event::Key { key: Key::Enter, pressed: true, modifiers, .. } if modifiers.is_none() => {
+                actions.push(Action::ConfirmName);
+                false
+            }
+            Event::Key { key, pressed: true, modifiers, .. } => {
+                let is_letter = (Key::A..=Key::Z).contains(key);
+                !is_letter || modifiers.command || modifiers.alt
+            }
+            Event::Text(text) if text.chars().all(char::is_alphabetic) => {
+                actions.push(Action::RefineName(text.clone()));
+                false
+            }
+            _ => true,
+        });
+    });
+}
+
+/// Whether the point that was placed last has named itself within the last [`REFINED_S`] seconds.
+pub fn is_fresh(app: &App, ctx: &egui::Context) -> bool {
+    let named = app.session.named_unasked.filter(|_| app.session.mode == Mode::Idle);
+    let now = ctx.input(|input| input.time);
+    let since = ctx.data_mut(|data| {
+        let seen = data.get_temp_mut_or_insert_with(Id::unique("named by itself"), || (named, now));
+        if seen.0 != named {
+            *seen = (named, now);
+        }
+        seen.1
+    });
+    let left = REFINED_S - (now - since);
+    if named.is_some() && left > 0.0 {
+        ctx.request_repaint_after_secs(left as f32);
+    }
+    named.is_some() && left > 0.0
 }
 
 fn on_key(key: Key, naming: &Naming, offered: usize, typed: &mut String) -> Option<Action> {
@@ -150,10 +198,12 @@ impl Columns {
         let widest = |widths: &mut dyn Iterator<Item = f32>| widths.fold(0.0, f32::max);
         let candidates = &naming.candidates;
         let with_distance = candidates.iter().any(|candidate| candidate.distance_px.is_some());
+        let used = candidates.iter().find_map(|candidate| candidate.in_use);
+        let last = used.map(in_use).or_else(|| with_distance.then(|| "8888.8 px".to_owned()));
         Self {
             label: widest(&mut candidates.iter().map(|candidate| measure(&candidate.label, label_font()))),
             code: widest(&mut candidates.iter().map(|candidate| measure(&candidate.code, code_font()))),
-            distance: with_distance.then(|| measure("8888.8 px", distance_font())),
+            distance: last.map(|last| measure(&last, distance_font())),
         }
     }
 
@@ -161,6 +211,11 @@ impl Columns {
         let distance = self.distance.map_or(0.0, |width| SPACE + width);
         (LABEL + self.label + SPACE + self.code + distance + SPACE).max(LEAST_WIDTH).ceil()
     }
+}
+
+/// What stands beside a name that another point has.
+fn in_use(other: usize) -> String {
+    format!("swap with point {}", other + 1)
 }
 
 fn label_font() -> FontId {
@@ -184,7 +239,8 @@ fn row(
     highlighted: bool,
 ) -> Option<Action> {
     let (rect, response) = ui.allocate_exact_size(vec2(columns.width(), ROW), Sense::click());
-    let name = format!("{} {}", index + 1, candidate.label);
+    let used = candidate.in_use.map(|other| format!(", {}", in_use(other))).unwrap_or_default();
+    let name = format!("{} {}{used}", index + 1, candidate.label);
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
     let painter = ui.painter();
     if highlighted {
@@ -196,9 +252,12 @@ fn row(
     painter.text(at(rect.left() + LABEL), Align2::LEFT_CENTER, &candidate.label, label_font(), strong);
     let mut right = rect.right() - SPACE;
     if let Some(width) = columns.distance {
-        if let Some(px) = candidate.distance_px {
-            painter.text(at(right), Align2::RIGHT_CENTER, format!("{px:.1} px"), distance_font(), weak);
-        }
+        let says = match (candidate.in_use, candidate.distance_px) {
+            (Some(other), _) => in_use(other),
+            (None, Some(px)) => format!("{px:.1} px"),
+            (None, None) => String::new(),
+        };
+        painter.text(at(right), Align2::RIGHT_CENTER, says, distance_font(), weak);
         right -= width + SPACE;
     }
     painter.text(at(right - columns.code), Align2::LEFT_CENTER, &candidate.code, code_font(), weak);

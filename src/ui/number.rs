@@ -1,9 +1,17 @@
-//! Number fields: dragged or typed, one step of undo each.
+//! Number fields: dragged or typed, one step of undo each. What is typed and cannot be used stays in the field with the reason
+//! below it; Enter in a field never means the frame.
 
+use super::theme;
 use crate::app::session::Mode;
 use crate::app::{Action, App};
-use egui::{DragValue, Key, Response, Ui, vec2};
+use egui::{Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText, Stroke, StrokeKind, Ui, vec2};
+use std::cell::RefCell;
 use std::ops::RangeInclusive;
+
+/// How long a field says why it did not take what was typed, s.
+const TOLD_S: f64 = 8.0;
+/// The width of that, points.
+const TOLD_WIDTH: f32 = 260.0;
 
 /// A number that can be dragged and typed.
 pub struct Number<'a> {
@@ -21,6 +29,8 @@ pub struct Number<'a> {
     pub decimals: usize,
     /// The allowed range.
     pub range: RangeInclusive<f64>,
+    /// Why it is this: "a camera stands above the field".
+    pub why: &'a str,
     /// Its unit, written after the number.
     pub suffix: &'a str,
     /// The field's width, points.
@@ -37,10 +47,19 @@ impl Number<'_> {
         change: impl FnOnce(f64) -> Action,
     ) -> Response {
         let mut value = self.value;
+        let problem = RefCell::new(None);
+        let read = |text: &str| match self.read(text) {
+            Ok(number) => number,
+            Err(refused) => {
+                *problem.borrow_mut() = Some(refused);
+                None
+            }
+        };
         let field = DragValue::new(&mut value)
             .speed(self.speed)
             .fixed_decimals(self.decimals)
-            .range(self.range)
+            .range(self.range.clone())
+            .custom_parser(read)
             .clamp_existing_to_range(false)
             .suffix(self.suffix)
             .update_while_editing(false)
@@ -48,6 +67,13 @@ impl Number<'_> {
         let tip = format!("{} Drag to change it (Shift: finer), click to type.", self.tip);
         let response = ui.add(field).accessible_name(self.name).on_hover_text(tip).on_disabled_hover_text(self.tip);
         let given_up = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Escape));
+        let left = response.lost_focus();
+        let problem = problem.take().filter(|_| left && !given_up);
+        let stays = problem.is_some() && ui.input(|input| input.key_pressed(Key::Enter));
+        if stays {
+            response.request_focus();
+        }
+        told(ui, &response, problem, given_up || response.changed() || response.drag_started());
         let forgets = was_given_up(ui, &response, given_up);
         let begins = response.drag_started() || response.gained_focus();
         if begins {
@@ -62,11 +88,67 @@ impl Number<'_> {
         }
         if given_up {
             actions.push(Action::AbortEdit);
-        } else if response.drag_stopped() || response.lost_focus() {
+        } else if response.drag_stopped() || left && !stays {
             actions.push(Action::EndEdit);
         }
         response
     }
+}
+
+impl Number<'_> {
+    /// A typed text as a number; none where it says what the field says already.
+    ///
+    /// # Errors
+    /// In one sentence: it is no number, or out of the range.
+    fn read(&self, text: &str) -> Result<Option<f64>, String> {
+        let unit = self.suffix.trim();
+        let digits = text.replace('−', "-");
+        let digits = digits.trim().trim_end_matches(unit).trim();
+        let Some(number) = digits.parse::<f64>().ok().filter(|number| number.is_finite()) else {
+            return Err(format!("“{}” is not a number.", text.trim()));
+        };
+        if digits.parse() == format!("{:.*}", self.decimals, self.value).parse::<f64>() {
+            return Ok(None);
+        }
+        if self.range.contains(&number) {
+            return Ok(Some(number));
+        }
+        let (from, upto) = (shortest(*self.range.start()), shortest(*self.range.end()));
+        Err(format!("{}{unit} is out of range: {from} to {upto}{}; {}.", shortest(number), self.suffix, self.why))
+    }
+}
+
+/// A number with as many of two digits after the point as it needs.
+fn shortest(number: f64) -> String {
+    let rounded = (100.0 * number).round() / 100.0;
+    if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }
+}
+
+/// Shows below a field why what was typed was not taken, for [`TOLD_S`] seconds or until something else is entered.
+fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
+    let (memory, now) = (response.id.with("problem"), ui.input(|input| input.time));
+    if let Some(problem) = problem {
+        ui.data_mut(|data| data.insert_temp(memory, (problem, now)));
+    } else if over {
+        ui.data_mut(|data| data.remove::<(String, f64)>(memory));
+    }
+    let Some((text, since)) = ui.data(|data| data.get_temp::<(String, f64)>(memory)) else { return };
+    let left = TOLD_S - (now - since);
+    if left <= 0.0 {
+        return;
+    }
+    ui.ctx().request_repaint_after_secs(left as f32);
+    ui.painter().rect_stroke(response.rect, CornerRadius::same(4), Stroke::new(1.5, theme::BAD), StrokeKind::Outside);
+    Area::new(memory)
+        .order(Order::Tooltip)
+        .fixed_pos(response.rect.left_bottom() + vec2(0.0, 4.0))
+        .interactable(false)
+        .show(ui.ctx(), |ui| {
+            egui::Frame::popup(ui.style()).show(ui, |ui| {
+                ui.set_max_width(TOLD_WIDTH);
+                ui.add(Label::new(RichText::new(&text).color(theme::BAD)).wrap());
+            });
+        });
 }
 
 /// Whether Escape left this field in one of the last two frames of the window: a field says for two frames that it has
@@ -79,4 +161,37 @@ fn was_given_up(ui: &Ui, response: &Response, now: bool) -> bool {
         }
         data.get_temp::<u64>(memory).is_some_and(|left| frame <= left + 2)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn view() -> Number<'static> {
+        Number {
+            name: "Field of view",
+            step: "Set field of view",
+            tip: "",
+            value: 43.404,
+            speed: 0.05,
+            decimals: 2,
+            range: 0.5..=150.0,
+            why: "no lens shows less or more",
+            suffix: "°",
+            width: 60.0,
+        }
+    }
+
+    #[test]
+    fn what_is_typed_is_taken_or_refused_with_the_range_and_its_reason() {
+        assert_eq!(view().read("50"), Ok(Some(50.0)));
+        assert_eq!(view().read(" 50.5 ° "), Ok(Some(50.5)));
+        assert_eq!(view().read("43.40"), Ok(None), "what the field shows already changes nothing");
+        assert_eq!(view().read("abc"), Err("“abc” is not a number.".to_owned()));
+        assert_eq!(view().read("nan"), Err("“nan” is not a number.".to_owned()));
+        for typed in ["-5", "−5"] {
+            let told = "-5° is out of range: 0.5 to 150°; no lens shows less or more.";
+            assert_eq!(view().read(typed), Err(told.to_owned()));
+        }
+    }
 }

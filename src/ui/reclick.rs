@@ -30,7 +30,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.add_space(2.0 * theme::SPACE);
         for (says, command, why_not) in [
             ("Skip", Command::SkipAgain, None),
-            ("Back", Command::Undo, (clicked == 0).then_some("Nothing was clicked again yet.")),
+            ("Back", Command::Undo, (clicked == 0).then_some("No points have been clicked again yet.")),
             ("End the round", Command::Cancel, None),
         ] {
             let tip = match command {

@@ -4,7 +4,7 @@ use super::files::Files;
 use super::input_queue::InputQueue;
 use super::{Panel, PictureState, Pictures, canvas, layout, theme};
 use crate::app::session::Level;
-use crate::app::{Action, App, Effect};
+use crate::app::{Action, App, Effect, WindowPlace};
 use crate::jobs::{Request, Runner, Wake, load_settings, save_settings, settings_path};
 use std::io;
 use std::path::PathBuf;
@@ -18,6 +18,8 @@ pub struct Shell {
     files: Files,
     adapter: String,
     settings_path: Option<PathBuf>,
+    /// Where the window is, to open it there again.
+    place: Option<WindowPlace>,
     may_close: bool,
 }
 
@@ -35,7 +37,11 @@ impl Shell {
         creation.egui_ctx.add_plugin(InputQueue::default());
         canvas::install(&creation.egui_ctx, creation.wgpu_render_state.as_ref());
         // Quitting goes through the application, which warns before edits are lost.
-        creation.egui_ctx.options_mut(|options| options.quit_shortcuts.clear());
+        creation.egui_ctx.options_mut(|options| {
+            options.quit_shortcuts.clear();
+            // The size of texts is a setting.
+            options.zoom_with_keyboard = false;
+        });
         let (settings, trouble) = settings_path.as_deref().map(load_settings).unwrap_or_default();
         let ctx = creation.egui_ctx.clone();
         let wake: Wake = Arc::new(move || ctx.request_repaint());
@@ -47,6 +53,7 @@ impl Shell {
             files: Files::new(wake),
             adapter: creation.wgpu_render_state.as_ref().map(adapter_of).unwrap_or_default(),
             settings_path,
+            place: None,
             may_close: false,
         };
         shell.tell_about_adapter(creation);
@@ -156,12 +163,16 @@ impl eframe::App for Shell {
             self.apply([Action::CloseRequested]);
         }
         self.take_in(ctx);
+        self.place = ctx.input(|input| place_of(input.viewport())).or(self.place);
         if self.may_close {
             ctx.send_viewport_cmd(egui::ViewportCommand::Close);
         }
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        if ui.ctx().zoom_factor() != self.app.settings.text_size {
+            ui.ctx().set_zoom_factor(self.app.settings.text_size);
+        }
         self.read_input(&ui.ctx().clone());
         let mut actions = Vec::new();
         let mut panel =
@@ -176,6 +187,10 @@ impl eframe::App for Shell {
     }
 
     fn on_exit(&mut self) {
+        if self.place.is_some() && self.place != self.app.settings.window {
+            self.app.settings.window = self.place;
+            self.save_settings();
+        }
         for action in self.runner.close() {
             if let Action::SaveFailed(message) = action {
                 eprintln!("touchline: NOT SAVED: {message}");
@@ -189,20 +204,32 @@ fn adapter_of(state: &eframe::egui_wgpu::RenderState) -> String {
     format!("{} ({:?})", info.name, info.backend)
 }
 
+/// Where a window is; none while it is minimised.
+fn place_of(viewport: &egui::ViewportInfo) -> Option<WindowPlace> {
+    let inner = viewport.inner_rect.filter(|_| viewport.minimized != Some(true))?;
+    let maximized = viewport.maximized == Some(true) || viewport.fullscreen == Some(true);
+    let position = viewport.outer_rect.map(|outer| [outer.left(), outer.top()]);
+    Some(WindowPlace { position: position.filter(|_| !maximized), size: inner.size().into(), maximized })
+}
+
 /// Opens the window and returns when it is closed.
 ///
 /// # Errors
 /// There is no display or no way to draw on it.
 pub fn run(document: Option<PathBuf>) -> eframe::Result<()> {
-    let options = eframe::NativeOptions {
-        viewport: egui::ViewportBuilder::default()
-            .with_title("touchline")
-            .with_app_id("touchline")
-            .with_inner_size([1280.0, 720.0])
-            .with_min_inner_size([960.0, 600.0])
-            .with_drag_and_drop(true),
-        ..eframe::NativeOptions::default()
-    };
+    // What is wrong with the settings is told by the window itself.
+    let known = settings_path().as_deref().map(load_settings).and_then(|(settings, _)| settings.window);
+    let mut viewport = egui::ViewportBuilder::default()
+        .with_title("touchline")
+        .with_app_id("touchline")
+        .with_inner_size(known.map_or([1280.0, 720.0], |place| place.size))
+        .with_maximized(known.is_some_and(|place| place.maximized))
+        .with_min_inner_size(WindowPlace::LEAST)
+        .with_drag_and_drop(true);
+    if let Some(position) = known.and_then(|place| place.position) {
+        viewport = viewport.with_position(position);
+    }
+    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
     eframe::run_native(
         "touchline",
         options,

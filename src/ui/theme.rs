@@ -30,8 +30,8 @@ pub const LINE: Color32 = Color32::from_rgb(48, 52, 58);
 pub const TEXT: Color32 = Color32::from_rgb(208, 213, 219);
 /// Titles and values.
 pub const STRONG: Color32 = Color32::from_rgb(242, 244, 247);
-/// Secondary text; contrast 5.6 to 1 on a panel.
-pub const WEAK: Color32 = Color32::from_rgb(145, 153, 164);
+/// Secondary text; at least 4.5 to 1 on every ground.
+pub const WEAK: Color32 = Color32::from_rgb(162, 170, 180);
 /// The accent: what is selected, and the main action.
 pub const ACCENT: Color32 = Color32::from_rgb(64, 146, 255);
 /// The accent as a background.
@@ -224,6 +224,46 @@ pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
         }
         LineVerdict::CannotSay => {
             painter.circle_stroke(centre, 3.5, Stroke::new(1.0, WEAK));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The contrast of WCAG 2.2: from 1 to 21.
+    fn contrast(one: Color32, other: Color32) -> f64 {
+        let luminance = |colour: Color32| {
+            let linear = |value: u8| {
+                let value = f64::from(value) / 255.0;
+                if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            };
+            0.2126 * linear(colour.r()) + 0.7152 * linear(colour.g()) + 0.0722 * linear(colour.b())
+        };
+        let (one, other) = (luminance(one), luminance(other));
+        (one.max(other) + 0.05) / (one.min(other) + 0.05)
+    }
+
+    #[test]
+    fn text_is_readable_on_every_ground_that_it_stands_on() {
+        assert!((contrast(Color32::BLACK, Color32::WHITE) - 21.0).abs() < 1e-9);
+        let window = Color32::from_rgb(29, 32, 36);
+        let mut pairs = Vec::new();
+        for text in [TEXT, STRONG, WEAK] {
+            pairs.extend(
+                [BACKDROP, PANEL, RAISED, CONTROL, HOVERED, ACCENT_GROUND, window].map(|ground| (text, ground)),
+            );
+        }
+        let statuses = [FrameStatus::New, FrameStatus::Draft, FrameStatus::Suggested, FrameStatus::Rejected];
+        for text in [ACCENT, GOOD, CAUTION, BAD].into_iter().chain(statuses.map(|status| status_look(status).colour)) {
+            pairs.extend([BACKDROP, PANEL, RAISED, window].map(|ground| (text, ground)));
+        }
+        // Letters on coloured buttons.
+        pairs.extend([ACCENT, CAUTION, BAD].map(|ground| (BACKDROP, ground)));
+        for (text, ground) in pairs {
+            let found = contrast(text, ground);
+            assert!(found >= 4.5, "{text:?} on {ground:?}: {found:.2}");
         }
     }
 }

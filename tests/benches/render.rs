@@ -9,10 +9,10 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{ImageSize, Vec3};
 use touchline::media;
 use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
-use touchline::scene::OverlayStyle;
 use touchline::scene::drawing::{Colour, Drawing};
 use touchline::scene::overlay::{OverlayScene, overlay};
 use touchline::scene::uncertainty::{HeatMap, band};
+use touchline::scene::{OverlayStyle, PictureLook};
 use touchline::solve::{Observation, Uncertainty};
 
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -36,7 +36,7 @@ fn picture(key: u64) -> Layer {
     Layer::Picture(PictureLayer {
         key: PictureKey(key),
         pixels: media::Picture::filled(SIZE, [40, 110, 50, 255]),
-        brightness: 1.0,
+        look: PictureLook::default(),
     })
 }
 

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
 use touchline::geometry::ImageSize;
 use touchline::media;
 use touchline::render::{Layer, Offscreen, PictureKey, PictureLayer, View};
+use touchline::scene::PictureLook;
 use touchline::scene::drawing::{Area, Colour, Dash, Drawing, Marker, MarkerShape, Outline, Stroke, StrokeGroup};
 
 pub const TESTS: &[Test] = tests![
@@ -81,7 +82,7 @@ fn noise(width: u32, height: u32) -> RgbaImage {
 fn picture(key: u64, pixels: RgbaImage) -> Layer {
     let size = ImageSize::new(pixels.width(), pixels.height());
     let pixels = media::Picture::new(size, pixels.into_raw()).unwrap();
-    Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness: 1.0 })
+    Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look: PictureLook::default() })
 }
 
 fn a_picture_at_its_own_size_keeps_every_pixel() {

@@ -244,8 +244,15 @@ fn a_name_is_given_once_in_a_frame() {
     bench.place("centre_mark");
     bench.place("halfway_far");
     bench.act(Action::Name { click: 1, target: Target::Landmark("centre_mark".into()) });
-    assert!(bench.last_notice().contains("already point 1"), "{}", bench.last_notice());
-    assert_eq!(bench.frame().clicks[1].target, Some(Target::Landmark("halfway_far".into())));
+    assert_eq!(bench.last_notice(), "Points 2 and 1 have swapped their names.");
+    let named = |bench: &Bench, click: usize| bench.frame().clicks[click].target.clone();
+    let [mark, far] = ["centre_mark", "halfway_far"].map(|id| Some(Target::Landmark(id.into())));
+    assert_eq!([named(&bench, 0), named(&bench, 1)], [far, mark.clone()]);
+    // A point without a name has none to give back.
+    bench.click(ImagePoint::new(3.0, 3.0));
+    bench.act(Action::Name { click: 2, target: Target::Landmark("centre_mark".into()) });
+    assert!(bench.last_notice().contains("already point 2"), "{}", bench.last_notice());
+    assert_eq!([named(&bench, 1), named(&bench, 2)], [mark, None]);
 }
 
 #[test]

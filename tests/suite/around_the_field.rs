@@ -141,7 +141,7 @@ fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
         base: Some(&place.base),
         camera: None,
         named: &[Observation::of_landmark(&field, &left.0, left.1, SIZE, 0).unwrap()],
-        taken: &[Target::Landmark(left.0.as_str().into())],
+        taken: &[(Target::Landmark(left.0.as_str().into()), 0)],
         neighbours: &[],
         elsewhere: &[],
         neighbour_clicks: &[],

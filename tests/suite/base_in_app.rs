@@ -125,6 +125,26 @@ impl Fixture {
     }
 }
 
+/// Camera, residuals and verdict belong to one solution with the base that was found; a frame without points shows nothing of
+/// another base and says so.
+fn all_that_is_shown_is_of_the_estimated_base(fixture: &mut Fixture) {
+    let found = fixture.app.session.base.proposed().unwrap().estimate.base;
+    let shown = fixture.app.shown();
+    let (camera, solved) = (shown.camera.unwrap(), shown.solved().unwrap());
+    assert!(shown.is_estimated && shown.judgement.is_some());
+    assert_eq!(shown.base.unwrap().position_m, camera.base().position_m);
+    assert!((camera.base().position_m - found.position_m).norm() < 1e-9);
+    assert_eq!(camera.ptz(), solved.ptz);
+    let clicks = &fixture.app.frame().unwrap().clicks;
+    assert!((0..clicks.len()).all(|click| shown.residual(click).is_some()), "a residual for each point");
+    assert!(next_step(&fixture.app).text.starts_with("Lines and numbers are those of the estimated base."));
+    fixture.act(Action::GoTo(4));
+    let shown = fixture.app.shown();
+    assert!(shown.is_estimated && shown.camera.is_none() && shown.solved().is_none() && shown.judgement.is_none());
+    assert!(next_step(&fixture.app).text.starts_with("This frame has no points to draw the estimated base with."));
+    fixture.act(Action::GoTo(0));
+}
+
 #[test]
 fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     let mut fixture = Fixture::on(document(5, 4));
@@ -137,7 +157,10 @@ fn a_base_is_found_looked_at_taken_over_and_undone_in_one_step() {
     assert!(!found.landmarks.is_empty());
     assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
     assert!(fixture.app.current().proposal.as_ref().unwrap().camera.is_some(), "but the picture shows it");
-    assert!(next_step(&fixture.app).offers.contains(&("Use it", Command::UseEstimatedBase)));
+    assert_eq!(next_step(&fixture.app).offers, [], "the big button decides, and nothing else");
+    assert!(fixture.app.decides_about_base());
+    assert_eq!(fixture.app.unacceptable().unwrap(), "An estimated base is shown. Use it or discard it first.");
+    all_that_is_shown_is_of_the_estimated_base(&mut fixture);
 
     fixture.command(Command::UseEstimatedBase);
     let (base, sigma) = (fixture.base().unwrap(), fixture.base().unwrap().sigma.position_m);

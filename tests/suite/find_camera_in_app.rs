@@ -62,7 +62,7 @@ fn has_base(app: &App) -> bool {
 fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
     let mut bench = Bench::new(unknown(5));
     let offers = next_step(&bench.app).offers;
-    assert_eq!(offers[0], ("Find the camera by itself", Command::FindCamera), "{offers:?}");
+    assert_eq!(offers[0], ("Find the camera automatically", Command::FindCamera), "{offers:?}");
     assert!(Bench::new(blank(5)).app.why_not(Command::FindCamera).is_some(), "its base is known");
     assert!(Bench::new(unknown(2)).app.why_not(Command::FindCamera).unwrap().contains("too few frames"));
     bench.command(Command::FindCamera);

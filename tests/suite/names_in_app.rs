@@ -1,6 +1,7 @@
 //! Wrong names in the application: found, marked, compared, mended in one step of undo; and written into the document.
 
 use crate::seeded::{self, normal};
+use touchline::app::session::Mode;
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::calibrate::{FrameLookup, calibrate};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
@@ -216,4 +217,76 @@ fn a_frame_that_looks_wrong_is_accepted_only_after_a_question() {
     assert!(app.why_not(Command::AcceptAnyway).is_some());
     app.update(Action::Command(Command::AcceptAndStay));
     assert!(app.frame().unwrap().is_used_for_training());
+}
+
+/// The number that the sentence about a wrong name says of a point is the one that the list of points shows for it.
+#[test]
+fn a_point_has_one_residual_wherever_it_is_said() {
+    let ptz = Ptz::from_degrees(-12.0, -14.0, 2000.0);
+    let spots = [
+        ("halfway_far", "halfway_far"),
+        ("centre_mark", "centre_mark"),
+        ("centre_circle_halfway_near", "centre_circle_halfway_far"),
+        ("penalty_area_far_left_front", "penalty_area_far_left_front"),
+    ];
+    let mut document = project();
+    document.frames.push(frame("renamed.jpg", ptz, &spots).into());
+    let app = opened(document);
+    let finding = app.current().other_names().unwrap();
+    assert_eq!(finding.renames.len(), 1, "{finding:?}");
+    let listed = app.shown().residual(finding.renames[0].click).unwrap().distance_px().unwrap();
+    let text = &app.judgement().unwrap().reason;
+    assert!(text.contains(&format!("{listed:.0} px as named")), "{text} and {listed:.1} px in the list");
+}
+
+#[test]
+fn a_name_in_use_is_found_by_typing_it_and_taking_it_swaps_the_two() {
+    let mut document = project();
+    document.frames.push(swapped().into());
+    let mut app = opened(document);
+    let before = names(&app);
+    app.update(Action::Select(Some(1)));
+    app.update(Action::Command(Command::RenameClick));
+    let offered = |app: &App| match &app.session.mode {
+        Mode::Naming(naming) => naming.offered().iter().map(|name| (name.code.clone(), name.in_use)).collect(),
+        _ => Vec::new(),
+    };
+    assert!(offered(&app).iter().all(|(_, in_use)| in_use.is_none()), "names in use are not offered unasked");
+    app.update(Action::TypeName("cm".to_owned()));
+    assert_eq!(offered(&app)[0], ("cm".to_owned(), Some(2)));
+    app.update(Action::TakeName(0));
+    let mut swapped = before.clone();
+    swapped.swap(1, 2);
+    assert_eq!((names(&app), &app.session.mode), (swapped, &Mode::Idle));
+    app.update(Action::Command(Command::Undo));
+    assert_eq!(names(&app), before, "one step of undo");
+}
+
+#[test]
+fn what_nothing_painted_marks_is_not_offered_before_a_base_and_warned_of_when_typed() {
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    document.cameras.push(Camera::new("main".into(), SIZE).into());
+    document.frames.push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
+    let mut app = opened(document);
+    let place = |app: &mut App, x: f64| {
+        app.update(Action::Press { at: touchline::geometry::ImagePoint::new(x, 500.0), on: None });
+        app.update(Action::Release);
+    };
+    place(&mut app, 700.0);
+    let Mode::Naming(naming) = &app.session.mode else { panic!("{:?}", app.session.mode) };
+    let of = |id: &str| naming.candidates.iter().find(|name| name.target.as_str() == id).unwrap();
+    assert!(of("centre_circle_left").hidden && of("penalty_arc_apex_right").hidden && !of("centre_mark").hidden);
+    assert_eq!(of("centre_circle_left").label, "Centre circle, left, level with its middle");
+    app.update(Action::TypeName("ccl".to_owned()));
+    app.update(Action::TakeName(0));
+    assert_eq!(names(&app), ["centre_circle_left"]);
+    let warned = app.session.notices.last().unwrap();
+    assert!(warned.text.contains("is not where the curve looks widest"), "{}", warned.text);
+    // With a base it is a name like others.
+    let mut document = project();
+    document.frames.push(Frame::from_image("a.jpg", "main".into(), SIZE).into());
+    let mut app = opened(document);
+    place(&mut app, 700.0);
+    let Mode::Naming(naming) = &app.session.mode else { panic!("{:?}", app.session.mode) };
+    assert!(naming.candidates.iter().all(|name| !name.hidden));
 }

@@ -4,7 +4,7 @@ use crate::bench::{Bench, SIZE, base, landmark_in};
 use std::sync::Arc;
 use touchline::app::guidance::next_step;
 use touchline::app::review::ReviewOrder;
-use touchline::app::session::{Dialog, Filter, Mode, SidePanel, needs_me};
+use touchline::app::session::{Dialog, Filter, Mode, SidePanel};
 use touchline::app::{Action, Command, Effect};
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{
@@ -110,18 +110,23 @@ fn enter_takes_a_suggestion_as_a_label_and_n_follows_the_list() {
     bench.command(Command::Accept);
     bench.command(Command::Accept);
     assert_eq!(bench.statuses(), "RRNRR");
-    assert_eq!(bench.last_notice(), "Nothing needs you. 1 frame has no answer: label one near pan\u{a0}−4°.");
+    assert_eq!(bench.last_notice(), "Accepted (not used for training), 1 to do.");
+    assert_eq!(bench.app.session.frame, 2, "what has no answer is to do as well");
+    bench.act(Action::GoTo(1));
+    assert_eq!(bench.said(), "1 frame has no answer: label frame 2, near pan\u{a0}−4°.");
     bench.command(Command::NextUnanswered);
-    assert_eq!(bench.app.session.frame, 2);
+    assert_eq!(bench.app.session.frame, 2, "the very frame that the sentence names");
     assert!(bench.said().starts_with("No proposal here. Click a spot"), "{}", bench.said());
 }
 
 #[test]
-fn without_the_panel_n_goes_through_the_frames_and_passes_those_without_an_answer() {
+fn without_the_panel_n_goes_through_every_frame_that_is_neither_accepted_nor_rejected() {
     let mut bench = Bench::new(suggested(&[Some(0.7), None, Some(0.99)]));
     bench.command(Command::NextNeedsMe);
-    assert_eq!(bench.app.session.frame, 2);
-    assert!(!needs_me(&bench.frames()[1]) && Filter::Unanswered.shows(&bench.frames()[1]));
+    assert_eq!(bench.app.session.frame, 1);
+    assert!(Filter::ToDo.shows(&bench.frames()[1]) && Filter::Unanswered.shows(&bench.frames()[1]));
+    let counts = bench.app.open().unwrap().counts();
+    assert_eq!((counts.to_do, counts.describe_to_do().unwrap().as_str()), (3, "2 to review, 1 without an answer"));
 }
 
 #[test]

@@ -45,6 +45,10 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     assert_eq!(clicks[2].target, Some(Target::Landmark("penalty_mark_left".into())));
     window.snapshot("named_unasked", window.image_of("penalty_mark_left"), [420.0, 240.0]);
 
+    // Enter, while letters would change the name, confirms it and nothing else.
+    window.key(Key::Enter);
+    assert_eq!((window.app().session.frame, window.app().session.named_unasked), (0, None));
+
     // Accepted: the frame is a reference, the next one is shown, everything is on disk.
     window.key(Key::Enter);
     assert_eq!(window.app().session.frame, 1);

@@ -27,6 +27,10 @@ pub const TESTS: &[Test] = tests![
     [Adapter] a_comment_is_written_and_an_overlay_colour_chosen;
     [] nothing_open_invites_and_takes_a_typed_path;
     [Adapter] every_control_has_a_name;
+    [Adapter] panels_are_dragged_to_another_size_which_is_remembered;
+    [Adapter] the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_named;
+    [Adapter] f10_and_a_tap_on_alt_open_the_menus;
+    [Adapter] the_picture_is_made_brighter_and_stays_so_between_frames;
     [Adapter] without_a_file_dialog_the_path_is_typed;
 ];
 
@@ -249,7 +253,7 @@ fn a_key_conflict_is_reported_when_a_key_is_changed() {
     chord(&mut window, Modifiers::SHIFT, Key::Slash);
     assert_eq!(window.app().session.dialog, Some(Dialog::Keys));
     window.snapshot_of("keys", egui::Rect::from_min_size(pos2(200.0, 60.0), vec2(880.0, 600.0)));
-    window.harness.get_by_label("Key of Next frame that needs me: N").click();
+    window.harness.get_by_label("Key of Next frame to do: N").click();
     window.harness.run_steps(2);
     window.key(Key::Period);
     assert_eq!(window.app().settings.keys.shown(Command::NextNeedsMe), ".");
@@ -278,17 +282,28 @@ fn menus_say_what_cannot_be_done_and_the_rows_what_can() {
 
 fn good_news_fade_and_bad_news_stay_until_they_are_closed() {
     let mut window = Window::open(1, SIZE, 1.0);
-    window.harness.state_mut().apply([
-        Action::Notify(Level::Info, "Dataset written.".to_owned()),
-        Action::Notify(Level::Warning, "0412.jpg changed since it was labelled.".to_owned()),
-    ]);
-    window.harness.run_steps(4);
-    window.harness.get_by_label("Dataset written.");
-    window.harness.run_steps(30);
-    assert!(window.harness.query_by_label("Dataset written.").is_none());
-    window.harness.get_by_label("Dismiss: 0412.jpg changed since it was labelled.").click();
+    let picture = window.harness.get_by_label("Picture").rect();
+    let told = |window: &mut Window, level: Level, text: &str| {
+        window.harness.state_mut().apply([Action::Notify(level, text.to_owned())]);
+        window.harness.run_steps(4);
+    };
+    told(&mut window, Level::Warning, "0412.jpg changed since it was labelled.");
+    told(&mut window, Level::Info, "Dataset written.");
+    // The latest is in the row, which is no part of the picture; the others are counted.
+    let row = window.harness.get_by_label("Dataset written.").rect();
+    assert_eq!(window.harness.get_by_label("Picture").rect(), picture, "messages do not move the picture");
+    assert!(!picture.intersects(row), "{row:?} lies over the picture {picture:?}");
+    window.harness.get_by_label("1 more");
+    window.harness.run_steps(40);
+    assert!(window.harness.query_by_label("Dataset written.").is_none(), "it has faded");
+    window.harness.get_by_label("0412.jpg changed since it was labelled.");
+    // Both stay in the list of messages, which dismisses all at once.
+    window.harness.get_by_label("Messages").click();
     window.harness.run_steps(3);
-    assert!(window.app().session.notices.iter().all(|notice| notice.level == Level::Info));
+    assert!(window.harness.query_by_label("Dataset written.").is_some());
+    window.harness.get_by_label("Dismiss all messages").click();
+    window.harness.run_steps(3);
+    assert!(window.app().session.notices.is_empty() && window.app().session.told.len() >= 2);
 }
 
 fn a_comment_is_written_and_an_overlay_colour_chosen() {
@@ -327,12 +342,124 @@ fn nothing_open_invites_and_takes_a_typed_path() {
 
 fn every_control_has_a_name() {
     let mut window = solved();
-    let unnamed = |window: &Window| window.harness.unnamed_widgets();
-    assert_eq!(unnamed(&window), Vec::<String>::new());
-    window.key(Key::F2);
-    assert_eq!(unnamed(&window), Vec::<String>::new());
-    window.key(Key::O);
-    assert_eq!(unnamed(&window), Vec::<String>::new());
+    let nameless = |window: &Window, place: &str| {
+        assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new(), "{place}");
+        // Whatever can be clicked, dragged or typed into has a role of its own and says what it is.
+        for node in window.harness.root().children_recursive() {
+            let node = node.accesskit_node();
+            let is_control = matches!(
+                node.role(),
+                Role::Button
+                    | Role::Canvas
+                    | Role::CheckBox
+                    | Role::ComboBox
+                    | Role::Link
+                    | Role::MultilineTextInput
+                    | Role::RadioButton
+                    | Role::Slider
+                    | Role::SpinButton
+                    | Role::Splitter
+                    | Role::TextInput
+            );
+            if !is_control {
+                continue;
+            }
+            let says = node.label().or_else(|| node.value()).unwrap_or_default();
+            assert!(!says.trim().is_empty(), "{place}: a {:?} has no name", node.role());
+        }
+    };
+    nameless(&window, "the frame");
+    for key in [Key::F2, Key::F3, Key::F4, Key::F5] {
+        window.key(key);
+        nameless(&window, &format!("{key:?}"));
+        window.key(key);
+    }
+    let dialogs = [
+        Command::Palette,
+        Command::Keys,
+        Command::Messages,
+        Command::Preferences,
+        Command::Guide,
+        Command::About,
+        Command::OverlayStyle,
+        Command::PictureLook,
+        Command::ChooseSport,
+        Command::GoToPlace,
+        Command::Comment,
+        Command::AssignToCamera,
+        Command::AcceptAllAbove,
+        Command::Export,
+        Command::ExportDataset,
+        Command::Import,
+    ];
+    for dialog in dialogs {
+        window.harness.state_mut().apply([Action::Command(dialog)]);
+        window.harness.run_steps(3);
+        nameless(&window, dialog.name());
+        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.run_steps(2);
+    }
+}
+
+fn panels_are_dragged_to_another_size_which_is_remembered() {
+    let mut window = Window::open(2, SIZE, 1.0);
+    let edge = window.harness.get_by_label("Width of the side panel").rect();
+    let (from, to) = (edge.center(), edge.center() - vec2(80.0, 0.0));
+    let before = window.harness.get_by_label("Picture").rect();
+    window.press(from);
+    for step in 1..=8 {
+        window.drag(from + (to - from) * (step as f32 / 8.0));
+    }
+    window.release(to);
+    window.harness.run_steps(3);
+    assert!((before.right() - window.harness.get_by_label("Picture").rect().right() - 80.0).abs() < 4.0);
+    assert!((window.app().settings.side_width.unwrap() - 380.0).abs() < 4.0, "{:?}", window.app().settings.side_width);
+    assert!(window.app().frame().unwrap().clicks.is_empty(), "nothing was clicked on the picture");
+}
+
+fn the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_named() {
+    let mut window = Window::open(1, SIZE, 1.0);
+    window.harness.get_by_label("Soccer (IFAB Laws of the Game)").click();
+    window.harness.run_steps(3);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Sport));
+    assert_eq!(window.app().points_of_field(), 0);
+    window.harness.get_by_label("Basketball (NBA)").click();
+    window.harness.run_steps(3);
+    assert_eq!(window.app().shown_field_spec().unwrap().template, "basketball_nba");
+    window.harness.get_by_label("Basketball (NBA)");
+    chord(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.app().shown_field_spec().unwrap().template, "soccer");
+}
+
+fn f10_and_a_tap_on_alt_open_the_menus() {
+    let mut window = Window::open(1, SIZE, 1.0);
+    window.key(Key::F10);
+    window.harness.run_steps(2);
+    assert!(window.harness.query_by_label_contains("Open project…").is_some());
+    window.key(Key::Escape);
+    window.harness.run_steps(3);
+    assert!(window.harness.query_by_label_contains("Open project…").is_none());
+}
+
+fn the_picture_is_made_brighter_and_stays_so_between_frames() {
+    let mut window = Window::open(2, SIZE, 1.0);
+    let centre = window.harness.get_by_label("Picture").rect().center() + vec2(0.0, 200.0);
+    let pixel = |window: &mut Window| {
+        let image = window.harness.render().unwrap();
+        image.get_pixel(centre.x as u32, centre.y as u32).0
+    };
+    let before = pixel(&mut window);
+    window.key(Key::I);
+    assert_eq!(window.app().session.dialog, Some(Dialog::PictureLook));
+    let look = touchline::scene::PictureLook { gamma: 2.0, ..Default::default() };
+    window.harness.state_mut().apply([Action::SetPictureLook(look), Action::CloseDialog]);
+    window.key(Key::Period);
+    window.wait_for(Shell::has_picture);
+    window.harness.run_steps(2);
+    let after = pixel(&mut window);
+    let expected = (f64::from(before[1]) / 255.0).sqrt() * 255.0;
+    assert!((f64::from(after[1]) - expected).abs() < 3.0, "{before:?} became {after:?}");
+    assert_eq!(window.app().settings.picture, look);
 }
 
 fn without_a_file_dialog_the_path_is_typed() {

@@ -112,7 +112,7 @@ fn trouble_is_shown_in_the_menu_row_and_leads_to_the_panel() {
     let status = TrainerStatus { trouble, references: 1, ..TrainerStatus::default() };
     window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
     window.harness.run_steps(2);
-    window.harness.get_by_label("trainer: trouble").click();
+    window.harness.get_by_label("trainer: problem").click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, SidePanel::Trainer);
     window.harness.get_by_label_contains("the saw broke");

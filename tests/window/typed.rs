@@ -3,6 +3,8 @@
 use crate::parts::{Test, tests};
 use crate::window::Window;
 use egui::{Event, Key, Modifiers, PointerButton};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::Action;
 use touchline::app::session::Mode;
 use touchline::document::{FrameStatus, RejectReason, Target};
 use touchline::geometry::ImagePoint;
@@ -13,6 +15,8 @@ pub const TESTS: &[Test] = tests![
     [Adapter] a_click_its_name_and_the_next_frame_are_read_in_order;
     [Adapter] what_is_typed_after_a_dialog_opens_is_typed_into_it;
     [Adapter] a_key_that_was_tapped_holds_nothing;
+    [Adapter] a_code_typed_after_a_point_has_named_itself_is_its_name_and_no_command;
+    [Adapter] what_a_number_field_refuses_stays_in_it_with_the_reason_and_enter_never_leaves_the_frame;
 ];
 
 fn key(key: Key, pressed: bool, modifiers: Modifiers) -> Event {
@@ -96,4 +100,72 @@ fn a_key_that_was_tapped_holds_nothing() {
     let mut window = Window::open(1, [960.0, 600.0], 1.0);
     all_at_once(&mut window, &[stroke(Key::H, "h")]);
     assert!(!window.app().session.held.hide_overlay);
+}
+
+/// A frame with two points, so that the third names itself.
+fn two_points_named() -> Window {
+    let mut window = Window::open(2, [1280.0, 720.0], 1.0);
+    for landmark in ["penalty_area_far_left_front", "centre_circle_halfway_near"] {
+        let pick = Action::Pick(Target::Landmark(landmark.into()));
+        window.harness.state_mut().apply([pick]);
+        window.click(window.image_of(landmark));
+    }
+    assert!(window.app().current().solved().is_some());
+    window
+}
+
+fn named(window: &Window) -> Vec<String> {
+    let clicks = &window.app().open().unwrap().frame(0).unwrap().clicks;
+    clicks.iter().map(|click| click.target.as_ref().map_or_else(String::new, |name| name.as_str().to_owned())).collect()
+}
+
+fn a_code_typed_after_a_point_has_named_itself_is_its_name_and_no_command() {
+    // Each of these letters is a command otherwise: check point, compare, next, reference; delete is none.
+    let codes = [("pml", "penalty_mark_left"), ("gnlf", "goal_area_near_left_front"), ("chn", "penalty_mark_left")];
+    for (code, expected) in codes {
+        let mut window = two_points_named();
+        let mut events = vec![click(&window, window.image_of("penalty_mark_left"))];
+        for letter in code.chars() {
+            let key = Key::from_name(&letter.to_uppercase().to_string()).unwrap();
+            events.push(stroke(key, &letter.to_string()));
+        }
+        events.push(stroke(Key::Enter, ""));
+        all_at_once(&mut window, &events);
+        assert_eq!((window.app().session.frame, &window.app().session.mode), (0, &Mode::Idle), "{code}");
+        assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Draft, "{code}");
+        if code == "chn" {
+            // The second point has that name: the two have swapped, and the list has said so before.
+            assert_eq!(named(&window)[1..], ["penalty_mark_left", "centre_circle_halfway_near"]);
+        } else {
+            assert_eq!(named(&window)[2], expected);
+        }
+    }
+    // After two seconds letters are commands again.
+    let mut window = two_points_named();
+    window.click(window.image_of("penalty_mark_left"));
+    window.harness.run_steps(10);
+    window.key(Key::K);
+    assert!(window.app().frame().unwrap().clicks[2].check, "K makes it a check point");
+}
+
+fn what_a_number_field_refuses_stays_in_it_with_the_reason_and_enter_never_leaves_the_frame() {
+    let mut window = two_points_named();
+    window.harness.run_steps(4);
+    let before = window.app().current().camera.unwrap().ptz();
+    for (typed, told) in [("-5", "-5° is out of range: 0.5 to 150°; lenses show"), ("abc", "“abc” is not a number.")]
+    {
+        window.harness.get_by_role_and_label(egui::Role::SpinButton, "Field of view").click();
+        window.harness.run_steps(3);
+        window.harness.event(Event::Text(typed.to_owned()));
+        window.harness.run_steps(2);
+        window.key(Key::Enter);
+        assert!(window.harness.query_by_label_contains(told).is_some(), "{told}");
+        // Again and again: it is the field's.
+        window.key(Key::Enter);
+        window.key(Key::Enter);
+        assert_eq!((window.app().session.frame, window.app().current().camera.unwrap().ptz()), (0, before), "{typed}");
+        window.key(Key::Escape);
+        window.harness.run_steps(3);
+    }
+    assert_eq!(window.app().open().unwrap().frame(0).unwrap().status, FrameStatus::Draft);
 }

@@ -1,7 +1,7 @@
 //! How many frames there are of each kind.
 
 use super::memo::Follows;
-use crate::app::filter::{Filter, needs_me};
+use crate::app::filter::{Filter, is_to_do};
 use crate::document::{CameraId, Document, Frame, FrameChanges, FrameStatus, Frames};
 use crate::proposals::is_uncertain;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,8 +12,8 @@ pub struct FrameCounts {
     frames: Frames,
     by_status: BTreeMap<FrameStatus, usize>,
     by_camera: BTreeMap<CameraId, usize>,
-    /// Frames that somebody has to look at.
-    pub need_me: usize,
+    /// Frames that are neither accepted nor rejected.
+    pub to_do: usize,
     /// Frames that the forest was asked for in vain.
     pub unanswered: usize,
     /// Suggestions that the forest is not sure of.
@@ -49,10 +49,26 @@ impl FrameCounts {
     pub fn shown_by(&self, filter: Filter) -> usize {
         match filter {
             Filter::All => self.frames.len(),
-            Filter::NeedsMe => self.need_me,
+            Filter::ToDo => self.to_do,
             Filter::Unanswered => self.unanswered,
             Filter::Status(status) => self.of_status(status),
         }
+    }
+
+    /// What is to do, by its reason: "12 to review, 3 drafts, 8 without an answer, 2 new"; none where nothing is.
+    #[must_use]
+    pub fn describe_to_do(&self) -> Option<String> {
+        let drafts = self.of_status(FrameStatus::Draft);
+        let new = self.of_status(FrameStatus::New).saturating_sub(self.unanswered);
+        let reasons = [
+            (self.of_status(FrameStatus::Suggested), "to review"),
+            (drafts, if drafts == 1 { "draft" } else { "drafts" }),
+            (self.unanswered, "without an answer"),
+            (new, "new"),
+        ];
+        let said = reasons.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+        let said: Vec<String> = said.collect();
+        (!said.is_empty()).then(|| said.join(", "))
     }
 
     /// The places of the frames that were clicked again, ascending.
@@ -99,7 +115,7 @@ impl FrameCounts {
         change(self.by_camera.entry(frame.camera.clone()).or_default());
         let is_reference = frame.status == FrameStatus::Reference;
         let kinds = [
-            (needs_me(frame), &mut self.need_me),
+            (is_to_do(frame), &mut self.to_do),
             (frame.is_unanswered(), &mut self.unanswered),
             (is_uncertain(frame), &mut self.uncertain),
             (frame.is_used_for_training(), &mut self.used_for_training),
@@ -132,7 +148,7 @@ impl Follows for FrameCounts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Click, FieldSpec, Repeat};
+    use crate::document::{Click, FieldSpec, Repeat, Solution, SolutionSource};
     use crate::geometry::{ImagePoint, ImageSize};
 
     fn document(frames: usize) -> Document {
@@ -176,6 +192,23 @@ mod tests {
             assert_eq!(said(&kept), said(&FrameCounts::of(&document.frames, (0, 0))));
         }
         assert_eq!((kept.of_status(FrameStatus::Suggested), kept.of_camera(&"other".into())), (1, 1));
+    }
+
+    #[test]
+    fn what_is_to_do_is_what_is_neither_accepted_nor_rejected_and_its_reasons_add_up() {
+        let mut document = document(8);
+        let in_vain = || Solution { source: Some(SolutionSource::Forest), ..Solution::default() };
+        document.frames[0].status = FrameStatus::Reference;
+        document.frames[1].status = FrameStatus::Rejected;
+        document.frames[2].status = FrameStatus::Draft;
+        document.frames[3].status = FrameStatus::Suggested;
+        document.frames[4].status = FrameStatus::Suggested;
+        document.frames[5].solution = Some(in_vain());
+        let counts = FrameCounts::of(&document.frames, (0, 0));
+        assert_eq!((counts.to_do, counts.shown_by(Filter::ToDo)), (6, 6));
+        assert_eq!(counts.describe_to_do().unwrap(), "2 to review, 1 draft, 1 without an answer, 2 new");
+        assert_eq!(document.frames.iter().filter(|frame| Filter::ToDo.shows(frame)).count(), counts.to_do);
+        assert_eq!(FrameCounts::default().describe_to_do(), None);
     }
 
     #[test]

@@ -85,7 +85,7 @@ impl App {
             Ok(found) => {
                 let text = describe(&found);
                 self.session.base = BaseWork::Proposed(found.into());
-                self.session.notify_with(Level::Info, text, [("Use it", Command::UseEstimatedBase)]);
+                self.session.notify(Level::Info, text);
             }
             Err(failure) => {
                 self.session.base = BaseWork::Idle;

@@ -52,7 +52,7 @@ impl App {
             Some(target) => Click::new(target, at),
             None => Click::unnamed(at),
         };
-        let placed = click.target.is_none();
+        let (placed, named) = (click.target.is_none(), click.target.clone());
         if !self.begin("Place point") {
             return;
         }
@@ -65,6 +65,9 @@ impl App {
             self.name_if_certain(index);
         }
         self.clicks_changed();
+        if let Some(target) = named {
+            self.warn_of_unmarked(&target);
+        }
     }
 
     pub(super) fn drag(&mut self, to: ImagePoint) {

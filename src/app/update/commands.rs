@@ -27,24 +27,29 @@ impl App {
         match command {
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
+            C::DismissNotices if self.session.notices.is_empty() => Some("There are no messages."),
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
             | C::OpenDemo
+            | C::DismissNotices
             | C::Quit
             | C::Cancel
             | C::Palette
             | C::Keys
+            | C::Messages
+            | C::Preferences
+            | C::Guide
             | C::About => None,
             C::PauseTrainer => self.no_trainer(),
             _ if self.session.quality.open && command.kind() == CommandKind::Picture => {
                 Some("Close the quality page first.")
             }
-            C::OverlayStyle => None,
+            C::OverlayStyle | C::PictureLook => None,
             C::ShowFeatures => self.no_trainer(),
             _ if no_document => Some("No document is open."),
             C::Orphans if self.session.orphans.is_empty() => Some("No edits were set aside beside this document."),
-            C::Save | C::Import if self.is_read_only() => Some("The document is read-only."),
+            C::Save | C::Import | C::ChooseSport if self.is_read_only() => Some("The document is read-only."),
             C::Undo if !self.can_undo() => Some("There is nothing to undo."),
             C::Redo if !self.can_redo() => Some("There is nothing to redo."),
             C::Orphans
@@ -84,7 +89,7 @@ impl App {
                 Some("The field's size is confirmed already.")
             }
             C::KeepBurntIn | C::ChangeBurntIn if self.session.burnt_in.is_empty() => {
-                Some("Nothing that looks burned in waits.")
+                Some("There are no burned-in graphics to decide about.")
             }
             C::AcceptAnyway if self.doubt().is_none() => Some("Nothing contradicts this frame."),
             C::AssignToCamera
@@ -102,9 +107,9 @@ impl App {
             C::NextShot | C::PreviousShot | C::FindShots | C::AddCut | C::MoveCutHere | C::RemoveCut
                 if self.frame().is_some_and(|frame| frame.video.is_none()) =>
             {
-                Some("This frame is not of a video.")
+                Some("This frame does not come from a video.")
             }
-            C::StopShotSearch if self.session.video.search.is_none() => Some("No cuts are being looked for."),
+            C::StopShotSearch if self.session.video.search.is_none() => Some("No search for cuts is running."),
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
@@ -118,10 +123,10 @@ impl App {
             C::StopTracking if self.session.tracking.is_none() => Some("No cameras are being carried."),
             C::FindCamera => self.why_not_find_camera(),
             C::StopFindCamera if matches!(self.session.unclicked, UnclickedWork::Idle) => {
-                Some("No camera is being looked for.")
+                Some("No search for a camera is running.")
             }
             C::TryFirstCamera | C::TryOtherCamera if !matches!(self.session.unclicked, UnclickedWork::Two(_)) => {
-                Some("No two cameras wait for a decision.")
+                Some("There are no two cameras to choose from.")
             }
             C::SearchLines => self.why_not_search_lines(),
             C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
@@ -299,6 +304,12 @@ impl App {
             C::Uncertainty => self.session.uncertainty = self.session.uncertainty.next(),
             C::Palette => self.session.dialog = Some(Dialog::Palette),
             C::Keys => self.session.dialog = Some(Dialog::Keys),
+            C::Messages => self.session.dialog = Some(Dialog::Messages),
+            C::DismissNotices => self.session.notices.clear(),
+            C::ChooseSport => self.session.dialog = Some(Dialog::Sport),
+            C::PictureLook => self.session.dialog = Some(Dialog::PictureLook),
+            C::Preferences => self.session.dialog = Some(Dialog::Preferences),
+            C::Guide => self.session.dialog = Some(Dialog::Guide),
             C::About => self.session.dialog = Some(Dialog::About),
         }
     }

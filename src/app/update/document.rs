@@ -6,7 +6,7 @@ use crate::app::OpenProject;
 use crate::app::action::Opened;
 use crate::app::camera_watch::Watched;
 use crate::app::effect::Effect;
-use crate::app::session::{Leaving, Level, Question, Saving, Session};
+use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session};
 use std::path::PathBuf;
 
 impl App {
@@ -43,7 +43,9 @@ impl App {
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;
         let transfer_tickets = self.session.transfer.tickets;
+        let told = std::mem::take(&mut self.session.told);
         self.session = Session::default();
+        self.session.told = told;
         self.session.trainer = trainer;
         // A report of the document before is passed over.
         self.session.snap_tickets = snap_tickets;
@@ -55,6 +57,10 @@ impl App {
         if let Some(reason) = &opened.read_only {
             self.session.notify(Level::Warning, format!("Opened read-only: {reason}"));
         }
+        if opened.is_new {
+            self.session.dialog = Some(Dialog::Sport);
+            self.session.sport_guess = super::sport::guessed_from(&opened.file.to_string_lossy());
+        }
         self.session.orphans.clone_from(&opened.orphans);
         self.tell_orphans();
         self.settings.remember(&opened.file);
@@ -63,7 +69,7 @@ impl App {
         let mut open = OpenProject::of(prepared, file, folder, read_only);
         open.history = history;
         // Go on where work is left.
-        let first = open.document.frames.iter().position(|frame| crate::app::session::needs_me(frame));
+        let first = open.document.frames.iter().position(|frame| crate::app::session::is_to_do(frame));
         self.session.frame = first.unwrap_or(0);
         self.open = Some(open);
         self.current = Current::default();

@@ -51,6 +51,9 @@ impl App {
         if self.session.video.picture_awaited {
             return Some("The picture of this frame is not there yet. Accept it once you have seen it.".to_owned());
         }
+        if self.decides_about_base() {
+            return Some("An estimated base is shown. Use it or discard it first.".to_owned());
+        }
         if let Some(unnamed) = unnamed(frame) {
             return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
         }
@@ -92,7 +95,7 @@ impl App {
             let used_for_training = self.frame().is_some_and(Frame::is_used_for_training);
             if let Some(open) = &mut self.open {
                 let counts = open.derived.counts(&open.document);
-                let text = just_accepted(counts, &self.review, used_for_training);
+                let text = just_accepted(counts, used_for_training);
                 self.session.notify(Level::Info, text);
             }
             match listed.filter(|_| !stay) {

@@ -11,7 +11,7 @@ use crate::geometry::ImagePoint;
 use std::sync::LazyLock;
 
 /// What is said of everything that would show the label, or lead away from it.
-pub(super) const IN_ROUND: &str = "You are clicking again: end the round first (Esc).";
+pub(super) const IN_ROUND: &str = "A blind round is under way: end it first (Esc).";
 
 impl App {
     /// The blind round, while there is one.
@@ -183,7 +183,7 @@ impl App {
             return;
         }
         if round.clicked() == 0 {
-            self.session.notify(Level::Info, "Nothing was clicked again yet.");
+            self.session.notify(Level::Info, "No points have been clicked again yet.");
             return;
         }
         round.go_back();

@@ -129,7 +129,7 @@ impl App {
     pub(super) fn keep_burnt_in(&mut self) {
         let found = std::mem::take(&mut self.session.burnt_in);
         self.session.retract(Command::KeepBurntIn);
-        self.change_masks(Step::on_document("Mask what looks burned in"), |document, _| {
+        self.change_masks(Step::on_document("Mask burned-in graphics"), |document, _| {
             for found in &found {
                 found.mask_in(document);
             }

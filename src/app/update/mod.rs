@@ -22,6 +22,7 @@ mod proposals;
 mod quality;
 mod review;
 mod shots;
+mod sport;
 mod tracking;
 mod trainer;
 mod transfer;
@@ -162,6 +163,8 @@ impl App {
             Action::View(view) => self.session.view = view,
             Action::FitScale(scale) => self.session.fit_scale = scale,
             Action::TypeName(typed) => self.type_name(typed),
+            Action::RefineName(typed) => self.refine_name(typed),
+            Action::ConfirmName => self.session.forget_placed(),
             Action::HighlightName(index) => self.highlight_name(index),
             Action::TakeName(index) => self.take_name(index),
             Action::OfferLines(lines) => self.offer_lines(lines),
@@ -222,6 +225,20 @@ impl App {
             Action::Compared(compared) => self.compared(*compared),
             Action::SetOverlayStyle(style) => {
                 self.settings.overlay = style;
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::SetPictureLook(look) => {
+                self.settings.picture = look.within_limits();
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::SetTextSize(size) => {
+                self.settings.text_size = crate::app::settings::text_size_within_limits(size);
+                self.effects.push(Effect::SaveSettings);
+            }
+            Action::ChooseSport(template) => self.choose_sport(&template),
+            Action::SetPanelSizes { side, filmstrip } => {
+                self.settings.side_width = side;
+                self.settings.filmstrip_height = filmstrip;
                 self.effects.push(Effect::SaveSettings);
             }
             Action::AssignKey(command, chord) => self.assign_key(command, chord),

@@ -1,6 +1,7 @@
 //! Giving a click its name.
 
 use super::App;
+use crate::app::Command;
 use crate::app::current::rank_names;
 use crate::app::naming::certain;
 use crate::app::session::{Level, Mode, OFFERED};
@@ -51,6 +52,14 @@ impl App {
             naming.typed = typed;
             naming.highlighted = 0;
         }
+    }
+
+    /// Offers other names for the click that was just named by itself. Until one is taken it keeps its name.
+    pub(super) fn refine_name(&mut self, typed: String) {
+        let Some(click) = self.session.named_unasked.filter(|_| self.session.mode == Mode::Idle) else { return };
+        self.session.forget_placed();
+        self.open_naming(click);
+        self.type_name(typed);
     }
 
     pub(super) fn highlight_name(&mut self, index: usize) {
@@ -123,15 +132,56 @@ impl App {
         }
     }
 
+    /// Warns of a name that nothing painted marks while no base is known: people click where the curve looks widest.
+    pub(super) fn warn_of_unmarked(&mut self, target: &Target) {
+        let (Target::Landmark(id), Some(field), None) = (target, self.current.field(), self.current.base) else {
+            return;
+        };
+        let Some(landmark) = field.landmark(id.as_str()).filter(|landmark| landmark.is_unmarked) else { return };
+        let text = format!(
+            "{} is not where the curve looks widest or nearest in the picture: clicks there are 7 to 9 px off. Better choose a \
+             corner or crossing until the camera's base is known.",
+            landmark.label
+        );
+        self.session.notify(Level::Warning, text);
+    }
+
+    /// Two clicks get each other's names: one step of undo.
+    fn swap_names(&mut self, clicks: [usize; 2], names: [Target; 2]) {
+        self.session.mode = Mode::Idle;
+        self.session.next_on_line = false;
+        self.session.forget_placed();
+        let numbers = clicks.map(|click| click + 1);
+        if self.begin(format!("Swap the names of points {} and {}", numbers[0], numbers[1])) {
+            if let Some(frame) = self.frame_mut() {
+                for (click, name) in clicks.into_iter().zip(names) {
+                    if let Some(click) = frame.clicks.get_mut(click) {
+                        click.target = Some(name);
+                    }
+                }
+            }
+            self.session.selected = Some(clicks[0]);
+            self.clicks_changed();
+            self.commit();
+            let text = format!("Points {} and {} have swapped their names.", numbers[0], numbers[1]);
+            self.session.notify_with(Level::Info, text, [("Undo", Command::Undo)]);
+        }
+    }
+
     pub(super) fn name_click(&mut self, click: usize, target: Target) {
         let Some(frame) = self.frame() else { return };
         if click >= frame.clicks.len() {
             return;
         }
+        let own = frame.clicks[click].target.clone();
         let twin = frame.clicks.iter().enumerate().position(|(index, other)| {
             index != click && matches!(target, Target::Landmark(_)) && other.target.as_ref() == Some(&target)
         });
         let label = self.label(&target);
+        if let (Some(twin), Some(own)) = (twin, own) {
+            self.swap_names([click, twin], [target, own]);
+            return;
+        }
         if let Some(twin) = twin {
             let text = format!("{label} is already point {} of this frame. Delete or rename that one first.", twin + 1);
             self.session.notify(Level::Warning, text);
@@ -142,11 +192,12 @@ impl App {
         self.session.forget_placed();
         if self.begin(format!("Name {label}")) {
             if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
-                click.target = Some(target);
+                click.target = Some(target.clone());
             }
             self.session.selected = Some(click);
             self.clicks_changed();
             self.commit();
+            self.warn_of_unmarked(&target);
             self.snap_named(click);
         }
     }

@@ -39,7 +39,7 @@ impl App {
         if frame.status == FrameStatus::Rejected {
             return Some("This frame is marked as not calibratable.");
         }
-        self.session.snapping.is_some().then_some("The lines are being looked for.")
+        self.session.snapping.is_some().then_some("The lines are being searched.")
     }
 
     /// Has the shown frame's camera pulled onto the painted lines, or found by them alone.
@@ -93,7 +93,7 @@ impl App {
             open.document.frames[position].is_same(&asked.frame).then_some(position)
         });
         let Some(position) = position.filter(|_| self.session.mode == Mode::Idle) else {
-            self.session.notify(Level::Info, "The frame has changed meanwhile and was not snapped.");
+            self.session.notify(Level::Info, "The frame changed in the meantime and was not snapped.");
             return;
         };
         let before = self.open.as_ref().and_then(|open| open.document.pointed(&asked.frame));
@@ -112,7 +112,10 @@ impl App {
             self.session.notify(Level::Info, text);
         } else if asked.from_nothing {
             let samples = found.snapped.samples;
-            self.session.notify(Level::Info, format!("Found by {samples} places of paint. Look before you accept it."));
+            self.session.notify(
+                Level::Info,
+                format!("Found from {samples} points on painted lines. Check it before you accept."),
+            );
         }
     }
 
@@ -190,7 +193,7 @@ fn describe_snap(before: &PtzCamera, found: &SnappedFrame, frame: &Frame) -> Str
     let moved = before.ray_from_image(centre).ok().and_then(|ray| after.image_from_ray(ray).ok());
     let moved = moved.map(|to| format!(", {:.1} px away", to.distance_px(centre))).unwrap_or_default();
     format!(
-        "Snapped to {} places of paint (within {:.1} px){moved}. Hold S to see it before.",
+        "Snapped to {} points on painted lines (within {:.1} px){moved}. Hold S to see it before.",
         snapped.samples, snapped.rms_px
     )
 }

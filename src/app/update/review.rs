@@ -1,9 +1,9 @@
 //! Reviewing proposals: the order, accepting several together, what is used for training.
 
 use super::App;
-use crate::app::progress::nothing_needs_you;
+use crate::app::progress::ALL_DONE;
 use crate::app::review::{AcceptSheet, BulkAccept};
-use crate::app::session::{Dialog, Level, SidePanel, needs_me};
+use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
 use crate::document::{Frame, FrameStatus, Step};
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ impl App {
         let listed = self.review.next(self.session.frame, forward).filter(|_| self.session.panel == SidePanel::Review);
         match listed {
             Some(frame) => self.go_to(frame),
-            None => self.go_to_next(forward, needs_me, &nothing_needs_you(&self.review)),
+            None => self.go_to_next(forward, is_to_do, ALL_DONE),
         }
     }
 

@@ -72,7 +72,7 @@ impl App {
                 let video = search.video.clone();
                 self.session.video.search = None;
                 if !matches!(failure, ShotFailure::Media(MediaError::Stopped { .. })) {
-                    let text = format!("The cuts of {video} were not looked for: {failure}");
+                    let text = format!("The search for cuts in {video} failed: {failure}");
                     self.session.notify(Level::Warning, text);
                 }
             }
@@ -100,8 +100,8 @@ impl App {
         if count > 1 {
             let unsure = match fades {
                 0 => String::new(),
-                1 => " One is a fade, its place unsure.".to_owned(),
-                fades => format!(" {fades} are fades, their places unsure."),
+                1 => " One is a fade; its position is uncertain.".to_owned(),
+                fades => format!(" {fades} are fades; their positions are uncertain."),
             };
             self.session.notify(Level::Info, format!("{count} shots found.{unsure}"));
         }
@@ -114,7 +114,7 @@ impl App {
 
     /// The shown frame's shot becomes part of the one before it.
     pub(super) fn remove_cut(&mut self) {
-        self.change_shots("Join with the shot before", |shots, _, here| {
+        self.change_shots("Join with previous shot", |shots, _, here| {
             let start = shots.start_of(here);
             shots.remove(start)
         });

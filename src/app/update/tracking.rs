@@ -22,7 +22,7 @@ impl App {
             return Some("This program was built without OpenCV and cannot follow points.");
         }
         if self.session.tracking.is_some() {
-            return Some("Cameras are being carried.");
+            return Some("Cameras are being carried already.");
         }
         let frame = self.frame()?;
         if open.document.camera_of(frame).and_then(|camera| camera.base_for(frame)).is_none() {
@@ -99,8 +99,7 @@ impl App {
         let Some(open) = &self.open else { return };
         let base_now = open.document.camera(&order.document.frames[order.frame].camera).and_then(Camera::base);
         if base_now.as_ref() != Some(&tracked.base) {
-            self.session
-                .notify(Level::Info, "The base has changed meanwhile; the cameras that were carried were left.");
+            self.session.notify(Level::Info, "The base changed in the meantime; the carried cameras were discarded.");
             return;
         }
         // Frames are found again by their ids; those that people have changed since stay as they are.
@@ -160,8 +159,8 @@ impl App {
         }
         self.commit();
         let text = match discarded {
-            1 => "1 frame has again what it showed before.".to_owned(),
-            many => format!("{many} frames have again what they showed before."),
+            1 => "1 frame was restored.".to_owned(),
+            many => format!("{many} frames were restored."),
         };
         self.session.notify(Level::Info, text);
     }

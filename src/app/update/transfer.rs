@@ -163,7 +163,7 @@ impl App {
         let found = self.session.transfer.found.take();
         let Some(Found { revision: then, look: Look::Import(Ok(joined)) }) = found else { return };
         if Some(then) != revision {
-            self.session.notify(Level::Info, "The document has changed meanwhile; choose the file again.");
+            self.session.notify(Level::Info, "The document changed in the meantime; choose the file again.");
             return;
         }
         if !self.begin_step(Step::on_document("Import labels")) {

@@ -22,7 +22,7 @@ impl App {
             return Some("This program was built without OpenCV and cannot find features.");
         }
         if self.session.unclicked.searching().is_some() {
-            return Some("The camera is being looked for.");
+            return Some("A search for the camera is running.");
         }
         if self.current.base.is_some() {
             return Some("This camera has a base already.");
@@ -90,7 +90,7 @@ impl App {
                     UnclickedFailure::Impossible { .. } => Level::Warning,
                     UnclickedFailure::Panicked { .. } => Level::Error,
                 };
-                self.session.notify(level, format!("The camera was not looked for to the end: {failure}."));
+                self.session.notify(level, format!("The search for the camera failed: {failure}."));
             }
         }
     }
@@ -110,7 +110,7 @@ impl App {
         let UnclickedWork::Found(found) = std::mem::take(&mut self.session.unclicked) else { return };
         let has_base = self.open.as_ref().and_then(|open| open.document.camera(&found.camera)?.base()).is_some();
         if has_base {
-            let text = "The camera was found, but it has got a base meanwhile; what was found was left.";
+            let text = "The camera was found, but it was given a base in the meantime; the result was discarded.";
             self.session.notify(Level::Info, text);
             return;
         }

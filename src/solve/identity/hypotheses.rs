@@ -4,8 +4,8 @@ use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::{Curve, FieldElement, FieldLine, FieldModel, Symmetry};
 use crate::solve::frame::{best_fit, fit_from};
 use crate::solve::{
-    Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation, ObservedShape, PtzStep, Rename,
-    SolveContext,
+    ClickResidual, Evidence, FrameSolution, IdentityFinding, IdentityKind, Loss, Name, Observation, ObservedShape,
+    PtzStep, Rename, SolveContext,
 };
 use std::collections::BTreeSet;
 
@@ -38,9 +38,23 @@ impl Judged {
         self.chi_squared + self.surprise + 4.0 * self.hypothesis.renames.len() as f64
     }
 
-    pub fn finding(self, evidence: Evidence, as_named_px: f64) -> IdentityFinding {
-        let Hypothesis { kind, renames, .. } = self.hypothesis;
-        IdentityFinding { kind, evidence, renames, ptz: self.ptz, as_named_px, renamed_px: self.rms_px }
+    /// What is told of it: how far the farthest of the renamed clicks is off as named, and under the new names.
+    pub fn finding(self, evidence: Evidence, base: &CameraBase, solution: &FrameSolution) -> IdentityFinding {
+        let Hypothesis { kind, renames, clicks } = self.hypothesis;
+        let is_renamed = |click: usize| renames.iter().any(|rename| rename.click == click);
+        let named = solution.residuals.iter().filter(|residual| is_renamed(residual.click));
+        let as_named_px = named.filter_map(ClickResidual::distance_px).max_by(f64::total_cmp);
+        let camera = PtzCamera::new(*base, self.ptz);
+        let renamed = clicks.iter().filter(|click| is_renamed(click.click));
+        let renamed_px = renamed.filter_map(|click| click.distance_px(&camera)).max_by(f64::total_cmp);
+        IdentityFinding {
+            kind,
+            evidence,
+            ptz: self.ptz,
+            as_named_px: as_named_px.unwrap_or(solution.rms_px),
+            renamed_px: renamed_px.unwrap_or(self.rms_px),
+            renames,
+        }
     }
 }
 
@@ -114,7 +128,7 @@ impl Search<'_> {
             .filter_map(|side| self.judged(side))
             .filter(|judged| judged.chi_squared + judged.surprise < solution.chi_squared + surprise + AS_WELL)
             .min_by(|a, b| a.penalty().total_cmp(&b.penalty()))
-            .map(|judged| judged.finding(Evidence::None, solution.rms_px))
+            .map(|judged| judged.finding(Evidence::None, self.base, solution))
     }
 
     /// All names of the mirrored side; none if the field lacks one of them, or nothing would change.

@@ -92,5 +92,5 @@ pub fn check_identity(
     let one_by_one = || if clicks.len() <= FEW_CLICKS { best(search.single_mistakes()) } else { None };
     let found = by_majority().or_else(one_by_one).or_else(|| best(search.group_mistakes()))?;
     let evidence = if contradicted { Evidence::Clicks } else { Evidence::MotionPrior };
-    Some(found.finding(evidence, solution.rms_px))
+    Some(found.finding(evidence, base, solution))
 }

@@ -73,7 +73,7 @@ impl IdentityFinding {
         let points = points(&clicks).to_lowercase();
         match self.kind {
             IdentityKind::Swapped => format!("Swap {points}"),
-            IdentityKind::Mirrored(_) => "Exchange names".to_owned(),
+            IdentityKind::Mirrored(_) => "Mirror names".to_owned(),
             IdentityKind::OtherPart { .. } | IdentityKind::WrongName => format!("Rename {points}"),
         }
     }

@@ -96,7 +96,7 @@ pub struct IdentityFinding {
     pub renames: Vec<Rename>,
     /// The camera under the new names.
     pub ptz: Ptz,
-    /// Root mean square distance of the clicks as named, px.
+    /// The distance of the farthest of the clicks to rename, as named, px: the residual that the list of points shows for it.
     pub as_named_px: f64,
     /// The same under the new names.
     pub renamed_px: f64,

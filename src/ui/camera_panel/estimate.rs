@@ -85,17 +85,9 @@ fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         ui.add_space(theme::SPACE);
         if panel.app.current().base.is_some() {
             let key = panel.app.settings.keys.shown(Command::Compare);
-            let text = format!("The picture shows the new base. Hold {key} for the current one.");
+            let text = format!("Picture and numbers show this base. Hold {key} for the current one.");
             ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
         }
-        ui.horizontal(|ui| {
-            let says = RichText::new("Use this base").strong().color(theme::STRONG);
-            let button = ui.add(Button::new(says).fill(theme::ACCENT_GROUND));
-            if button.on_hover_text(panel.app.settings.keys.tooltip(Command::UseEstimatedBase)).clicked() {
-                panel.actions.push(Action::Command(Command::UseEstimatedBase));
-            }
-            command(panel, ui, "Discard", Command::DropEstimatedBase);
-        });
     });
 }
 

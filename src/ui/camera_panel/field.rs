@@ -43,12 +43,8 @@ fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         ComboBox::from_id_salt("field template").width(ui.available_width()).selected_text(title).show_ui(ui, |ui| {
             for name in builtin_names() {
                 let title = builtin(name).map_or_else(|_| name.to_owned(), |template| template.title.clone());
-                if ui.selectable_label(*spec.template == *name, title).clicked() && *spec.template != *name {
-                    // Parameters belong to a template; every field has a crown.
-                    let crown = spec.params.get(CROWN).copied();
-                    let mut changed = FieldSpec { extra: spec.extra.clone(), ..FieldSpec::new(name) };
-                    changed.params.extend(crown.map(|crown_m| (CROWN.to_owned(), crown_m)));
-                    panel.actions.push(Action::EditField(changed));
+                if ui.selectable_label(spec.template == name, title).clicked() {
+                    panel.actions.push(Action::ChooseSport(name.to_owned()));
                 }
             }
         });
@@ -60,7 +56,7 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     for param in known {
         let tip = format!("{} {}.", range(param), param.source.trim_end_matches('.'));
         let value = spec.params.get(&param.name).copied().unwrap_or(param.default);
-        let length = metres(&param.label, &tip, value, param.min..=param.max);
+        let length = metres(&param.label, &tip, value, param.min..=param.max, param.source.trim_end_matches('.'));
         row(panel, ui, spec, &param.name, length);
         let rule = param.source.split(':').next().unwrap_or_default();
         let allowed = format!("{} {rule}", range(param));
@@ -68,7 +64,7 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     }
     let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
     let value = spec.params.get(CROWN).copied().unwrap_or(0.0);
-    let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M);
+    let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M, "no field is that far from flat");
     row(panel, ui, spec, CROWN, Number { speed: 0.002, decimals: 3, ..crown });
 }
 
@@ -82,7 +78,7 @@ fn range(param: &Param) -> String {
     }
 }
 
-fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64>) -> Number<'a> {
+fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64>, why: &'a str) -> Number<'a> {
     Number {
         name,
         step: "Change field",
@@ -91,6 +87,7 @@ fn metres<'a>(name: &'a str, tip: &'a str, value: f64, range: RangeInclusive<f64
         speed: 0.05,
         decimals: 2,
         range,
+        why,
         suffix: " m",
         width: numbers::FIELD,
     }

@@ -11,7 +11,7 @@ mod paint_map;
 mod position_view;
 mod unclicked;
 
-use super::{Panel, theme};
+use super::{Panel, inspector, theme};
 use crate::app::{Action, Command};
 use crate::camera::BaseAngles;
 use crate::document::Camera;
@@ -32,6 +32,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         });
         return;
     };
+    if panel.app.decides_about_base() {
+        inspector::decide(panel, ui);
+    }
     ScrollArea::vertical().id_salt("camera panel").auto_shrink(false).show(ui, |ui| {
         Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 }).show(ui, |ui| {
             ui.set_width(ui.available_width());
@@ -104,7 +107,7 @@ fn of_frames(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let (all, cameras) = (open.document.frames.len(), open.document.cameras.len());
     let description = match selected {
         0 if cameras == 1 => format!("All {all} frames"),
-        0 => format!("Took {frames} of {all} frames"),
+        0 => format!("{frames} of {all} frames"),
         selected => format!("{selected} frames selected"),
     };
     numbers::line(
@@ -126,13 +129,12 @@ fn no_base(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "POSITION AND ROTATION");
     ui.add(
         Label::new(
-            "Not known yet. Two clicks need a known camera: have it estimated, load one from another project of this stand, \
-             or start from a usual place and drag the numbers until the lines fit.",
+            "Not known yet. Two clicks need a known camera: have it estimated, load one from another project at this venue, or start from a typical position and drag the numbers until the lines fit.",
         )
         .wrap(),
     );
     ui.add_space(theme::SPACE);
-    let start = ui.button("Start from a usual place").on_hover_text(format!(
+    let start = ui.button("Start from a typical position").on_hover_text(format!(
         "{START_BEHIND_M:.0} m behind the near touchline, at the halfway line, {START_HEIGHT_M:.0} m up, level."
     ));
     if start.clicked() {

@@ -12,6 +12,9 @@ use egui::{Align, Button, Grid, Layout, RichText, Ui};
 /// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
 const GUESSED_SENSOR_MM: f64 = 9.6;
 
+/// A camera stands at least this high, m.
+const LOWEST_M: f64 = 0.1;
+
 /// The width of a number field, points.
 pub const FIELD: f32 = 112.0;
 
@@ -57,7 +60,8 @@ pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             value: position[axis],
             speed: 0.05,
             decimals: 3,
-            range: -500.0..=500.0,
+            range: if axis == 2 { LOWEST_M..=500.0 } else { -500.0..=500.0 },
+            why: if axis == 2 { "a camera stands above the field" } else { "cameras stand no farther from the field" },
             suffix: " m",
             width: FIELD,
         };
@@ -82,6 +86,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         speed: 0.02,
         decimals: 4,
         range: -limit..=limit,
+        why: "beyond that the same directions come again",
         suffix: "°",
         width: FIELD,
     };
@@ -136,6 +141,7 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         speed: 0.2,
         decimals: 2,
         range: -f64::from(limit)..=2.0 * f64::from(limit),
+        why: "the optical axis is not farther from the picture than its own size",
         suffix: " px",
         width: FIELD,
     };
@@ -163,6 +169,7 @@ fn stage(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         speed: 0.05,
         decimals: 3,
         range: -limit..=limit,
+        why: "a stage is near its field, and a heading is within a full turn",
         suffix,
         width: FIELD,
     };
@@ -200,13 +207,14 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         speed: 0.05,
         decimals: 2,
         range: 1.0..=100.0,
+        why: "sensors are between those of phones and of large format",
         suffix: " mm",
         width: FIELD,
     };
-    let label = if known.is_some() { "Sensor width" } else { "Sensor width (a guess)" };
+    let label = if known.is_some() { "Sensor width" } else { "Sensor width (assumed)" };
     row(panel, ui, camera, label, number, |changed, mm| changed.sensor_width_mm = Some(mm));
     let confirm = Button::new("Confirm sensor width").small();
-    if known.is_none() && ui.add(confirm).on_hover_text("It is known to be this. One step of undo.").clicked() {
+    if known.is_none() && ui.add(confirm).on_hover_text("Mark this width as known. One step of undo.").clicked() {
         let confirmed = Camera { sensor_width_mm: Some(GUESSED_SENSOR_MM), ..camera.clone() };
         panel.actions.extend([
             Action::BeginEdit("Confirm sensor width"),
@@ -218,29 +226,30 @@ fn sensor(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 
 fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let curve = camera.distortion.as_ref().and_then(|lens| lens.k1.clone()).unwrap_or_default();
-    let number = |name, tip, value, speed, decimals, suffix| Number {
+    let number = |name, tip, value, speed, decimals, range, suffix| Number {
         name,
         step: "Change distortion",
         tip,
         value,
         speed,
         decimals,
-        range: -1e6..=1e6,
+        range,
+        why: "no lens of a camera is beyond that",
         suffix,
         width: FIELD,
     };
     let tip = "Radial distortion: a point at radius r (in focal lengths) moves outwards by k1·r³. 0: none.";
-    let value = number("k1", tip, curve.value, 0.0005, 5, "");
+    let value = number("k1", tip, curve.value, 0.0005, 5, -5.0..=5.0, "");
     row(panel, ui, camera, "k1", value, |changed, value| curve_of(changed).value = value);
     let tip = "The focal length for which k1 is given.";
-    let at = number("k1 at focal", tip, curve.at_focal_px, 5.0, 1, " px");
-    row(panel, ui, camera, "k1 holds at focal", at, |changed, px| curve_of(changed).at_focal_px = px);
+    let at = number("k1 at focal", tip, curve.at_focal_px, 5.0, 1, 0.0..=1e6, " px");
+    row(panel, ui, camera, "k1 at focal length", at, |changed, px| curve_of(changed).at_focal_px = px);
     let tip = "How much k1 changes per 1000 px of focal length.";
-    let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, "");
+    let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, -5.0..=5.0, "");
     row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
     if let Some(share) = camera.distortion.as_ref().and_then(|lens| lens.k2_per_k1_squared) {
         let tip = "k2 is this times k1², at every focal length. From 0.45 on the lens folds nowhere.";
-        let share = number("k2 per k1²", tip, share, 0.005, 3, "");
+        let share = number("k2 per k1²", tip, share, 0.005, 3, -10.0..=10.0, "");
         row(panel, ui, camera, "k2 per k1²", share, |changed, value| {
             changed.distortion.get_or_insert_default().k2_per_k1_squared = Some(value);
         });
@@ -287,6 +296,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                     speed: 0.005,
                     decimals,
                     range: 0.0..=limit,
+                    why: "a 1-σ is not negative, and beyond this nothing is known",
                     suffix: unit,
                     width: field,
                 };

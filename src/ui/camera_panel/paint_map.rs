@@ -47,8 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             panel.actions.push(Action::GoTo(frames[place].0));
         }
     }
-    let tip = "White: paint that stays while the camera turns. Orange: the field's lines as this camera has them. Where they fall \
-               together the camera is right. Click to go to the frame that shows that place.";
+    let tip = "White: paint that stays put while the camera turns. Orange: the field's lines with this camera. Where they coincide, the camera is right. Click to go to the frame that shows that place.";
     response.on_hover_text(tip);
 }
 

@@ -32,8 +32,7 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let side = Rect::from_min_max(pos2(rect.right() - SIDE, rect.top()), rect.max);
     from_above(&painter, top.shrink(8.0), &field, found, panel.app.session.frame);
     from_the_side(&painter, side.shrink2(vec2(6.0, 8.0)), found);
-    let tip = "The position with its 1-σ ellipse, and where each frame looks. The shown frame is bright. Frames that look in \
-               many directions tell the position best.";
+    let tip = "The position with its 1-σ ellipse, and where each frame looks. The shown frame is bright. Frames that look in many directions constrain the position best.";
     response.on_hover_text(tip);
 }
 

@@ -25,9 +25,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         }
         _ if camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
-            let text = "Turned views of one camera, tied together, show where it stands. It takes about a minute.";
+            let text = "Overlapping views of one camera, matched to each other, show where it stands. This takes about a minute.";
             ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
-            start(panel, ui, "Find the camera by itself");
+            start(panel, ui, "Find the camera automatically");
         }
         _ => {}
     }

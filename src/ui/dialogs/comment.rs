@@ -26,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         let row = vec2(ui.available_width(), 24.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let keep = ui.add(Button::new("Save comment").fill(theme::ACCENT_GROUND));
-            if keep.on_hover_text("Keep the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
+            if keep.on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
                 panel.actions.push(Action::SetComment(typed.clone()));
             }
             if ui.button("Cancel").on_hover_text("Leave the comment as it was. (Esc)").clicked() {

@@ -13,7 +13,7 @@ const FIXED: [(&str, &str); 9] = [
     ("Tab", "while naming a point: switch between landmarks and lines"),
     ("Wheel", "zoom to the pointer"),
     ("Space-drag, middle drag", "move the picture"),
-    ("Alt at the release", "the point stays there, not on the paint near by"),
+    ("Alt while releasing", "the point stays there instead of snapping to paint nearby"),
     ("Shift while dragging", "a tenth of the pointer's speed"),
     ("1–6", "the reason, after Not calibratable"),
 ];
@@ -69,7 +69,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 for group in [MenuGroup::File, MenuGroup::Edit, MenuGroup::View] {
                     table(panel, &mut columns[0], group, chosen);
                 }
-                for group in [MenuGroup::Frame, MenuGroup::Help] {
+                for group in [MenuGroup::Frame, MenuGroup::Camera, MenuGroup::Help] {
                     table(panel, &mut columns[1], group, chosen);
                 }
                 fixed(&mut columns[1]);
@@ -93,7 +93,7 @@ fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Co
 fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
     let shown = shown(&panel.app.settings.keys, command);
     let text = match (waits, shown.is_empty()) {
-        (true, _) => RichText::new("press a key").color(theme::ACCENT),
+        (true, _) => RichText::new("press a key").color(theme::STRONG),
         (false, true) => RichText::new("none").color(theme::WEAK),
         (false, false) => RichText::new(&shown).monospace().color(theme::STRONG),
     };

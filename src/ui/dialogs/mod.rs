@@ -1,4 +1,4 @@
-//! Dialogs: palette, keys, about, overlay style, comment, camera assignment, path, and the questions about saving. Escape or
+//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of the picture, comment, camera assignment, path, and the questions about saving. Escape or
 //! a click beside a dialog closes it.
 
 mod about;
@@ -8,12 +8,17 @@ mod changed_outside;
 mod comment;
 mod fuzzy;
 mod go_to;
+mod guide;
 mod keys;
+mod messages;
 mod not_saved;
 mod orphans;
 mod overlay_style;
 mod palette;
 mod path;
+mod picture_look;
+mod preferences;
+mod sport;
 mod transfer;
 
 pub use keys::captures_keys;
@@ -31,6 +36,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::Palette) => palette::show(panel, ctx),
         Some(Dialog::Keys) => keys::show(panel, ctx),
         Some(Dialog::About) => about::show(panel, ctx),
+        Some(Dialog::Messages) => messages::show(panel, ctx),
+        Some(Dialog::Sport) => sport::show(panel, ctx),
+        Some(Dialog::Guide) => guide::show(panel, ctx),
+        Some(Dialog::Preferences) => preferences::show(panel, ctx),
+        Some(Dialog::PictureLook) => picture_look::show(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
         Some(Dialog::AcceptAll) => accept_all::show(panel, ctx),
         Some(Dialog::Comment(comment)) => comment::show(panel, ctx, &comment),

@@ -76,7 +76,7 @@ fn controls(ui: &mut Ui, style: &mut OverlayStyle) {
     });
     ui.add_space(theme::SPACE);
     let delivered = OverlayStyle::default();
-    let reset = ui.add_enabled(*style != delivered, Button::new("As delivered"));
+    let reset = ui.add_enabled(*style != delivered, Button::new("Reset to defaults"));
     let reset = reset.on_hover_text("Restore the default style.").on_disabled_hover_text("This is the default style.");
     if reset.clicked() {
         *style = delivered;

@@ -1,17 +1,21 @@
 //! The command palette: any command by typing.
 
 use super::{curtain, fuzzy, has_just_opened};
+use crate::app::synonyms::synonyms;
 use crate::app::{Action, App, Command};
 use crate::ui::{Panel, theme};
 use egui::{
     Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role, ScrollArea, Sense,
     TextEdit, Ui, WidgetInfo, pos2, vec2,
 };
+use std::cmp::Reverse;
 
 /// The palette's width, points.
 const WIDTH: f32 = 520.0;
 /// The height of a row, points.
 const ROW: f32 = 28.0;
+/// What a match of another word for a command counts.
+const BY_SYNONYM: u32 = 60;
 /// The number of visible rows.
 const ROWS: f32 = 11.0;
 
@@ -65,7 +69,7 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     if response.changed() {
         state.highlighted = 0;
     }
-    let found = found(&state.typed);
+    let found = found(panel.app, &state.typed);
     let last = found.len().saturating_sub(1);
     state.highlighted = state.highlighted.saturating_add_signed(step).min(last);
     ui.add_space(theme::SPACE);
@@ -85,21 +89,29 @@ fn contents(panel: &mut Panel<'_>, ui: &mut Ui, state: &mut State, opened: bool)
     });
 }
 
-/// The commands that match, best first; all of them in menu order while nothing is typed.
-fn found(typed: &str) -> Vec<Command> {
+/// The commands that match, those that can be done now first, then the best match; in menu order while nothing is typed.
+fn found(app: &App, typed: &str) -> Vec<Command> {
     let candidates = Command::all().filter(|command| *command != Command::Palette);
-    if typed.trim().is_empty() {
-        return candidates.collect();
-    }
-    let mut scored: Vec<(u32, Command)> = candidates
-        .filter_map(|command| {
-            let by_name = fuzzy::score(typed, command.name());
-            let by_group = fuzzy::score(typed, &format!("{} {}", command.group().title(), command.name()));
-            Some((by_name.max(by_group)?, command))
-        })
+    let mut scored: Vec<((bool, Reverse<u32>), Command)> = candidates
+        .filter_map(|command| Some(((app.why_not(command).is_some(), Reverse(score(typed, command)?)), command)))
         .collect();
-    scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    scored.sort_by_key(|(rank, _)| *rank);
     scored.into_iter().map(|(_, command)| command).collect()
+}
+
+/// How well a command matches what was typed: by its name, its menu, or another word for it. None: it does not.
+fn score(typed: &str, command: Command) -> Option<u32> {
+    let typed = typed.trim();
+    if typed.is_empty() {
+        return Some(0);
+    }
+    let by_name = fuzzy::score(typed, command.name());
+    let by_group = fuzzy::score(typed, &format!("{} {}", command.group().title(), command.name()));
+    // Another word counts by its beginning, and less than a name of which every word begins as typed.
+    let wanted = typed.to_lowercase();
+    let begins = |word: &str| word.to_lowercase().starts_with(&wanted);
+    let by_synonym = (wanted.len() > 2 && synonyms(command).split(' ').any(begins)).then_some(BY_SYNONYM);
+    by_name.max(by_group).max(by_synonym)
 }
 
 fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) -> bool {
@@ -145,17 +157,32 @@ mod tests {
 
     #[test]
     fn what_is_typed_finds_the_command_that_is_meant() {
+        let app = App::default();
         for (typed, wanted) in [
             ("undo", Command::Undo),
-            ("next needs", Command::NextNeedsMe),
+            ("next to do", Command::NextNeedsMe),
             ("expo", Command::Export),
             ("overlay style", Command::OverlayStyle),
             ("accept", Command::Accept),
             ("key", Command::Keys),
         ] {
-            assert_eq!(found(typed).first(), Some(&wanted), "{typed}");
+            let best = Command::all().max_by_key(|command| (score(typed, *command), *command == wanted));
+            assert_eq!(best, Some(wanted), "{typed}");
         }
-        assert!(found("zzzz").is_empty());
-        assert_eq!(found(" ").len(), Command::all().count() - 1);
+        assert!(found(&app, "zzzz").is_empty());
+        assert_eq!(found(&app, " ").len(), Command::all().count() - 1);
+    }
+
+    #[test]
+    fn other_words_find_a_command_and_what_can_be_done_now_comes_first() {
+        let app = App::default();
+        for word in ["basketball", "sport", "pitch", "NBA"] {
+            assert!(found(&app, word).contains(&Command::ChooseSport), "{word}");
+        }
+        assert!(found(&app, "shortcuts").contains(&Command::Keys));
+        // Nothing is open: what needs a document comes after everything that does not.
+        let found = found(&app, "");
+        let first_refused = found.iter().position(|command| app.why_not(*command).is_some()).unwrap();
+        assert!(found[first_refused..].iter().all(|command| app.why_not(*command).is_some()));
     }
 }

@@ -6,20 +6,21 @@ mod pick;
 use super::labels::{self, PlateStyle, plate};
 use super::placement::Placement;
 use super::viewport::Gesture;
-use super::{Panel, canvas};
+use super::{Panel, canvas, menu};
 use crate::app::Action;
 use crate::app::App;
+use crate::app::Command;
 use crate::app::session::{Mode, PictureView};
 use crate::document::Target;
-use crate::field::FieldModel;
+use crate::field::{FieldModel, builtin};
 use crate::geometry::{ImagePoint, Vec3};
 use crate::render::Layer;
 use crate::scene::drawing::{Colour, Drawing, Marker, MarkerShape, Outline};
 use crate::scene::field_map::{FieldMap, SURROUND, field_map};
 use crate::scene::overlay::{OverlayScene, SELECTED, Standing};
 use egui::{
-    Align2, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, Role, Sense, Shape, Stroke, WidgetInfo,
-    pos2, vec2,
+    Align2, Button, Color32, FontId, Id, LayerId, Order, Painter, PointerButton, Pos2, RichText, Role, Sense, Shape,
+    Stroke, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 
@@ -65,6 +66,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     if let Some(target) = chosen(panel.app) {
         ring(&painter, &on_map, &target);
     }
+    let map_menu = [
+        Command::ChooseSport,
+        Command::ConfirmFieldSize,
+        Command::FitFieldSize,
+        Command::CameraPanel,
+        Command::ShowFieldMap,
+    ];
+    response.context_menu(|ui| menu::entries(panel, ui, &map_menu));
+    sport(panel, ui);
     let pointed = pointed.filter(|_| panel.app.round().is_none());
     if let Some((target, at)) = pointed {
         ring(&painter, &on_map, &target);
@@ -74,6 +84,22 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
             panel.actions.push(Action::Pick(target));
         }
     }
+}
+
+/// The sport, as a button under the map.
+fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
+    let Some(spec) = panel.app.shown_field_spec() else { return };
+    let title = builtin(&spec.template).map_or_else(|_| spec.template.clone(), |template| template.title.clone());
+    let command = Command::ChooseSport;
+    let why_not = panel.app.why_not(command);
+    ui.horizontal(|ui| {
+        ui.add_space(4.0);
+        let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(title).small()).small());
+        let button = button.on_hover_text(panel.app.settings.keys.tooltip(command));
+        if button.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+    });
 }
 
 /// Where things lie on the screen.
@@ -109,14 +135,16 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
     // The label stays hidden during a blind round.
     let hidden = app.round().is_some();
     let clicks = app.frame().filter(|_| !hidden).map(|frame| frame.clicks.as_slice()).unwrap_or_default();
+    let shown = app.shown();
+    let preview = app.current().preview.as_ref().filter(|_| !shown.is_estimated);
     let scene = OverlayScene {
         field,
-        camera: app.current().preview.as_ref().or(app.current().camera.as_ref()).filter(|_| !hidden),
+        camera: preview.or(shown.camera.as_ref()).filter(|_| !hidden),
         standing: Standing::Solved,
         image_size: app.frame().map_or_else(|| map.size_px(), |frame| frame.image_size),
         clicks,
         selected: app.session.selected,
-        disputed: &app.current().disputed,
+        disputed: shown.disputed,
         style: &app.settings.overlay,
         zoom: placement.scale,
     };
@@ -215,7 +243,7 @@ fn name(ui: &egui::Ui, at: Pos2, text: &str) {
 
 /// The camera's position; if it lies beyond the map, at the border in its direction.
 fn camera_icon(app: &App, painter: &Painter, place: &Place<'_>) {
-    let Some(base) = app.current().base else { return };
+    let Some(base) = app.shown().base else { return };
     let position = Vec3::new(base.position_m.x, base.position_m.y, 0.0);
     let stands = place.placement.screen_from_image(place.map.map_from_world(position));
     let bounds = place.placement.rect.shrink(10.0);

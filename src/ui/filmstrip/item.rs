@@ -4,9 +4,9 @@ use super::strip::SHOT_GAP;
 use crate::app::review::percent;
 use crate::app::selection::Selecting;
 use crate::app::session::{reason_label, status_label};
-use crate::app::{Action, OpenProject, PaintSays, sentence};
+use crate::app::{Action, Command, OpenProject, PaintSays, sentence};
 use crate::document::{Frame, Solution};
-use crate::ui::menu::file_name;
+use crate::ui::menu::{self, file_name};
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
 use egui::{
@@ -53,7 +53,39 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
             (false, false) => panel.actions.extend([Action::SelectNoFrames, Action::GoTo(index)]),
         }
     }
+    if response.secondary_clicked() {
+        panel.actions.push(Action::GoTo(index));
+    }
+    response.context_menu(|ui| context_menu(panel, ui));
     tooltip(response, index, frame, app.paint_says(index));
+}
+
+/// What can be done with the frame, or with all that are selected.
+fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let selected = panel.app.session.frames_selected.len();
+    if selected > 1 {
+        ui.label(egui::RichText::new(format!("{selected} frames selected")).color(theme::STRONG));
+        menu::entries(panel, ui, &[Command::AssignToCamera]);
+        ui.separator();
+        ui.label(egui::RichText::new("This frame").color(theme::WEAK));
+    }
+    menu::entries(
+        panel,
+        ui,
+        &[
+            Command::AcceptAndStay,
+            Command::Reject,
+            Command::RejectShot,
+            Command::Comment,
+            Command::UseForTraining,
+            Command::UseForBase,
+            Command::MarkGold,
+            Command::SelectShot,
+        ],
+    );
+    if selected <= 1 {
+        menu::entries(panel, ui, &[Command::AssignToCamera]);
+    }
 }
 
 /// A frame of the open project and its place in the strip.

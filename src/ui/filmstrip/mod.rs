@@ -46,12 +46,14 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         });
     shown.response.accessible_name("Frames shown").on_hover_text("Which frames the filmstrip shows.");
-    let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.need_me);
+    let (references, needed) = (counts.of_status(FrameStatus::Reference), counts.to_do);
     ui.label(RichText::new(format!("{references} reference{}", if references == 1 { "" } else { "s" })).small())
         .on_hover_text("Frames that you have accepted.");
-    let needed = if needed == 0 { "nothing needs you".to_owned() } else { format!("{needed} need you") };
+    let reasons = counts.describe_to_do();
+    let needed = if needed == 0 { "all done".to_owned() } else { format!("{needed} to do") };
+    let tip = "Frames that are neither accepted nor marked as not calibratable";
     ui.label(RichText::new(needed).small().color(theme::WEAK))
-        .on_hover_text("Frames that are neither accepted nor marked as not calibratable.");
+        .on_hover_text(reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")));
 }
 
 fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {

@@ -1,48 +1,90 @@
-//! The button that makes the frame a reference.
+//! The main button: it makes the frame a reference; while an estimated base waits for a decision it takes that base.
 
 use crate::app::{Action, Command};
 use crate::document::FrameStatus;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{Panel, theme};
-use egui::{Color32, CornerRadius, FontId, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, vec2};
+use egui::{
+    Button, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
+};
+
+/// The button's height, points.
+const HEIGHT: f32 = 44.0;
+/// The width of the button that discards an estimated base, points.
+const DISCARD: f32 = 84.0;
 
 /// Shows the button.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    if panel.app.decides_about_base() {
+        base(panel, ui);
+        return;
+    }
     let why_not = panel.app.unacceptable();
     let accepted = panel.app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference);
     let says = if accepted { "Accepted" } else { "Accept" };
-    let command = Command::Accept;
     ui.add_enabled_ui(why_not.is_none(), |ui| {
-        let size = vec2(ui.available_width(), 44.0);
-        let (rect, response) = ui.allocate_exact_size(size, Sense::click());
-        response.widget_info(|| WidgetInfo::labeled(Role::Button, ui.is_enabled(), says));
-        let (ground, text) = match (why_not.is_some(), response.is_pointer_button_down_on(), response.hovered()) {
-            (true, ..) => (theme::RAISED, theme::WEAK),
-            _ if accepted && !response.hovered() => (theme::RAISED, theme::GOOD),
-            (_, true, _) => (theme::ACCENT.gamma_multiply(0.8), Color32::WHITE),
-            (_, _, true) => (Color32::from_rgb(92, 164, 255), theme::BACKDROP),
-            _ => (theme::ACCENT, theme::BACKDROP),
-        };
-        let painter = ui.painter();
-        painter.rect_filled(rect, CornerRadius::same(6), ground);
-        if response.has_focus() {
-            painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, theme::STRONG), StrokeKind::Inside);
-        }
-        let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
-        // Text and symbol are centred together.
-        let word = Rect::from_center_size(rect.center() - vec2(12.0, 0.0), galley.size());
-        let sign = Rect::from_center_size(word.right_center() + vec2(16.0, 0.0), vec2(16.0, 16.0));
-        painter.galley(word.min, galley, text);
-        symbol::paint(painter, Symbol::Return, sign, text);
+        let look = if accepted { Look::Done } else { Look::ToDo };
+        let response = button(ui, says, Some(Symbol::Return), look, ui.available_width());
         let keys = &panel.app.settings.keys;
         let stay = keys.tooltip(Command::AcceptAndStay);
-        let response = response.on_hover_text(format!("{}\n{stay}", keys.tooltip(command)));
+        let response = response.on_hover_text(format!("{}\n{stay}", keys.tooltip(Command::Accept)));
         let response = match &why_not {
             Some(reason) => response.on_disabled_hover_text(reason),
             None => response,
         };
         if response.clicked() {
-            panel.actions.push(Action::Command(command));
+            panel.actions.push(Action::Command(Command::Accept));
         }
     });
+}
+
+/// The decision about an estimated base: the only place where it is taken or discarded.
+fn base(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let keys = &panel.app.settings.keys;
+    ui.horizontal(|ui| {
+        let width = ui.available_width() - DISCARD - ui.spacing().item_spacing.x;
+        let take = button(ui, "Use this base", None, Look::ToDo, width);
+        if take.on_hover_text(keys.tooltip(Command::UseEstimatedBase)).clicked() {
+            panel.actions.push(Action::Command(Command::UseEstimatedBase));
+        }
+        let discard = ui.add(Button::new("Discard").min_size(vec2(DISCARD, HEIGHT)));
+        if discard.on_hover_text(keys.tooltip(Command::DropEstimatedBase)).clicked() {
+            panel.actions.push(Action::Command(Command::DropEstimatedBase));
+        }
+    });
+}
+
+/// Whether what a button does has been done.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Look {
+    ToDo,
+    Done,
+}
+
+/// A large button with a word and perhaps a symbol, centred together.
+fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32) -> Response {
+    let (rect, response) = ui.allocate_exact_size(vec2(width, HEIGHT), Sense::click());
+    let enabled = ui.is_enabled();
+    response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, says));
+    let (ground, text) = match (enabled, response.is_pointer_button_down_on(), response.hovered()) {
+        (false, ..) => (theme::RAISED, theme::WEAK),
+        _ if look == Look::Done && !response.hovered() => (theme::RAISED, theme::GOOD),
+        (_, true, _) => (theme::ACCENT.gamma_multiply(0.8), Color32::WHITE),
+        (_, _, true) => (Color32::from_rgb(92, 164, 255), theme::BACKDROP),
+        _ => (theme::ACCENT, theme::BACKDROP),
+    };
+    let painter = ui.painter();
+    painter.rect_filled(rect, CornerRadius::same(6), ground);
+    if response.has_focus() {
+        painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, theme::STRONG), StrokeKind::Inside);
+    }
+    let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
+    let beside = if sign.is_some() { vec2(12.0, 0.0) } else { Vec2::ZERO };
+    let word = Rect::from_center_size(rect.center() - beside, galley.size());
+    painter.galley(word.min, galley, text);
+    if let Some(sign) = sign {
+        let place = Rect::from_center_size(word.right_center() + vec2(16.0, 0.0), vec2(16.0, 16.0));
+        symbol::paint(painter, sign, place, text);
+    }
+    response
 }

@@ -6,7 +6,7 @@ use crate::scene::drawing;
 use crate::scene::overlay::{CHECK, click_colour};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, menu, theme};
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
@@ -15,6 +15,9 @@ use egui::{
 
 /// The column of the residuals, points: of numbers, and of the words "no evidence".
 const RESIDUAL: [f32; 2] = [50.0, 68.0];
+
+/// What can be done with a point.
+const MENU: [Command; 4] = [Command::RenameClick, Command::ToggleCheck, Command::ZoomToClick, Command::DeleteClick];
 
 /// Shows the points; more than fit into `room` scroll.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
@@ -79,13 +82,20 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
-    let has_evidence = app.current().solved().is_none_or(FrameSolution::residuals_are_evidence);
+    let has_evidence = app.shown().solved().is_none_or(FrameSolution::residuals_are_evidence);
     let text_left = rect.left() + 38.0;
     let text_width = rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
     let strength = if click.target.is_none() { colour } else { theme::TEXT };
-    let mut line = LayoutJob::simple(name.clone(), FontId::proportional(13.0), strength, text_width);
-    line.wrap = TextWrapping::truncate_at_width(text_width);
-    let galley = painter.layout_job(line);
+    let laid_out = |text: String| {
+        let mut line = LayoutJob::simple(text, FontId::proportional(13.0), strength, text_width);
+        line.wrap = TextWrapping::truncate_at_width(text_width);
+        painter.layout_job(line)
+    };
+    let mut galley = laid_out(name.clone());
+    if galley.elided {
+        // Names that begin alike must not be cut alike.
+        galley = laid_out(code(app, click).map_or_else(|| name.clone(), |code| format!("{code} · {name}")));
+    }
     painter.galley(pos2(text_left, middle - galley.size().y / 2.0), galley, strength);
     let right = pos2(rect.right() - buttons - 4.0, middle);
     painter.text(right, Align2::RIGHT_CENTER, &residual.text, small, residual.colour);
@@ -96,6 +106,10 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     } else if response.clicked() {
         panel.actions.push(Action::Select(Some(index)));
     }
+    if response.secondary_clicked() {
+        panel.actions.push(Action::Select(Some(index)));
+    }
+    response.context_menu(|ui| menu::entries(panel, ui, &MENU));
     let tail = Rect::from_min_max(pos2(rect.right() - buttons, rect.top()), rect.max);
     let layout = Layout::right_to_left(Align::Center);
     ui.scope_builder(UiBuilder::new().max_rect(tail).layout(layout), |ui| {
@@ -132,9 +146,15 @@ fn name(app: &App, click: &Click) -> String {
     click.target.as_ref().map_or_else(|| "no name yet".to_owned(), |target| app.label(target))
 }
 
+/// The letters by which the point's name is typed.
+fn code<'a>(app: &'a App, click: &Click) -> Option<&'a str> {
+    let field = app.current().field()?;
+    click.target.as_ref()?.element(field)?.code(field)
+}
+
 /// The colour that the point has on the picture.
 fn colour(app: &App, index: usize, click: &Click) -> Color32 {
-    shown(click_colour(click, app.current().disputed.contains(&index)))
+    shown(click_colour(click, app.shown().disputed.contains(&index)))
 }
 
 const fn shown(colour: drawing::Colour) -> Color32 {
@@ -156,7 +176,7 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
         text: format!("{px:.1} px"),
         colour: if px > limit_px { theme::CAUTION } else { theme::TEXT },
     };
-    let solved = app.current().solved();
+    let solved = app.shown().solved();
     if let Some(solved) = solved.filter(|_| click.check) {
         let Some(check) = solved.checks.iter().find(|check| check.click == index) else { return quiet("–") };
         return match (check.error_px, check.z_score) {
@@ -167,7 +187,7 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
             (None, _) => quiet("out of sight"),
         };
     }
-    let Some(residual) = app.current().residual(index) else { return quiet("–") };
+    let Some(residual) = app.shown().residual(index) else { return quiet("–") };
     match residual.distance_px() {
         None => quiet("out of sight"),
         Some(_) if solved.is_some_and(|solved| !solved.residuals_are_evidence()) => quiet("no evidence"),
@@ -180,12 +200,12 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
     if let Some(sigma_px) = click.snapped_sigma_px {
         ui.label(format!(
-            "Snapped to the paint, known to ±{sigma_px:.1} px. Alt at the release keeps a point as placed."
+            "Snapped to the paint, known to ±{sigma_px:.1} px. Hold Alt while releasing to keep a point as placed."
         ));
     }
     if click.check {
         ui.label("Check point: left out of the solve, its error is shown.");
-    } else if app.current().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {
+    } else if app.shown().solved().is_some_and(|solved| !solved.residuals_are_evidence()) {
         ui.label("Two points can always be fitted, so their residual proves nothing.");
     }
     let keys = &app.settings.keys;

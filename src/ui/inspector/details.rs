@@ -1,5 +1,6 @@
 //! The details, collapsed by default: uncertainties, residuals, the second root, the camera, every warning.
 
+use crate::app::camera_text::CameraText;
 use crate::app::{Action, App, Command};
 use crate::document::{Solution, Target};
 use crate::solve::FrameSolution;
@@ -33,14 +34,18 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         return;
     }
     let app = panel.app;
-    if let Some(solved) = app.current().solved() {
+    let shown = app.shown();
+    if let Some(solved) = shown.solved() {
         uncertainty(ui, solved);
         evidence(ui, solved);
         residuals(ui, solved);
-        next_clicks(panel, ui);
-        other_root(panel, ui, solved);
+        if !shown.is_estimated {
+            next_clicks(panel, ui);
+            other_root(panel, ui, solved);
+        }
         warnings(ui, solved.warnings.iter().map(|warning| warning.message.as_str()));
-    } else if let Some(solution) = app.frame().and_then(|frame| frame.solution.as_ref()) {
+    } else if let Some(solution) = app.frame().filter(|_| !shown.is_estimated).and_then(|frame| frame.solution.as_ref())
+    {
         recorded(ui, solution);
     }
     camera(app, ui);
@@ -192,6 +197,21 @@ fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
     ui.add_space(theme::SPACE);
 }
 
+/// The camera as text for other programs.
+fn copy(app: &App, ui: &mut Ui) {
+    let Some(camera) = app.shown().camera else { return };
+    ui.add_space(theme::SPACE);
+    theme::title(ui, "COPY AS TEXT");
+    ui.horizontal_wrapped(|ui| {
+        for text in CameraText::ALL {
+            let button = ui.add(Button::new(text.label()).small()).on_hover_text(text.about());
+            if button.accessible_name(format!("Copy {}", text.label())).clicked() {
+                ui.ctx().copy_text(text.of(&camera));
+            }
+        }
+    });
+}
+
 /// What the document records about a solution that was not computed here.
 fn recorded(ui: &mut Ui, solution: &Solution) {
     grid(ui, "recorded", |ui| {
@@ -207,12 +227,13 @@ fn recorded(ui: &mut Ui, solution: &Solution) {
 }
 
 fn camera(app: &App, ui: &mut Ui) {
-    let Some(base) = app.current().base else { return };
-    theme::title(ui, "CAMERA STANDS AT");
+    let Some(base) = app.shown().base else { return };
+    theme::title(ui, "CAMERA POSITION");
     grid(ui, "camera stands", |ui| {
         let position = base.position_m;
         pair(ui, "Height", format!("{:.2} m", position.z), "Above the field's centre.");
         let place = format!("x {:.2}, y {:.2} m", position.x, position.y);
         pair(ui, "Position", place, "From the field's centre: x along its length, y away from the main camera.");
     });
+    copy(app, ui);
 }

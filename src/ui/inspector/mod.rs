@@ -17,11 +17,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;
     }
-    egui::Panel::bottom("accept")
-        .resizable(false)
-        .exact_size(44.0 + 4.0 * theme::SPACE)
-        .frame(Frame::new().inner_margin(Margin::same(8)))
-        .show(ui, |ui| accept::show(panel, ui));
+    decide(panel, ui);
     if panel.app.settings.field_map {
         field_map::show(panel, ui);
     }
@@ -40,6 +36,15 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             details::show(panel, ui);
         });
     });
+}
+
+/// The row at the bottom of a panel with its main button.
+pub fn decide(panel: &mut Panel<'_>, ui: &mut Ui) {
+    egui::Panel::bottom("accept")
+        .resizable(false)
+        .exact_size(44.0 + 4.0 * theme::SPACE)
+        .frame(Frame::new().inner_margin(Margin::same(8)))
+        .show(ui, |ui| accept::show(panel, ui));
 }
 
 /// The button that makes the shown frame a reference, for other panels too.

@@ -17,6 +17,12 @@ const START_TILT_DEG: f64 = -10.0;
 /// The start focal length, in widths of the picture.
 const START_FOCAL_WIDTHS: f64 = 1.2;
 
+/// The fields of view that a lens can have, degrees.
+const NARROWEST_DEG: f64 = 0.5;
+const WIDEST_DEG: f64 = 150.0;
+/// Why.
+const VIEWS: &str = "lenses show between 0.5° and 150°";
+
 /// Shows the solution.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
@@ -27,7 +33,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.label(RichText::new(source(app, frame)).small().color(theme::WEAK));
         });
     });
-    match app.current().camera.map(|camera| camera.ptz()).or(frame.ptz.as_ref().map(FramePtz::ptz)) {
+    let shown = app.shown();
+    let recorded = frame.ptz.as_ref().filter(|_| !shown.is_estimated).map(FramePtz::ptz);
+    match shown.camera.map(|camera| camera.ptz()).or(recorded) {
         Some(ptz) => {
             numbers(panel, ui, ptz, f64::from(frame.image_size.width));
             below(panel, ui, frame);
@@ -38,7 +46,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// Where the numbers come from.
 fn source(app: &App, frame: &Frame) -> String {
-    if app.current().camera.is_none() && frame.ptz.is_none() {
+    let shown = app.shown();
+    if shown.is_estimated {
+        return "with the estimated base".to_owned();
+    }
+    if shown.camera.is_none() && frame.ptz.is_none() {
         return String::new();
     }
     match frame.solution.as_ref().and_then(|solution| solution.source) {
@@ -64,7 +76,7 @@ fn from_points(frame: &Frame) -> String {
 }
 
 fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
-    let editable = panel.app.current().base.is_some();
+    let editable = panel.app.current().base.is_some() && !panel.app.shown().is_estimated;
     let app = panel.app;
     let actions = &mut *panel.actions;
     let field = ((ui.available_width() - 2.0 * LABEL - 3.0 * GAP) / 2.0).floor();
@@ -78,6 +90,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 speed: 0.02,
                 decimals: 3,
                 range: -180.0..=180.0,
+                why: "that is a full turn",
                 suffix: "°",
                 width: field,
             };
@@ -91,7 +104,8 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 value: ptz.focal_px,
                 speed: ptz.focal_px / 500.0,
                 decimals: 1,
-                range: 10.0..=1e6,
+                range: focal_px(WIDEST_DEG, width_px)..=focal_px(NARROWEST_DEG, width_px),
+                why: VIEWS,
                 suffix: " px",
                 width: field,
             };
@@ -106,6 +120,7 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 speed: 0.02,
                 decimals: 3,
                 range: -90.0..=90.0,
+                why: "that is straight down to straight up",
                 suffix: "°",
                 width: field,
             };
@@ -118,7 +133,8 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
                 value: view_deg(ptz.focal_px, width_px),
                 speed: 0.05,
                 decimals: 2,
-                range: 0.2..=150.0,
+                range: NARROWEST_DEG..=WIDEST_DEG,
+                why: VIEWS,
                 suffix: "°",
                 width: field,
             };
@@ -133,7 +149,9 @@ fn numbers(panel: &mut Panel<'_>, ui: &mut Ui, ptz: Ptz, width_px: f64) {
 /// The worst corner, and the button that discards numbers set manually.
 fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     let stored = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
-    let sigma = panel.app.current().solved().map(|solved| solved.worst_corner_sigma_px).or(stored);
+    let shown = panel.app.shown();
+    let stored = stored.filter(|_| !shown.is_estimated);
+    let sigma = shown.solved().map(|solved| solved.worst_corner_sigma_px).or(stored);
     ui.horizontal(|ui| {
         match sigma.filter(|sigma| sigma.is_finite()) {
             Some(sigma) => {
@@ -144,7 +162,7 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
                 ui.label(RichText::new("Uncertainty unknown").color(theme::WEAK));
             }
         }
-        if panel.app.current().by_hand && !frame.clicks.is_empty() {
+        if panel.app.current().by_hand && !shown.is_estimated && !frame.clicks.is_empty() {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let again = ui.add(Button::new("Solve again").small());
                 if again.on_hover_text("Solve from the points again and discard the numbers set manually.").clicked() {
@@ -159,6 +177,10 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 
 /// No numbers yet: why, and how to set them manually.
 fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
+    if panel.app.shown().is_estimated {
+        ui.label(RichText::new("No points here to solve with the estimated base.").color(theme::WEAK));
+        return;
+    }
     if panel.app.current().base.is_none() {
         ui.label(RichText::new("The camera's position is not known yet.").color(theme::WEAK));
         return;

@@ -19,7 +19,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.vertical(|ui| {
         ui.set_min_height(HEIGHT);
         ui.set_width(ui.available_width());
-        match (app.judgement(), &app.current().solution) {
+        let shown = app.shown();
+        match (&shown.judgement, shown.solution) {
             (Some(judgement), _) => {
                 let colour = theme::verdict_colour(judgement.verdict);
                 ui.horizontal(|ui| {
@@ -33,9 +34,14 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     );
                 });
                 ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(theme::TEXT)).wrap());
-                ways_out(panel, ui, &judgement.reason);
+                if !shown.is_estimated {
+                    ways_out(panel, ui, &judgement.reason);
+                }
             }
             (None, Some(Err(error))) => said(ui, &describe_error(error)),
+            (None, None) if shown.is_estimated => {
+                said(ui, "This frame has no points to check the estimated base with.");
+            }
             (None, _) if app.frame().is_some_and(proposed) => proposal(panel.app, ui),
             (None, _) if app.frame().is_some_and(Frame::is_unanswered) => {
                 let reason = app.frame().and_then(Frame::no_answer).unwrap_or("the forest does not recognise it");
@@ -47,7 +53,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
             (None, _) => said(ui, "There is no verdict until there is a solution."),
         }
-        paint(app, ui);
+        if !shown.is_estimated {
+            paint(app, ui);
+        }
         training_switch(panel, ui);
     });
 }
@@ -89,7 +97,7 @@ fn paint(app: &App, ui: &mut Ui) {
         let (mark, _) = ui.allocate_exact_size(egui::Vec2::splat(12.0), egui::Sense::hover());
         theme::paint_line_mark(ui.painter(), mark.center(), says.verdict);
         let told = ui.add(Label::new(RichText::new(text).small().color(theme::TEXT)).wrap());
-        told.on_hover_text("Where the camera predicts painted lines, paint is looked for in the picture.");
+        told.on_hover_text("The picture is searched for paint where the camera predicts painted lines.");
     });
 }
 

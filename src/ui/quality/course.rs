@@ -318,8 +318,7 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
     }
     let app = panel.app;
     let tip = format!(
-        "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the way between the frames before and after, and farther \
-         than these are apart."
+        "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the line between the frames before and after, and farther off than these are apart."
     );
     ui.horizontal(|ui| {
         ui.label(RichText::new("Out of line with neighbours:").small().color(theme::BAD)).on_hover_text(tip);

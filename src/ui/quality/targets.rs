@@ -18,8 +18,7 @@ const NOTHING: &str = "Errors by landmark and line appear here once some frames 
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let targets = &panel.app.quality().targets;
     let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
-        let tip = "The stroke is where the median of right clicks would lie, by what is known of how well people hit this \
-                   landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
+        let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
         let words = if targets.is_empty() { "" } else { "median; | expected" };
         ui.label(RichText::new(words).small().color(theme::WEAK)).on_hover_text(tip);
     };
@@ -70,8 +69,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
     let name =
         panel.app.open().and_then(|open| open.frame(frame)).map(|frame| file_name(&frame.name())).unwrap_or_default();
     let tip = format!(
-        "{label}: {clicks}, median {median}, nine of ten below {:.1} px; right ones would have a median of {:.1} px. The worst, \
-         {worst_px:.1} px, is in {name}: a click goes there.",
+        "{label}: {clicks}, median {median}, nine of ten below {:.1} px; correct ones would have a median of {:.1} px. The worst, {worst_px:.1} px, is in {name}: click to go there.",
         errors.most_px, errors.expected_px
     );
     if response.on_hover_text(tip).clicked() {

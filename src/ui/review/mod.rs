@@ -5,7 +5,6 @@ mod list;
 use super::symbol::{self, Symbol};
 use super::{Panel, inspector, theme};
 use crate::app::review::{ReviewOrder, percent};
-use crate::app::where_to_label::where_to_label;
 use crate::app::{Action, Command};
 use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
 
@@ -87,7 +86,7 @@ fn footer(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     let advice = panel.app.review().advice;
-    let Some(text) = where_to_label(&advice) else { return };
+    let Some(text) = panel.app.where_to_label() else { return };
     let galley = egui::WidgetText::from(RichText::new(&text)).into_galley(
         ui,
         Some(egui::TextWrapMode::Wrap),

@@ -145,7 +145,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
 const fn described(kind: ShotKind) -> &'static str {
     match kind {
         ShotKind::Cut => "A cut. Drag its handle to move it.",
-        ShotKind::Fade => "A fade: its place is unsure. Drag its handle to move it.",
+        ShotKind::Fade => "A fade: its position is uncertain. Drag its handle to move it.",
         ShotKind::ByHand => "A cut that somebody marked. Drag its handle to move it.",
     }
 }

@@ -6,7 +6,6 @@ mod map;
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
 use super::{Panel, theme};
-use crate::app::where_to_label::where_to_label;
 use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference};
 use crate::document::FrameId;
 use crate::geometry::thousands;
@@ -206,7 +205,7 @@ fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         panel.actions.push(Action::Command(Command::SnapSuggestions));
     }
     let advice = &panel.app.review().advice;
-    if let Some(text) = where_to_label(advice) {
+    if let Some(text) = panel.app.where_to_label() {
         ui.add(Label::new(text).wrap());
         let tip = panel.app.settings.keys.tooltip(Command::NextUnanswered);
         if advice.next.is_some() && ui.add(Button::new("Go there").small()).on_hover_text(tip).clicked() {

@@ -7,7 +7,7 @@ use crate::document::FrameStatus;
 use crate::scene::overlay::{CLICK, UNNAMED};
 use crate::ui::labels::{PlateStyle, colour, plate};
 use crate::ui::placement::Placement;
-use crate::ui::{Panel, rejecting, theme};
+use crate::ui::{Panel, naming, rejecting, theme};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2, vec2};
 
 /// The plate behind a text.
@@ -56,7 +56,13 @@ fn banner(panel: &Panel<'_>) -> Option<String> {
         return Some("Before it was snapped".to_owned());
     }
     if has_proposal(panel) {
-        return Some("The estimated base, not applied yet".to_owned());
+        let drawn = panel.app.shown().camera.is_some();
+        let text = if drawn {
+            "The estimated base, not applied yet"
+        } else {
+            "No points here to draw the estimated base with"
+        };
+        return Some(text.to_owned());
     }
     if frame.status == FrameStatus::Rejected {
         let reason = frame.reason.map_or("", reason_label);
@@ -97,7 +103,12 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
             else {
                 return;
             };
-            (click, format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick)))
+            let hint = if naming::is_fresh(panel.app, ui.ctx()) {
+                "type to change it, Enter keeps it".to_owned()
+            } else {
+                format!("{} changes it", panel.app.settings.keys.shown(Command::RenameClick))
+            };
+            (click, hint)
         }
         Mode::Placing(target) => {
             let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| placement.rect.contains(*at));

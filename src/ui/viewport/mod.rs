@@ -84,7 +84,7 @@ fn shown_picture(panel: &Panel<'_>, expected: ImageSize) -> Result<(u64, media::
             let found = picture.size();
             Err(Missing::Never(format!(
                 "The picture is {} × {} px, but the project says {} × {} px. Nothing can be clicked here, since every \
-                 position would be wrong. Put the picture back that was labelled.",
+                 position would be wrong. Restore the picture that was labelled.",
                 found.width, found.height, expected.width, expected.height
             )))
         }
@@ -144,8 +144,8 @@ fn show_stand_in(panel: &mut Panel<'_>, ui: &egui::Ui, placement: &Placement) {
     if let Some((key, pixels)) = last
         && pixels.size() == placement.image_size
     {
-        let brightness = if slow { DIMMED } else { 1.0 };
-        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness });
+        let look = panel.app.settings.picture.dimmed(if slow { DIMMED } else { 1.0 });
+        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look });
         canvas::paint(&ui.painter_at(rect), canvas::VIEWPORT, rect, placement.render_view(), vec![picture]);
     }
     if slow {
@@ -165,13 +165,13 @@ fn show_frame(
 ) {
     let rect = placement.rect;
     if panel.app.round().is_some() {
-        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness: 1.0 });
+        let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look: panel.app.settings.picture });
         blind::show(panel, ui, placement, hold, &picture);
         return;
     }
     let overlay = Overlay::new(panel.app, hold, placement.scale);
-    let brightness = if panel.app.session.masks { BELOW_MASKS } else { 1.0 };
-    let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, brightness });
+    let look = panel.app.settings.picture.dimmed(if panel.app.session.masks { BELOW_MASKS } else { 1.0 });
+    let picture = Layer::Picture(PictureLayer { key: PictureKey(key), pixels, look });
     let trust = trust::layer(panel.app);
     let layers = std::iter::once(picture.clone()).chain(trust).chain(overlay.layers()).collect();
     let painter = ui.painter_at(rect);

@@ -49,7 +49,7 @@ impl Overlay {
                 image_size: frame.image_size,
                 clicks: &frame.clicks,
                 selected: app.session.selected,
-                disputed: &app.current().disputed,
+                disputed: app.shown().disputed,
                 style: if preview.is_some() { &behind } else { &style },
                 zoom,
             };

@@ -1,0 +1,125 @@
+//! The user guide: the Markdown of `assets/guide`, a page at a time.
+
+use super::sheet;
+use crate::ui::{Panel, theme};
+use egui::text::{LayoutJob, TextFormat};
+use egui::{Button, Context, FontFamily, FontId, Id, Label, RichText, ScrollArea, Ui, vec2};
+
+/// The pages: what the list says, and the text.
+const PAGES: [(&str, &str); 9] = [
+    ("First project", include_str!("../../../assets/guide/first-project.md")),
+    ("The base", include_str!("../../../assets/guide/base.md")),
+    ("Trust", include_str!("../../../assets/guide/trust.md")),
+    ("Video", include_str!("../../../assets/guide/video.md")),
+    ("Review", include_str!("../../../assets/guide/review.md")),
+    ("Quality", include_str!("../../../assets/guide/quality.md")),
+    ("Export", include_str!("../../../assets/guide/export.md")),
+    ("Several people", include_str!("../../../assets/guide/several-people.md")),
+    ("Glossary", include_str!("../../../assets/guide/glossary.md")),
+];
+/// The width of the list of pages, points.
+const LIST: f32 = 120.0;
+
+/// Shows the guide.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let memory = Id::unique("page of the guide");
+    let mut page = ctx.data(|data| data.get_temp::<usize>(memory)).unwrap_or(0).min(PAGES.len() - 1);
+    sheet(panel, ctx, "User guide", vec2(760.0, 520.0), |_, ui| {
+        ui.horizontal_top(|ui| {
+            ui.vertical(|ui| {
+                ui.set_width(LIST);
+                for (index, (name, _)) in PAGES.iter().enumerate() {
+                    let button = Button::selectable(index == page, *name).min_size(vec2(LIST, 22.0));
+                    if ui.add(button).clicked() {
+                        page = index;
+                    }
+                }
+            });
+            ScrollArea::vertical().id_salt(page).auto_shrink(false).show(ui, |ui| {
+                for line in PAGES[page].1.lines() {
+                    show_line(ui, line);
+                }
+            });
+        });
+    });
+    ctx.data_mut(|data| data.insert_temp(memory, page));
+}
+
+/// A line of Markdown: a title, an entry of a list, or a paragraph.
+fn show_line(ui: &mut Ui, line: &str) {
+    if let Some(title) = line.strip_prefix("# ") {
+        ui.label(RichText::new(title).heading().color(theme::STRONG));
+        return;
+    }
+    let Some(text) = Some(line.trim()).filter(|line| !line.is_empty()) else {
+        ui.add_space(theme::SPACE);
+        return;
+    };
+    let numbered = text.split_once(". ").filter(|(number, _)| number.parse::<u32>().is_ok());
+    let (mark, text) = match (numbered, text.strip_prefix("- ")) {
+        (Some((number, rest)), _) => (Some(format!("{number}.")), rest),
+        (None, Some(rest)) => (Some("•".to_owned()), rest),
+        (None, None) => (None, text),
+    };
+    ui.horizontal_top(|ui| {
+        if let Some(mark) = mark {
+            ui.add_sized(vec2(20.0, 16.0), Label::new(RichText::new(mark).color(theme::WEAK)));
+        }
+        ui.add(Label::new(laid_out(text)).wrap().selectable(true));
+    });
+}
+
+/// A text with what stands between pairs of `**`, `*` and `` ` `` set off.
+fn laid_out(text: &str) -> LayoutJob {
+    let mut job = LayoutJob::default();
+    for (part, is_set_off) in parts(text) {
+        let key = is_set_off && part.starts_with('`');
+        let family = if key { FontFamily::Monospace } else { FontFamily::Proportional };
+        let colour = if is_set_off { theme::STRONG } else { theme::TEXT };
+        let shown = if is_set_off { part.trim_matches(['`', '*']) } else { part };
+        job.append(shown, 0.0, TextFormat::simple(FontId::new(13.0, family), colour));
+    }
+    job
+}
+
+/// A text in parts, and whether each is set off; those that are keep their marks.
+fn parts(text: &str) -> Vec<(&str, bool)> {
+    let (mut found, mut rest) = (Vec::new(), text);
+    while let Some(start) = rest.find(['`', '*']) {
+        let mark = if rest[start..].starts_with("**") { "**" } else { &rest[start..=start] };
+        let Some(length) = rest[start + mark.len()..].find(mark) else { break };
+        let end = start + mark.len() + length + mark.len();
+        found.extend([(&rest[..start], false), (&rest[start..end], true)]);
+        rest = &rest[end..];
+    }
+    found.push((rest, false));
+    found.retain(|(part, _)| !part.is_empty());
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_set_words_off_and_single_ones_are_text() {
+        let found = parts("Press `Ctrl-K` or *File › Open*, **never** 2 * 3.");
+        let set_off: Vec<&str> = found.iter().filter(|(_, is_set_off)| *is_set_off).map(|(part, _)| *part).collect();
+        assert_eq!(set_off, ["`Ctrl-K`", "*File › Open*", "**never**"]);
+        assert_eq!(
+            found.iter().map(|(part, _)| *part).collect::<String>(),
+            "Press `Ctrl-K` or *File › Open*, **never** 2 * 3."
+        );
+        assert_eq!(laid_out("**a** b").text, "a b");
+    }
+
+    #[test]
+    fn every_page_has_a_title_and_nothing_that_is_not_rendered() {
+        for (name, text) in PAGES {
+            assert!(text.starts_with("# "), "{name}");
+            for line in text.lines() {
+                assert!(!line.contains('<') && !line.contains("](") && !line.starts_with("  "), "{name}: {line}");
+            }
+        }
+    }
+}

@@ -1,0 +1,29 @@
+//! Every message of this session, the latest first.
+
+use super::sheet;
+use crate::app::{Action, Command};
+use crate::ui::{Panel, notices, symbol, theme};
+use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
+
+/// Shows the list.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    sheet(panel, ctx, "Messages", vec2(640.0, 460.0), |panel, ui| {
+        let command = Command::DismissNotices;
+        let why_not = panel.app.why_not(command);
+        let dismiss = ui.add_enabled(why_not.is_none(), Button::new(command.name()));
+        let dismiss = dismiss.on_hover_text(command.about()).on_disabled_hover_text(why_not.unwrap_or_default());
+        if dismiss.clicked() {
+            panel.actions.push(Action::Command(command));
+        }
+        ui.add_space(theme::SPACE);
+        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            for (level, text) in panel.app.session.told.iter().rev() {
+                ui.horizontal_top(|ui| {
+                    let (sign, colour) = notices::look(*level);
+                    symbol::show(ui, sign, colour);
+                    ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap().selectable(true));
+                });
+            }
+        });
+    });
+}

@@ -1,0 +1,51 @@
+//! Brightness, contrast and gamma of the picture; it stays in view and follows at once.
+
+use super::{frame, header};
+use crate::app::{Action, Command};
+use crate::scene::PictureLook;
+use crate::ui::{Panel, theme};
+use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
+
+/// Shows the sheet at the upper left of the picture.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let corner = ctx.content_rect().min + vec2(16.0, 40.0);
+    Area::new(Id::unique("picture look"))
+        .order(Order::Foreground)
+        .fixed_pos(corner)
+        .role(egui::accesskit::Role::Dialog)
+        .accessible_name("Brightness and contrast")
+        .show(ctx, |ui| {
+            frame(ui).show(ui, |ui| {
+                ui.set_width(300.0);
+                header(panel, ui, "Brightness and contrast");
+                let before = panel.app.settings.picture;
+                let mut look = before;
+                Grid::new("picture look").num_columns(2).spacing([12.0, 8.0]).show(ui, |ui| {
+                    for (name, value, tip) in [
+                        ("Brightness", &mut look.brightness, "How bright the picture is; 1: as it is."),
+                        ("Contrast", &mut look.contrast, "Differences from a middle grey; 1: as they are."),
+                        ("Gamma", &mut look.gamma, "More brightens shadows and keeps black and white; 1: as it is."),
+                    ] {
+                        ui.label(name);
+                        let slider = Slider::new(value, PictureLook::RANGE).logarithmic(true).fixed_decimals(2);
+                        ui.add(slider).accessible_name(name).on_hover_text(tip);
+                        ui.end_row();
+                    }
+                });
+                ui.add_space(theme::SPACE);
+                let default = PictureLook::default();
+                let reset = ui.add_enabled(look != default, Button::new("Reset to defaults"));
+                let reset = reset
+                    .on_hover_text("Show the picture as it is.")
+                    .on_disabled_hover_text("The picture is as it is.");
+                if reset.clicked() {
+                    look = default;
+                }
+                let tip = format!("{} opens and closes this.", panel.app.settings.keys.shown(Command::PictureLook));
+                ui.label(egui::RichText::new(tip).small().color(theme::WEAK));
+                if look != before {
+                    panel.actions.push(Action::SetPictureLook(look));
+                }
+            });
+        });
+}

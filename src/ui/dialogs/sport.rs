@@ -1,0 +1,86 @@
+//! The sport, chosen by a drawing of its field.
+
+use super::sheet;
+use crate::app::{Action, App};
+use crate::field::{FieldModel, builtin, builtin_names};
+use crate::ui::{Panel, theme};
+use egui::{
+    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, RichText, Role, ScrollArea, Sense, Shape,
+    Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+};
+
+/// The size of a drawing with its name, points.
+const CARD: egui::Vec2 = vec2(150.0, 118.0);
+/// The height of the name, points.
+const NAME: f32 = 22.0;
+/// The number of pieces that a curve is drawn with.
+const PIECES: u32 = 32;
+
+/// Shows the fields to choose from.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    sheet(panel, ctx, "Sport and field", vec2(660.0, 500.0), |panel, ui| {
+        ui.add(Label::new(RichText::new(cost(panel.app)).color(theme::TEXT)).wrap());
+        ui.add_space(theme::SPACE);
+        let chosen = panel.app.shown_field_spec().map(|spec| spec.template.clone()).unwrap_or_default();
+        let guess = panel.app.session.sport_guess;
+        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            ui.horizontal_wrapped(|ui| {
+                for name in builtin_names() {
+                    let Ok(template) = builtin(name) else { continue };
+                    let Ok(field) = template.default_model() else { continue };
+                    if card(ui, &template.title, &field, name == chosen, guess == Some(name)) {
+                        panel.actions.push(Action::ChooseSport(name.to_owned()));
+                    }
+                }
+            });
+        });
+    });
+}
+
+/// What a change costs.
+fn cost(app: &App) -> String {
+    match app.points_of_field() {
+        0 => "Which sport is it? Until points are named, changing it costs nothing.".to_owned(),
+        points => format!(
+            "{points} point{} of this project {} a landmark or line of the present field. In another field these names are unknown: \
+             the points have to be named again. One step of undo.",
+            if points == 1 { "" } else { "s" },
+            if points == 1 { "names" } else { "name" },
+        ),
+    }
+}
+
+/// A field with its name; true where it was clicked.
+fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> bool {
+    let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
+    let painter = ui.painter();
+    painter.rect_filled(rect, CornerRadius::same(5), if chosen { theme::ACCENT_GROUND } else { theme::RAISED });
+    if chosen || response.hovered() || response.has_focus() {
+        let line = Stroke::new(if chosen { 2.0 } else { 1.0 }, theme::ACCENT);
+        painter.rect_stroke(rect, CornerRadius::same(5), line, StrokeKind::Inside);
+    }
+    let ground = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME)).shrink(6.0);
+    draw(painter, ground, field);
+    let at = pos2(rect.center().x, rect.bottom() - NAME / 2.0);
+    painter.text(at, Align2::CENTER_CENTER, title, FontId::proportional(12.0), theme::STRONG);
+    if guessed {
+        let style = FontId::proportional(10.0);
+        painter.text(rect.left_top() + vec2(8.0, 6.0), Align2::LEFT_TOP, "by the file's name", style, theme::STRONG);
+    }
+    response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m)).clicked()
+}
+
+/// The lines of a field from above.
+fn draw(painter: &Painter, ground: Rect, field: &FieldModel) {
+    let scale =
+        (f64::from(ground.width()) / (1.1 * field.length_m)).min(f64::from(ground.height()) / (1.1 * field.width_m));
+    let (half_length, half_width) = ((0.53 * field.length_m * scale) as f32, (0.53 * field.width_m * scale) as f32);
+    let turf = Rect::from_center_size(ground.center(), 2.0 * vec2(half_length, half_width));
+    painter.rect_filled(turf, CornerRadius::same(2), Color32::from_rgb(38, 74, 48));
+    for line in field.lines.iter().filter(|line| line.curve.point_at(0.5).z == 0.0) {
+        let points = (0..=PIECES).map(|piece| line.curve.point_at(f64::from(piece) / f64::from(PIECES)));
+        let shown = points.map(|point| ground.center() + vec2((point.x * scale) as f32, (-point.y * scale) as f32));
+        painter.add(Shape::line(shown.collect(), Stroke::new(1.0, Color32::from_gray(225))));
+    }
+}
