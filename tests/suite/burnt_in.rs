@@ -342,7 +342,9 @@ mod videos {
         let of = |truth: PixelBox| found.iter().filter(move |found| covered(&found.mask.pixel_box, &truth) >= 0.5);
         for (&truth, ranged) in truth.iter().zip([false, false, true]) {
             let covered: f64 = of(truth).map(|mask| covered(&truth, &mask.mask.pixel_box)).sum();
-            assert!(covered > 0.6, "{covered} of {truth:?} in {found:?}");
+            // Of a banner that few views show only what stands is found: its text moves.
+            let least = if ranged { 0.25 } else { 0.6 };
+            assert!(covered > least, "{covered} of {truth:?} in {found:?}");
             assert!(of(truth).all(|mask| (mask.mask.from.is_some() && mask.mask.to.is_some()) == ranged), "{found:?}");
         }
         // Half a second to slide in, and out.

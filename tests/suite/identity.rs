@@ -329,7 +329,7 @@ fn a_mirrored_frame_is_found() {
         assert_eq!(finding.kind, IdentityKind::Mirrored(symmetry));
         assert!(
             finding.evidence == Evidence::Clicks
-                && finding.renamed_px < 6.0
+                && finding.renamed_px < 12.0
                 && finding.warning().message.contains("Check ")
         );
     }

@@ -41,7 +41,7 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     assert_eq!(window.app().session.frame, 2);
     window
         .harness
-        .get_by_label("1 frame has no answer, 1 proposal is uncertain: label one near pan\u{a0}−15°.")
+        .get_by_label("1 frame has no answer, 1 proposal is uncertain: label frame 3, near pan\u{a0}−15°.")
         .click();
     window.harness.run_steps(2);
     assert_eq!(window.app().session.frame, 3);

@@ -63,10 +63,10 @@ pub(super) fn guessed_from(name: &str) -> Option<&'static str> {
         ("volleyball", "volleyball"),
     ];
     let name = name.to_lowercase();
-    let mut words = name.split(|c: char| !c.is_ascii_alphabetic());
+    let words = name.split(|c: char| !c.is_ascii_alphabetic());
     let found = WORDS.iter().find(|(word, _)| words.clone().any(|part| part == *word));
     found
-        .or_else(|| WORDS.iter().find(|(word, _)| word.len() > 5 && words.any(|part| part.contains(word))))
+        .or_else(|| WORDS.iter().find(|(word, _)| word.len() > 5 && words.clone().any(|part| part.contains(word))))
         .map(|(_, field)| *field)
 }
 
