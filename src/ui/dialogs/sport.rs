@@ -10,9 +10,9 @@ use egui::{
 };
 
 /// The size of a drawing with its name, points.
-const CARD: egui::Vec2 = vec2(150.0, 118.0);
-/// The height of the name, points.
-const NAME: f32 = 22.0;
+const CARD: egui::Vec2 = vec2(150.0, 132.0);
+/// The height of the name and of who makes the rules, points.
+const NAME: f32 = 36.0;
 /// The number of pieces that a curve is drawn with.
 const PIECES: u32 = 32;
 
@@ -62,8 +62,11 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     }
     let ground = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME)).shrink(6.0);
     draw(painter, ground, field);
-    let at = pos2(rect.center().x, rect.bottom() - NAME / 2.0);
-    painter.text(at, Align2::CENTER_CENTER, title, FontId::proportional(12.0), theme::STRONG);
+    let (sport, rules) = title.split_once(" (").unwrap_or((title, ""));
+    let at = pos2(rect.center().x, rect.bottom() - NAME);
+    painter.text(at, Align2::CENTER_TOP, sport, FontId::proportional(12.0), theme::STRONG);
+    let at = at + vec2(0.0, NAME / 2.0 - 2.0);
+    painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), theme::TEXT);
     if guessed {
         let style = FontId::proportional(10.0);
         painter.text(rect.left_top() + vec2(8.0, 6.0), Align2::LEFT_TOP, "by the file's name", style, theme::STRONG);
