@@ -32,6 +32,7 @@ mod real_frames;
 mod real_paint;
 mod real_trust;
 mod real_video;
+mod real_wood;
 mod render_command;
 #[path = "../suite/seeded.rs"]
 mod seeded;
@@ -59,6 +60,8 @@ fn main() -> ExitCode {
         real_trust::TESTS,
         #[cfg(feature = "opencv")]
         real_video::TESTS,
+        #[cfg(feature = "opencv")]
+        real_wood::TESTS,
         render_command::TESTS,
     ])
 }

@@ -3,23 +3,20 @@
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
 use std::fs;
-use std::path::Path;
 use touchline::camera::{Ptz, PtzCamera};
-use touchline::document::{Document, document_from_bytes};
+use touchline::document::document_from_bytes;
 use touchline::field::FieldModel;
 use touchline::geometry::{Angle, ImagePoint, ImageSize};
-use touchline::media::{FrameReader, load_image};
+use touchline::media::load_image;
 use touchline::paint::{GroundPicture, LineVerdict, PointSnapOptions, SnapOptions, check_lines, snap, snap_point};
-use touchline::proposals::read_picture;
 
 pub const TESTS: &[Test] = tests![
     [Frames] the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back;
-    [Frames] a_court_of_wood_does_so_too;
     [Frames] points_go_to_painted_spots;
 ];
 
 /// How far apart the overlays of two cameras are on the playing area, px: the median over the picture.
-fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
+pub fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageSize) -> f64 {
     let at = |index: u32, extent: u32| (f64::from(index % 8) + 0.5) / 8.0 * f64::from(extent);
     let mut distances: Vec<f64> = (0..64)
         .map(|index| ImagePoint::new(at(index, size.width), at(index / 8, size.height)))
@@ -33,7 +30,8 @@ fn apart_px(field: &FieldModel, one: &PtzCamera, other: &PtzCamera, size: ImageS
     distances[distances.len() / 2]
 }
 
-fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
+/// A camera turned and zoomed.
+pub fn turned(camera: &PtzCamera, pan_px: f64, tilt_px: f64, zoom: f64) -> PtzCamera {
     let ptz = camera.ptz();
     let angle = |px: f64| Angle::from_radians(px / ptz.focal_px);
     let turned = Ptz { pan: ptz.pan + angle(pan_px), tilt: ptz.tilt + angle(tilt_px), focal_px: ptz.focal_px * zoom };
@@ -70,44 +68,6 @@ fn the_paint_tells_right_cameras_from_wrong_ones_and_snapping_comes_back() {
     assert!(right >= frames.len() - 1, "{right} of {} right cameras are supported", frames.len());
     assert_eq!(wrong, 0, "wrong cameras are supported");
     assert!(back >= frames.len() - 1, "{back} of {} come back", frames.len());
-}
-
-/// The five clicked frames of a basketball video, as a document in a new folder.
-fn clicked_court(place: &Path) -> Document {
-    let text = include_str!("../benches/relocalize/clicks/basketball.json");
-    let video = frames_folder().join("video-basketball/clip.mp4");
-    fs::write(place.join("clicks.json"), text.replace("video-basketball/clip.mp4", &video.to_string_lossy())).unwrap();
-    let ran = touchline(place, "refine-base clicks.json --markings -o base.json");
-    assert_eq!(ran.code, 0, "{}", ran.stderr);
-    document_from_bytes(&fs::read(place.join("base.json")).unwrap()).unwrap()
-}
-
-fn a_court_of_wood_does_so_too() {
-    let place = tempfile::tempdir().unwrap();
-    let document = clicked_court(place.path());
-    let field = document.field.model(place.path()).unwrap();
-    let mut reader = FrameReader::new();
-    let mut back = 0;
-    for frame in &document.frames {
-        let picture = read_picture(&mut reader, frame, place.path()).unwrap();
-        let ground = GroundPicture::new(&picture, &document.masks_of(frame));
-        assert!(!ground.surface().is_turf(), "{}", frame.name());
-        let camera = document.pointed(frame).unwrap();
-        let right = check_lines(&ground, &field, &camera);
-        assert_eq!(right.verdict(), LineVerdict::Supports, "{}: {right:?}", frame.name());
-        assert!(right.offset_px < 1.0, "{}: {right:?}", frame.name());
-        for (pan_px, tilt_px, zoom) in [(60.0, 10.0, 1.0), (-20.0, 25.0, 1.0), (0.0, 0.0, 1.08), (200.0, 0.0, 1.0)] {
-            let off = check_lines(&ground, &field, &turned(&camera, pan_px, tilt_px, zoom));
-            assert_ne!(off.verdict(), LineVerdict::Supports, "{}: {off:?}", frame.name());
-        }
-        let start = turned(&camera, 18.0, -12.0, 1.01).ptz();
-        let found = snap(&ground, &field, camera.base(), start, &[], &SnapOptions::default());
-        let pointed = |ptz| PtzCamera::new(*camera.base(), ptz);
-        back += usize::from(
-            found.is_ok_and(|found| apart_px(&field, &camera, &pointed(found.ptz), frame.image_size) < 1.5),
-        );
-    }
-    assert!(back >= 4, "{back} of 5 come back");
 }
 
 /// People's clicks on penalty marks and centre marks: what the paint makes of them lies on the marks of a camera that is fitted
