@@ -42,6 +42,10 @@ impl PointSnaps {
     pub(super) fn placed(&mut self, frame: &Frame, index: usize, exactly: bool) {
         let here = (frame.id.clone(), index);
         if exactly {
+            // One that named itself as it was placed waits already.
+            if let Some(click) = frame.clicks.get(index) {
+                self.waiting.retain(|placed| placed.frame != frame.id || !placed.is(click));
+            }
             self.exact = Some(here);
             return;
         }
