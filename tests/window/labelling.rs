@@ -43,7 +43,7 @@ fn two_clicks_a_third_that_names_itself_and_the_frame_is_a_reference() {
     assert_eq!(window.app().session.named_unasked, Some(2));
     let clicks = &window.app().frame().unwrap().clicks;
     assert_eq!(clicks[2].target, Some(Target::Landmark("penalty_mark_left".into())));
-    window.snapshot("named_unasked", window.image_of("penalty_mark_left"), [420.0, 240.0]);
+    assert!(clicks[2].image.distance_px(window.image_of("penalty_mark_left")) < 1.0, "{:?}", clicks[2].image);
 
     // Enter, while letters would change the name, confirms it and nothing else.
     window.key(Key::Enter);
