@@ -120,7 +120,7 @@ impl BaseProblem {
         let known = document
             .camera(camera)
             .ok_or_else(|| BaseEstimationError::UnknownCamera { camera: camera.as_str().to_owned() })?;
-        let field = document.model_of(known.field.as_ref().unwrap_or(&document.field))?;
+        let field = document.model_of(document.field_of_camera(camera))?;
         let (mut frames, mut clicks) = (Vec::new(), Vec::new());
         let of_camera = |frame: &Frame| frame.camera == *camera && frame.image_size == known.image_size;
         for (index, frame) in document.frames.iter().enumerate().filter(|(_, frame)| of_camera(frame)) {

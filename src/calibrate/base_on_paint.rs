@@ -94,9 +94,7 @@ impl BaseOnPaint {
     ) -> Result<EstimatedBase, BaseEstimationError> {
         let mut solved = document.document.clone();
         self.estimated.write_to(&mut solved, document.folder)?;
-        let camera = solved.camera(&self.estimated.camera);
-        let field = camera.and_then(|camera| camera.field.as_ref()).unwrap_or(&solved.field);
-        let field = solved.at(document.folder).model_of(field)?;
+        let field = solved.at(document.folder).model_of(solved.field_of_camera(&self.estimated.camera))?;
         let (pulled, _) = self.pulled(&solved, &field, pictures);
         let pulled = pulled.into_iter().map(|(_, frame)| frame).collect();
         Ok(EstimatedBase { on_paint: Some(Arc::new(OnPaint { seen: self.seen, pulled })), ..self.estimated })

@@ -140,8 +140,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
     }
     for found in &on_paint {
         report_on_paint(found, messages);
-        let camera = document.camera(&found.estimated.camera);
-        let field = camera.and_then(|camera| camera.field.as_ref()).unwrap_or(&document.field);
+        let field = document.field_of_camera(&found.estimated.camera);
         let field = document.at(location.folder()).model_of(field)?;
         let snapped = found.write_frames(&mut document, &field, &mut |frame| pictures.read(frame));
         messages.note(&format!(

@@ -81,7 +81,13 @@ impl Document {
     /// The field that a frame shows: its camera's own, else the document's.
     #[must_use]
     pub fn field_of(&self, frame: &Frame) -> &FieldSpec {
-        self.camera_of(frame).and_then(|camera| camera.field.as_ref()).unwrap_or(&self.field)
+        self.field_of_camera(&frame.camera)
+    }
+
+    /// The field that a camera looks at: its own, else the document's.
+    #[must_use]
+    pub fn field_of_camera(&self, camera: &CameraId) -> &FieldSpec {
+        self.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&self.field)
     }
 
     /// The camera as a solved frame has it pointed.

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 /// The parameter that every template takes: how much the middle is higher than the touchlines, m.
-const CROWN: &str = "crown_m";
+pub const CROWN: &str = "crown_m";
 
 /// The parameters that are the size of a field.
 const SIZE: [&str; 2] = ["length_m", "width_m"];

@@ -129,7 +129,7 @@ pub(crate) use create::document_from_frames;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 pub use edit::{Change, Edit, EditKind};
 pub use edit_mismatch::EditMismatch;
-pub use field_spec::{FieldSize, FieldSpec};
+pub use field_spec::{CROWN, FieldSize, FieldSpec};
 pub use fields::Fields;
 pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
 pub use frame_changes::FrameChanges;

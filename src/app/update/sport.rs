@@ -2,11 +2,8 @@
 
 use super::App;
 use crate::app::session::Level;
-use crate::document::FieldSpec;
+use crate::document::{CROWN, FieldSpec};
 use crate::field::builtin;
-
-/// The name of the crown in documents: every field has one.
-const CROWN: &str = "crown_m";
 
 impl App {
     /// How many points carry names of the shown frame's field: they have none of these in another field.

@@ -57,10 +57,11 @@ impl App {
     /// Has the background look what an export or a dataset would be; an import waits for its file.
     fn look(&mut self) {
         let transfer = &mut self.session.transfer;
+        transfer.found = None;
+        // What is being written goes first; its end looks.
         if transfer.under_way.is_some_and(|work| work.writes) {
             return;
         }
-        transfer.found = None;
         let work = match transfer.tab {
             TransferTab::Export => {
                 let options = Box::new(transfer.export.clone());
@@ -154,6 +155,9 @@ impl App {
                 self.tell_assumed_size();
             }
             Err(text) => self.session.notify(Level::Error, text),
+        }
+        if self.session.transfer.found.is_none() {
+            self.look();
         }
     }
 

@@ -44,8 +44,7 @@ impl Refined {
             }
         }
         record_found(&mut bare, camera, found);
-        let places = bare.frames.clone();
-        let mut picture_of = |frame: &Frame| picture(places.position_of(&frame.id)?);
+        let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
         let at = bare.at(document.folder);
         let told = |_| watch(UnclickedProgress::Refining);
         let sized = !found.sizes.is_empty();
@@ -55,8 +54,7 @@ impl Refined {
             Err(BaseOnPaintError::TooFewLines { .. } | BaseOnPaintError::Base(_)) => return Ok(None),
         };
         estimated.write_camera(&mut bare);
-        let spec = bare.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&bare.field);
-        let field = bare.at(document.folder).model_of(spec).map_err(UnclickedError::from)?;
+        let field = bare.at(document.folder).model_of(bare.field_of_camera(camera)).map_err(UnclickedError::from)?;
         let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
         let ptz = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
         Ok(Some(Self { estimated, field, ptz }))

@@ -26,7 +26,7 @@ pub(super) struct Venue {
 impl Venue {
     /// The field of a document's camera. Its size is open where the document only assumes it.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
-        let spec = document.camera(camera).and_then(|camera| camera.field.as_ref()).unwrap_or(&document.field);
+        let spec = document.field_of_camera(camera);
         let assumed = document.model_of(spec)?;
         let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
         let open = OpenSize::new(spec.template(document.folder)?, &assumed);

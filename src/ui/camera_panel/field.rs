@@ -2,7 +2,7 @@
 
 use super::{numbers, section};
 use crate::app::{Action, Command};
-use crate::document::{FieldSize, FieldSpec};
+use crate::document::{CROWN, FieldSize, FieldSpec};
 use crate::field::{Curve, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
 use crate::ui::number::Number;
 use crate::ui::symbol::{self, Symbol};
@@ -12,8 +12,6 @@ use egui::{
 };
 use std::ops::RangeInclusive;
 
-/// The name of the crown in documents.
-const CROWN: &str = "crown_m";
 /// The sketch of a line's paint, points.
 const SKETCH: egui::Vec2 = egui::Vec2::new(64.0, 26.0);
 
@@ -63,7 +61,7 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         ui.add(Label::new(RichText::new(allowed).small().color(theme::WEAK)).truncate()).on_hover_text(&param.source);
     }
     let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
-    let value = spec.params.get(CROWN).copied().unwrap_or(0.0);
+    let value = spec.crown_m();
     let crown = metres("Crown", tip, value, -MAX_CROWN_M..=MAX_CROWN_M, "no field is that far from flat");
     row(panel, ui, spec, CROWN, Number { speed: 0.002, decimals: 3, ..crown });
 }
