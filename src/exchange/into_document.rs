@@ -236,7 +236,7 @@ pub fn camera_of(frame: &FrameCamera, size: ImageSize) -> Result<Pinhole, PlaneP
     };
     let principal_point = size.centre();
     let points = grid_on_ground(image_from_ground, size);
-    let pose = pose_from_plane(&points, principal_point)?;
+    let pose = pose_from_plane(&points, principal_point)?.refined(&points, principal_point);
     Ok(Pinhole {
         cam_from_world: pose.cam_from_world,
         position_m: pose.position_m,

@@ -3,10 +3,25 @@
 //! The homography of the plane z = 0 has K [r₁ r₂ t] for its columns, up to scale. Zero skew and square pixels make two
 //! equations, linear in 1/f², of r₁ ⟂ r₂ and |r₁| = |r₂| (Zhang 2000, section 3.1, with a known principal point); then R and
 //! the position follow.
+//!
+//! That is a camera, but not the nearest one: a homography has one degree of freedom more than it. [`PlanePose::refined`] brings
+//! it as near to the points as a camera can come.
 
-use crate::geometry::rotation::nearest_rotation;
+use super::Loss;
+use super::least_squares::{BlockEquations, Problem, Stopping, minimise};
+use super::residual::{Linearised, Residual};
+use crate::field::FieldElement;
+use crate::geometry::rotation::{from_rotation_vector, nearest_rotation, skew};
 use crate::geometry::{HomographyError, ImagePoint, Mat3, Vec2, Vec3, homography};
+use nalgebra::{Matrix2x3, SMatrix, SVector, Vector2};
 use thiserror::Error;
+
+/// Iterations at most.
+const MAX_ITERATIONS: usize = 60;
+/// A step in (rad, m, log f) below this ends the search.
+const ENOUGH: f64 = 1e-10;
+/// The longest step of the logarithm of the focal length: a factor of three.
+const LONGEST_FOCAL_STEP: f64 = 1.1;
 
 /// A camera that one picture determines by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +49,98 @@ pub enum PlanePoseError {
     },
 }
 
-/// The camera that shows points of the plane z = 0 (world, m) at pixels.
+impl PlanePose {
+    /// The camera near this one with the least squared distances in px from `points` to where it shows them.
+    #[must_use]
+    pub fn refined(self, points: &[(Vec2, ImagePoint)], principal_point: ImagePoint) -> Self {
+        let shown = |(ground, image): &(Vec2, ImagePoint)| ShownGround {
+            ground_m: Vec3::new(ground.x, ground.y, 0.0),
+            offset_px: image.offset_from(principal_point),
+        };
+        let problem = NearestPose { points: points.iter().map(shown).collect() };
+        let until = Stopping { max_iterations: MAX_ITERATIONS, short_step: ENOUGH, small_gain: 0.0 };
+        minimise(&problem, self, until).state
+    }
+}
+
+/// A point of the ground, and where the picture shows it from the principal point.
+struct ShownGround {
+    ground_m: Vec3,
+    offset_px: Vec2,
+}
+
+/// Rotation (rad, applied in `cam`), position (m, `world`) and logarithm of the focal length.
+type PoseStep = SVector<f64, 7>;
+
+impl ShownGround {
+    /// The point in `cam`; none where the camera does not see it.
+    fn seen(&self, pose: &PlanePose) -> Option<Vec3> {
+        let seen = pose.cam_from_world * (self.ground_m - pose.position_m);
+        (seen.z > 0.0).then_some(seen)
+    }
+}
+
+impl Residual<2, 0, 7> for ShownGround {
+    type State = PlanePose;
+
+    fn element(&self) -> Option<FieldElement> {
+        None
+    }
+
+    fn sigma(&self) -> f64 {
+        1.0
+    }
+
+    fn value(&self, pose: &PlanePose) -> Option<Vector2<f64>> {
+        let seen = self.seen(pose)?;
+        Some(seen.xy() * (pose.focal_px / seen.z) - self.offset_px)
+    }
+
+    fn linearised(&self, pose: &PlanePose) -> Option<Linearised<2, 0, 7>> {
+        let seen = self.seen(pose)?;
+        let (x, y) = (seen.x / seen.z, seen.y / seen.z);
+        let by_seen = Matrix2x3::new(1.0, 0.0, -x, 0.0, 1.0, -y) * (pose.focal_px / seen.z);
+        let at = Vector2::new(x, y) * pose.focal_px;
+        let mut by_own = SMatrix::<f64, 2, 7>::zeros();
+        by_own.fixed_columns_mut::<3>(0).copy_from(&(by_seen * -skew(seen)));
+        by_own.fixed_columns_mut::<3>(3).copy_from(&(by_seen * -pose.cam_from_world));
+        by_own.set_column(6, &at);
+        Some(Linearised { value: at - self.offset_px, by_shared: SMatrix::zeros(), by_own })
+    }
+}
+
+/// The camera nearest to what is shown.
+struct NearestPose {
+    points: Vec<ShownGround>,
+}
+
+impl Problem for NearestPose {
+    type State = PlanePose;
+    type Equations = BlockEquations<0, 7>;
+
+    fn equations(&self, at: &PlanePose) -> BlockEquations<0, 7> {
+        let mut equations = BlockEquations::zero();
+        for point in &self.points {
+            equations.add(point, at, Loss::Squared);
+        }
+        equations
+    }
+
+    fn stepped(&self, from: &PlanePose, step: &PoseStep) -> PlanePose {
+        stepped(from, step)
+    }
+}
+
+/// A camera after a step.
+fn stepped(from: &PlanePose, step: &PoseStep) -> PlanePose {
+    PlanePose {
+        cam_from_world: from_rotation_vector(step.fixed_rows::<3>(0).into()) * from.cam_from_world,
+        position_m: from.position_m + step.fixed_rows::<3>(3),
+        focal_px: from.focal_px * step[6].clamp(-LONGEST_FOCAL_STEP, LONGEST_FOCAL_STEP).exp(),
+    }
+}
+
+/// The camera that shows points of the plane z = 0 (world, m) at pixels, in closed form.
 ///
 /// # Errors
 /// Too few points, points on one line, or no focal length that explains them.
@@ -72,6 +178,63 @@ mod tests {
     use super::*;
     use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
     use crate::geometry::rotation::angle_between;
+    use crate::solve::residual::assert_derivatives;
+
+    fn leaning() -> PtzCamera {
+        let angles = BaseAngles { roll: crate::geometry::Angle::from_degrees(1.5), ..BaseAngles::default() };
+        let base =
+            CameraBase::new(Vec3::new(-8.0, -62.0, 17.0), angles.base_from_world(), ImagePoint::new(640.0, 360.0));
+        PtzCamera::new(base, Ptz::from_degrees(-12.0, -11.0, 1800.0))
+    }
+
+    #[test]
+    fn a_point_of_the_ground_moves_with_the_camera_as_its_jacobian_says() {
+        let camera = leaning();
+        let pose = PlanePose {
+            position_m: camera.base().position_m,
+            cam_from_world: camera.cam_from_world(),
+            focal_px: camera.ptz().focal_px,
+        };
+        for ground in [[-20.0, 3.0], [-31.0, 20.0], [0.0, 34.0]] {
+            let point =
+                ShownGround { ground_m: Vec3::new(ground[0], ground[1], 0.0), offset_px: Vec2::new(12.0, -80.0) };
+            assert_derivatives(&point, |_: &SVector<f64, 0>, step| stepped(&pose, step), "ground");
+        }
+    }
+
+    #[test]
+    fn a_refined_camera_is_the_nearest_to_points_that_no_camera_shows_exactly() {
+        let camera = leaning();
+        let pp = camera.base().principal_point;
+        let (mut points, mut exact) = (Vec::new(), Vec::new());
+        for index in 0..81_u32 {
+            let ground = Vec2::new(-35.0 + 4.0 * f64::from(index % 9), -5.0 + 4.0 * f64::from(index / 9));
+            let Ok(image) = camera.image_from_world(Vec3::new(ground.x, ground.y, 0.0)) else { continue };
+            // The picture a little sheared, as homographies without a camera are.
+            exact.push((ground, image));
+            points.push((ground, ImagePoint::new(image.x + 0.02 * (image.y - pp.y), image.y)));
+        }
+        let rms_px = |pose: &PlanePose, points: &[(Vec2, ImagePoint)]| {
+            let squared = |(ground, image): &(Vec2, ImagePoint)| {
+                let shown =
+                    ShownGround { ground_m: Vec3::new(ground.x, ground.y, 0.0), offset_px: image.offset_from(pp) };
+                shown.value(pose).unwrap().norm_squared()
+            };
+            (points.iter().map(squared).sum::<f64>() / points.len() as f64).sqrt()
+        };
+        let closed = pose_from_plane(&points, pp).unwrap();
+        let refined = closed.refined(&points, pp);
+        assert!(rms_px(&refined, &points) < 0.7 * rms_px(&closed, &points), "{closed:?} {refined:?}");
+        for parameter in 0..7 {
+            for side in [-1e-4, 1e-4] {
+                let mut step = PoseStep::zeros();
+                step[parameter] = side;
+                assert!(rms_px(&stepped(&refined, &step), &points) >= rms_px(&refined, &points) - 1e-12);
+            }
+        }
+        let of_exact = pose_from_plane(&exact, pp).unwrap().refined(&exact, pp);
+        assert!((of_exact.position_m - camera.base().position_m).norm() < 1e-6, "{of_exact:?}");
+    }
 
     #[test]
     fn exact_points_give_the_camera() {
