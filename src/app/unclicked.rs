@@ -2,7 +2,7 @@
 
 use crate::calibrate::{
     Abstention, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedProgress, WatchUnclicked, camera_without_clicks,
+    UnclickedProgress, WatchUnclicked, camera_from_few_clicks, camera_without_clicks,
 };
 use crate::document::{CameraId, Click, Document, FrameId, Target};
 use crate::field::LandmarkId;
@@ -15,6 +15,9 @@ use thiserror::Error;
 
 /// Frames that are looked at, spread over all of the camera.
 const LOOKED_AT: usize = 40;
+
+/// With this many clicked landmarks a camera is looked for where they say.
+const FEWEST_CLICKS: usize = 2;
 
 /// Fewer frames hardly show what is painted on the ground and what moves over it.
 pub(super) const FEWEST: usize = 3;
@@ -67,7 +70,20 @@ impl UnclickedOrder {
     ) -> Result<UnclickedAnswer, UnclickedFailure> {
         let mut picture = |index: usize| read_picture(reader, &self.document.frames[index], &self.folder).ok();
         let at = self.document.at(&self.folder);
+        // Two clicks save the search, and find cameras that it does not.
+        if self.clicked_landmarks() >= FEWEST_CLICKS {
+            let answer = camera_from_few_clicks(at, &self.camera, LOOKED_AT, &mut picture, watch)?;
+            if !matches!(answer, UnclickedAnswer::Abstained(_)) {
+                return Ok(answer);
+            }
+        }
         Ok(camera_without_clicks(at, &self.camera, LOOKED_AT, &mut picture, watch)?)
+    }
+
+    /// How many landmarks are clicked in the camera's frames.
+    fn clicked_landmarks(&self) -> usize {
+        let frames = self.document.frames.iter().filter(|frame| frame.camera == self.camera);
+        frames.flat_map(|frame| &frame.clicks).filter(|click| matches!(click.target, Some(Target::Landmark(_)))).count()
     }
 
     /// A camera that was found, with its frames by their ids.
@@ -198,7 +214,7 @@ pub(super) fn describe_found(found: &UnclickedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
     format!(
-        "Camera found without a click: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
+        "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
          lines; look at some before you accept them.",
         place(found),
         sigma.norm()
@@ -241,7 +257,11 @@ fn what_helps(why: &Abstention) -> String {
         Abstention::Uncertain { doubts, .. } => view_missing(doubts),
         _ => "Check that the field's sport is the one in the pictures".to_owned(),
     };
-    format!("{missing}, or click 4 landmarks on 2 wide frames.")
+    let clicks = match why {
+        Abstention::NotTied { .. } | Abstention::NotTurning(_) => "click 4 landmarks on 2 wide frames",
+        _ => "click 2 landmarks far from each other and look again",
+    };
+    format!("{missing}, or {clicks}.")
 }
 
 /// Which view would settle doubts.

@@ -60,6 +60,7 @@ pub(crate) use solve_frames::{is_by_clicks, record_outcome};
 use still_runs::still_runs;
 pub use unclicked::{
     Abstention, DecidingLandmark, Doubt, PictureOfFrame, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_without_clicks, record_found,
+    UnclickedEvidence, UnclickedFrame, UnclickedProgress, WatchUnclicked, camera_from_few_clicks,
+    camera_without_clicks, record_found,
 };
 pub use which_camera::AssignError;

@@ -103,11 +103,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
     bench.act(Action::Release);
     bench.command(Command::Cancel);
     assert!(has_base(&bench.app), "{:?}", bench.app.session.mode);
-    assert!(
-        bench.last_notice().starts_with("Camera found without a click: 17.0 m high, 62.0 m"),
-        "{}",
-        bench.last_notice()
-    );
+    assert!(bench.last_notice().starts_with("Camera found: 17.0 m high, 62.0 m"), "{}", bench.last_notice());
     assert!(bench.last_notice().contains("known to ±0.5 m. 0 of 4 frames agree"), "{}", bench.last_notice());
 
     let open = bench.app.open().unwrap();
@@ -146,13 +142,13 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
                 best: None,
             },
             "No camera is given: the best answer is not certain (no paint lies where Centre circle should be). A view of \
-             Centre circle is missing: add frames that show it, or click 4 landmarks on 2 wide frames.",
+             Centre circle is missing: add frames that show it, or click 2 landmarks far from each other and look again.",
         ),
         (
             Abstention::Uncertain { doubts: vec![Doubt::FewSnapped { snapped: 3, frames: 9 }], best: None },
             "No camera is given: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
-             picture). Wide views of both ends and of the middle are missing: add such frames, or click 4 landmarks on 2 wide \
-             frames.",
+             picture). Wide views of both ends and of the middle are missing: add such frames, or click 2 landmarks far \
+             from each other and look again.",
         ),
     ] {
         bench.command(Command::FindCamera);

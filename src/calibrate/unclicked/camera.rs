@@ -1,10 +1,14 @@
 //! A document's camera found without a click: its frames looked at, the bases that explain their paint, and the best of these
 //! asked of every frame's own picture.
 
-use super::candidates::{Candidate, Neighbours, OVER_RIVAL, SAME_M, Stop, candidates};
+use super::candidates::{Candidate, Neighbours, OVER_RIVAL, SAME_M, candidates};
+use super::clicked::GroundClick;
 use super::deciding::deciding_landmark;
+use super::error::Stop;
+use super::evidence::missing_lines;
 use super::held::Held;
 use super::refined::Refined;
+use super::tied::TiedFrames;
 use super::traces::{FrameTraces, PictureOfFrame};
 use super::venue::Venue;
 use super::{
@@ -12,11 +16,13 @@ use super::{
     WatchUnclicked,
 };
 use crate::calibrate::snap_frame;
+use crate::camera::PtzCamera;
 use crate::document::{CameraId, DocumentAt, FrameStatus};
 use crate::geometry::ImageSize;
 use crate::media::Picture;
 use crate::paint::SnapOptions;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// At least this share of the frames has to agree with the painted lines of its own picture. Right answers had .9 and more on
 /// real and drawn matches, wrong ones .5 and less.
@@ -25,6 +31,9 @@ const MIN_SNAPPED: f64 = 0.75;
 /// With a rival that explains nearly as much, this share has to agree with the one and at most that with the other.
 const OVER_REFUTED: f64 = 0.85;
 const REFUTED: f64 = 0.65;
+
+/// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
+const CONTRADICTING_PX: f64 = 25.0;
 
 /// Pictures that are held in memory together.
 const AT_ONCE: usize = 8;
@@ -43,29 +52,59 @@ pub fn camera_without_clicks(
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
     let venue = Venue::of(document, camera)?;
-    let search = Search { document, camera, venue: &venue, watch };
-    match search.answer(look_at, picture) {
-        Ok(answer) => Ok(answer),
-        Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
-        Err(Stop::Failed(error)) => Err(error),
-    }
+    let search = Search { document, camera, venue: &venue, by_clicks: false, watch };
+    search.answered(look_at, picture)
+}
+
+/// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
+/// stands, and nothing is searched. Everything is asked of the answer that is asked of one without a click, and that the clicks
+/// agree with it.
+///
+/// # Errors
+/// As [`camera_without_clicks`].
+pub fn camera_from_few_clicks(
+    document: DocumentAt<'_>,
+    camera: &CameraId,
+    look_at: usize,
+    picture: PictureOfFrame<'_>,
+    watch: WatchUnclicked<'_>,
+) -> Result<UnclickedAnswer, UnclickedError> {
+    let venue = Venue::of(document, camera)?;
+    let search = Search { document, camera, venue: &venue, by_clicks: true, watch };
+    search.answered(look_at, picture)
 }
 
 struct Search<'a> {
     document: DocumentAt<'a>,
     camera: &'a CameraId,
     venue: &'a Venue,
+    /// Clicks say where the camera stands.
+    by_clicks: bool,
     watch: WatchUnclicked<'a>,
 }
 
 impl Search<'_> {
+    fn answered(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, UnclickedError> {
+        match self.answer(look_at, picture) {
+            Ok(answer) => Ok(answer),
+            Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
+            Err(Stop::Failed(error)) => Err(error),
+        }
+    }
+
     fn told(&self, progress: UnclickedProgress) -> Result<(), Stop> {
         if (self.watch)(progress).is_break() { Err(UnclickedError::Stopped.into()) } else { Ok(()) }
     }
 
     fn answer(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
         let (frames, traces) = self.look(&self.spread(look_at), picture)?;
-        let found = candidates(&traces, self.venue, self.watch)?;
+        let tied = TiedFrames::of(&traces, self.watch)?;
+        let clicks = self.clicks(&frames);
+        let of_group: Option<Vec<GroundClick>> = self.by_clicks.then(|| {
+            let place = |click: &GroundClick| tied.group.iter().position(|place| frames[*place] == click.frame);
+            clicks.iter().filter_map(|click| Some(GroundClick { frame: place(click)?, ..click.clone() })).collect()
+        });
+        let found = candidates(frames.len(), &tied, of_group.as_deref(), self.venue, self.watch)?;
         let mut places = found.into_iter();
         let best = places.next().ok_or(Abstention::NothingFits)?;
         let is_elsewhere =
@@ -76,20 +115,22 @@ impl Search<'_> {
         let doubts = best.doubts.clone();
         let (mut best, neighbours) = unsnapped(best, &frames);
         best.evidence.rival = rival_score;
-        if !doubts.is_empty() {
+        // A line is looked for once more where the last adjustment has it: before, it may lie just beside its paint.
+        if doubts.iter().any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. })) {
             return Err(Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into());
         }
         let best = self.snapped(best, &neighbours, &frames, picture)?;
+        let looked_at = LookedAt { frames: &frames, traces: &traces };
         let Some(other) = other else {
-            return self.found(best, neighbours, &frames, picture);
+            return self.found(best, neighbours, looked_at, picture);
         };
-        let is_doubted = !other.doubts.is_empty();
+        let is_doubted = !doubts.is_empty() || !other.doubts.is_empty();
         let (mut other, of_other) = unsnapped(other, &frames);
         other.evidence.rival = best.evidence.score();
         let other = self.snapped(other, &of_other, &frames, picture)?;
         // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
         if snapped_share(&best) >= OVER_REFUTED && snapped_share(&other) <= REFUTED {
-            return self.found(best, neighbours, &frames, picture);
+            return self.found(best, neighbours, looked_at, picture);
         }
         let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(few_snapped).collect();
         if is_doubted || !few.is_empty() {
@@ -105,9 +146,10 @@ impl Search<'_> {
         &self,
         found: UnclickedCamera,
         neighbours: Neighbours,
-        frames: &[usize],
+        looked_at: LookedAt<'_>,
         picture: PictureOfFrame<'_>,
     ) -> Result<UnclickedAnswer, Stop> {
+        let frames = looked_at.frames;
         let uncertain = |doubt, found: UnclickedCamera| {
             Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(found)) }.into())
         };
@@ -119,20 +161,51 @@ impl Search<'_> {
             return uncertain(Doubt::NotHeld, found);
         };
         let neighbours = refined.neighbours(neighbours, frames);
-        let found = self.snapped(refined.camera(found), &neighbours, frames, picture)?;
-        match few_snapped(&found) {
+        let mut found = self.snapped(refined.camera(found), &neighbours, frames, picture)?;
+        found.evidence.missing = looked_at.missing_lines(&found);
+        let missing = || {
+            let lines = &found.evidence.missing;
+            (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
+        };
+        let contradicted = || self.contradicted(&found);
+        match few_snapped(&found).or_else(missing).or_else(contradicted) {
             Some(doubt) => uncertain(doubt, found),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
     }
 
-    /// The frames that are looked at: of the camera, spread evenly.
+    /// The clicks that say where the camera stands.
+    fn clicks(&self, frames: &[usize]) -> Vec<GroundClick> {
+        if self.by_clicks { GroundClick::of(&self.document.frames, frames, &self.venue.assumed) } else { Vec::new() }
+    }
+
+    /// The doubt about a camera that a click contradicts.
+    fn contradicted(&self, found: &UnclickedCamera) -> Option<Doubt> {
+        let indices: Vec<usize> = found.frames.iter().map(|frame| frame.index).collect();
+        let off = |click: &GroundClick| {
+            let of_found = found.frames.iter().find(|frame| frame.index == click.frame)?;
+            let at_m = found.field.landmark_in_world(found.field.landmark(click.landmark.as_str())?);
+            let seen = PtzCamera::new(found.base, of_found.ptz).image_from_world(at_m);
+            let off_px = seen.map_or(f64::INFINITY, |seen| seen.distance_px(click.image));
+            let frame = &self.document.frames[click.frame];
+            (off_px > CONTRADICTING_PX * frame.image_size.scale_from_1920()).then(|| Doubt::ClickContradicts {
+                landmark: click.landmark.as_str().to_owned(),
+                frame: frame.name(),
+                off_px,
+            })
+        };
+        self.clicks(&indices).iter().find_map(off)
+    }
+
+    /// The frames that are looked at: of the camera, spread evenly, and those with clicks where these are read.
     fn spread(&self, look_at: usize) -> Vec<usize> {
         let frames = self.document.frames.iter().enumerate();
         let usable = frames.filter(|(_, frame)| frame.camera == *self.camera && frame.status != FrameStatus::Rejected);
         let of_camera: Vec<usize> = usable.map(|(index, _)| index).collect();
         let count = look_at.min(of_camera.len());
-        (0..count).map(|place| of_camera[place * of_camera.len() / count]).collect()
+        let spread = (0..count).map(|place| of_camera[place * of_camera.len() / count]);
+        let clicked = self.clicks(&of_camera).into_iter().map(|click| click.frame);
+        spread.chain(clicked).collect::<BTreeSet<usize>>().into_iter().collect()
     }
 
     /// What is kept of the frames' pictures, and which frames could be read.
@@ -195,6 +268,24 @@ impl Search<'_> {
     fn size(&self, frames: &[usize], neighbours: &Neighbours) -> ImageSize {
         let first = neighbours.group.first().and_then(|place| frames.get(*place));
         first.map_or(ImageSize::new(0, 0), |index| self.document.frames[*index].image_size)
+    }
+}
+
+/// The frames that were looked at, by their places in the document, with what was kept of each.
+#[derive(Clone, Copy)]
+struct LookedAt<'a> {
+    frames: &'a [usize],
+    traces: &'a [FrameTraces],
+}
+
+impl LookedAt<'_> {
+    /// The lines of the field that a camera should show in its frames and does not, by name.
+    fn missing_lines(&self, found: &UnclickedCamera) -> Vec<String> {
+        let looking = |frame: &UnclickedFrame| {
+            let place = self.frames.iter().position(|index| *index == frame.index)?;
+            Some((PtzCamera::new(found.base, frame.ptz), &self.traces[place].strokes))
+        };
+        missing_lines(&found.field, &found.frames.iter().filter_map(looking).collect::<Vec<_>>())
     }
 }
 

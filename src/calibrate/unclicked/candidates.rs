@@ -1,27 +1,25 @@
 //! The bases that explain the paint of tied frames, the best first.
 
+use super::clicked::GroundClick;
+use super::error::Stop;
 use super::joint::{FramePaint, Joint, joint};
 use super::pitch_map::PitchMap;
-use super::pose::RigPose;
-use super::search::{Hypothesis, PLACES, Panorama, search};
-use super::traces::FrameTraces;
+use super::starts::{Start, named, searched};
+use super::tied::TiedFrames;
 use super::venue::Venue;
-use super::{Abstention, Doubt, UnclickedError, UnclickedEvidence, UnclickedProgress, WatchUnclicked, evidence};
-use crate::camera::{BaseAngles, CameraBase, Ptz};
-use crate::features::Features;
+use super::{Doubt, UnclickedError, UnclickedEvidence, UnclickedProgress, WatchUnclicked, evidence};
+use crate::camera::{CameraBase, Ptz};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Vec3};
-use crate::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use crate::solve::base::FittedSize;
-use crate::track::{Hold, Tie, TurnOptions, Turns, adjust_turns, groups, tie_frames};
+use crate::track::{Hold, Tie, filled};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
-const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
-
 /// Places that are adjusted with all frames.
 const ADJUSTED: usize = 5;
+
+/// An adjustment is better if it explains so many times as much.
+const BETTER: f64 = 1.01;
 
 /// The best of these are moved to neighbouring sizes of the field.
 const CLIMBING: usize = 2;
@@ -31,24 +29,6 @@ pub(super) const SAME_M: f64 = 1.5;
 
 /// A place is taken for the only one if it explains this many times as much as the next.
 pub(super) const OVER_RIVAL: f64 = 1.35;
-
-/// Why the search ended before its answer.
-pub(super) enum Stop {
-    Failed(UnclickedError),
-    Abstained(Abstention),
-}
-
-impl From<UnclickedError> for Stop {
-    fn from(error: UnclickedError) -> Self {
-        Self::Failed(error)
-    }
-}
-
-impl From<Abstention> for Stop {
-    fn from(why: Abstention) -> Self {
-        Self::Abstained(why)
-    }
-}
 
 /// A base adjusted to all frames, with what speaks for and against it.
 pub(super) struct Candidate {
@@ -86,39 +66,25 @@ impl Candidate {
     }
 }
 
-/// The bases that explain the frames' paint, the best first.
+/// The bases that explain the frames' paint, the best first; `clicks` name places to begin from, with none they are searched.
+/// `frames` were looked at.
 pub(super) fn candidates(
-    frames: &[FrameTraces],
+    frames: usize,
+    tied: &TiedFrames,
+    clicks: Option<&[GroundClick]>,
     venue: &Venue,
     watch: WatchUnclicked<'_>,
 ) -> Result<Vec<Candidate>, Stop> {
     let told = |progress| if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) };
-    let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
-    let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
-    let ties = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
-        .map_err(UnclickedError::Track)?;
-    told(UnclickedProgress::Tying { done: pairs, of: pairs })?;
-    let group = largest_group(frames, &ties)?;
-    let size = frames[group[0]].size();
-    let tied = Group::new(frames, &group, &ties);
-
     told(UnclickedProgress::Gathering)?;
     let fields = venue.levels();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::of).collect();
-    let mut starts: Vec<Start> = Vec::new();
-    for (done, percent) in FOCAL_PERCENT.into_iter().enumerate() {
-        told(UnclickedProgress::Trying { places: PLACES * fields.len(), done, of: FOCAL_PERCENT.len() })?;
-        let options = TurnOptions { focal_scale: f64::from(percent) / 100.0, ..TurnOptions::default() };
-        let turns = match adjust_turns(group.len(), &tied.ties, size, &options) {
-            Ok(turns) => turns,
-            Err(error) if percent == FOCAL_PERCENT[0] => return Err(Abstention::NotTurning(error).into()),
-            Err(_) => continue,
-        };
-        starts.extend(tied.places(&turns, &maps)?);
-    }
-    starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
+    let starts = match clicks {
+        None => searched(tied, &maps, watch)?,
+        Some(clicks) => named(tied, &fields, &maps, clicks, watch)?,
+    };
+    let (group, size) = (&tied.group, tied.size);
 
-    let ties = Arc::new(tied.ties.clone());
     let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
     let mut tried = 0;
     for start in &starts {
@@ -131,13 +97,7 @@ pub(super) fn candidates(
             continue;
         }
         tried += 1;
-        let adjusted = |sized: Option<&Venue>| {
-            let field = &fields[start.hypothesis.field];
-            let ptz: Vec<Option<Ptz>> = start.turns.ptz.iter().copied().map(Some).collect();
-            let joint = joint(field, sized, &start.paint, &base, (&ptz, &tied.ties), size)?;
-            let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
-            Some((joint, evidence))
-        };
+        let adjusted = |sized: Option<&Venue>| adjusted(&fields[start.hypothesis.field], sized, start, &base, tied);
         let as_assumed = (start.hypothesis.field == 0).then(|| adjusted(None)).flatten();
         let sized = venue.is_open().then(|| adjusted(Some(venue))).flatten();
         let better = of_one_size(as_assumed, sized, venue.is_known);
@@ -148,22 +108,53 @@ pub(super) fn candidates(
         let climbing = joints.len().min(CLIMBING);
         for (done, (joint, evidence, start)) in joints.iter_mut().take(climbing).enumerate() {
             told(UnclickedProgress::Sizing { done, of: climbing })?;
-            climb((joint, evidence), venue, start, &tied, size);
+            climb((joint, evidence), venue, start, tied);
         }
         joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
     }
     let candidate = |(joint, evidence, start): (Joint, UnclickedEvidence, &Start)| {
-        let mut ptz = vec![None; frames.len()];
+        let mut ptz = vec![None; frames];
         for (frame, found) in group.iter().zip(&joint.ptz) {
             ptz[*frame] = *found;
         }
         let doubts = evidence.doubts(&joint);
-        let (group, ties, holds) = (group.clone(), Arc::clone(&ties), joint.holds());
+        let (group, ties, holds) = (group.clone(), Arc::clone(&tied.ties), joint.holds());
         let (turns, paint) = (start.turns.ptz.clone(), start.paint.clone());
         let neighbours = Neighbours { group, ties, turns, ptz: joint.ptz, paint, holds };
         Candidate { base: joint.base, field: joint.field, sizes: joint.sizes, ptz, evidence, doubts, neighbours }
     };
     Ok(joints.into_iter().map(candidate).collect())
+}
+
+/// A base adjusted from a place, and again from where that ends while more is explained by it: frames that were taken for other
+/// lines at first find theirs from a better base and size.
+fn adjusted(
+    field: &FieldModel,
+    sized: Option<&Venue>,
+    start: &Start,
+    base: &CameraBase,
+    tied: &TiedFrames,
+) -> Option<(Joint, UnclickedEvidence)> {
+    const PASSES: usize = 4;
+    let mut best: Option<(Joint, UnclickedEvidence)> = None;
+    let ptz = start.turns.ptz.iter().copied().map(Some).collect();
+    let mut from: (FieldModel, CameraBase, Vec<Option<Ptz>>) = (field.clone(), *base, ptz);
+    for _ in 0..PASSES {
+        let Some(mut joint) = joint(&from.0, sized, &start.paint, &from.1, (&from.2, &tied.ties), tied.size) else {
+            break;
+        };
+        joint.start_m = base.position_m;
+        let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
+        if best.as_ref().is_some_and(|(_, known)| evidence.score() <= BETTER * known.score()) {
+            break;
+        }
+        let again = filled(&joint.ptz, &start.turns.ptz, &tied.ties);
+        let again = again.map(|ptz| (joint.field.clone(), joint.base, ptz.into_iter().map(Some).collect()));
+        best = Some((joint, evidence));
+        let Some(again) = again else { break };
+        from = again;
+    }
+    best
 }
 
 /// A base on the field as assumed, unless another size explains more; where the size is known, that is a doubt about it.
@@ -198,17 +189,14 @@ fn climb(
     (joint_here, evidence_here): (&mut Joint, &mut UnclickedEvidence),
     venue: &Venue,
     start: &Start,
-    tied: &Group,
-    size: ImageSize,
+    tied: &TiedFrames,
 ) {
-    /// So much more is explained by a better size.
-    const BETTER: f64 = 1.01;
     const STEPS: usize = 3;
     for _ in 0..STEPS {
         let beside = venue.beside(&joint_here.field);
         let tried = beside.par_iter().filter_map(|field| {
             let from = (joint_here.ptz.as_slice(), tied.ties.as_slice());
-            let joint = joint(field, Some(venue), &start.paint, &joint_here.base, from, size)?;
+            let joint = joint(field, Some(venue), &start.paint, &joint_here.base, from, tied.size)?;
             let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
             Some((joint, evidence))
         });
@@ -219,76 +207,5 @@ fn climb(
         };
         joint.start_m = joint_here.start_m;
         (*joint_here, *evidence_here) = (joint, evidence);
-    }
-}
-
-/// The largest group of frames of one size that hang together.
-fn largest_group(frames: &[FrameTraces], ties: &[Tie]) -> Result<Vec<usize>, Abstention> {
-    /// Fewer frames hardly show what is drawn on the ground and what is not.
-    const LEAST: usize = 3;
-    let same_size: Vec<Tie> =
-        ties.iter().filter(|tie| frames[tie.first].size() == frames[tie.second].size()).cloned().collect();
-    let group = groups(frames.len(), &same_size).into_iter().next().unwrap_or_default();
-    if group.len() < LEAST {
-        return Err(Abstention::NotTied { frames: frames.len(), tied: group.len() });
-    }
-    Ok(group)
-}
-
-/// Frames that hang together, numbered among themselves.
-struct Group {
-    ties: Vec<Tie>,
-    strokes: Vec<Strokes>,
-}
-
-impl Group {
-    fn new(frames: &[FrameTraces], group: &[usize], ties: &[Tie]) -> Self {
-        let place = |frame: usize| group.binary_search(&frame).ok();
-        let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
-        let strokes = group.iter().map(|frame| frames[*frame].strokes.clone()).collect();
-        Self { ties: ties.iter().filter_map(inside).collect(), strokes }
-    }
-
-    /// The best places for the frames turned as stated.
-    fn places(&self, turns: &Turns, maps: &[PitchMap]) -> Result<Vec<Start>, Abstention> {
-        /// Places of one focal scale that may be adjusted.
-        const OF_SCALE: usize = 3;
-        /// Directions of paint without which nothing can be found.
-        const LEAST: usize = 150;
-        let frames: Vec<_> =
-            self.strokes.iter().enumerate().map(|(frame, strokes)| (turns.camera(frame), strokes.clone())).collect();
-        let points = persistent_paint(&frames);
-        let directions: Vec<Vec3> = points.iter().map(|point| point.direction).collect();
-        let panorama = Panorama::of(&directions, SeenGround::of(&frames));
-        if panorama.directions.len() < LEAST {
-            return Err(Abstention::LittlePaint { places: panorama.directions.len() });
-        }
-        let paint = paint_of_frames(&points, self.strokes.len());
-        let start = |hypothesis| Start { hypothesis, turns: turns.clone(), paint: paint.clone() };
-        Ok(search(&panorama, maps).into_iter().take(OF_SCALE).map(start).collect())
-    }
-}
-
-fn paint_of_frames(points: &[PersistentPoint], frames: usize) -> Vec<FramePaint> {
-    let mut paint = vec![FramePaint::new(); frames];
-    for point in points {
-        paint[point.frame].push(point.stroke.at);
-    }
-    paint
-}
-
-/// A place from which everything is adjusted.
-struct Start {
-    hypothesis: Hypothesis,
-    turns: Turns,
-    paint: Vec<FramePaint>,
-}
-
-impl Start {
-    fn base(&self, size: ImageSize) -> CameraBase {
-        let RigPose { position_m, world_from_rig } = self.hypothesis.pose;
-        let base_from_rig = BaseAngles::default().base_from_world();
-        let base_from_world = base_from_rig * world_from_rig.transpose();
-        CameraBase { distortion: self.turns.lens, ..CameraBase::new(position_m, base_from_world, size.centre()) }
     }
 }

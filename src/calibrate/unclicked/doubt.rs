@@ -67,6 +67,16 @@ pub enum Doubt {
         /// Frames that were asked.
         frames: usize,
     },
+    /// A click lies far from where the camera has its landmark.
+    #[error("the click on {landmark} in {frame} lies {off_px:.0} px from where the paint has it")]
+    ClickContradicts {
+        /// The landmark's name.
+        landmark: String,
+        /// The frame's.
+        frame: String,
+        /// How far, px.
+        off_px: f64,
+    },
     /// The paint of the frames' own pictures does not hold a base.
     #[error("the painted lines of the frames' own pictures do not hold a base")]
     NotHeld,

@@ -64,3 +64,21 @@ pub enum Abstention {
 fn listed(doubts: &[Doubt]) -> String {
     doubts.iter().map(Doubt::to_string).collect::<Vec<_>>().join("; ")
 }
+
+/// Why the search ended before its answer.
+pub(super) enum Stop {
+    Failed(UnclickedError),
+    Abstained(Abstention),
+}
+
+impl From<UnclickedError> for Stop {
+    fn from(error: UnclickedError) -> Self {
+        Self::Failed(error)
+    }
+}
+
+impl From<Abstention> for Stop {
+    fn from(why: Abstention) -> Self {
+        Self::Abstained(why)
+    }
+}

@@ -4,8 +4,8 @@ use super::Doubt;
 use super::joint::{FramePaint, Joint};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
-use crate::geometry::ImagePoint;
-use crate::markings::{SampleOptions, sample_lines};
+use crate::geometry::{ImagePoint, ImageSize};
+use crate::markings::{LineSample, SampleOptions, sample_lines};
 use crate::paint::{Shown, Strokes};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -94,23 +94,43 @@ pub(super) fn of(joint: &Joint, paint: &[FramePaint], strokes: &[Strokes]) -> Un
     let sum = |of: &dyn Fn(&Counts) -> usize| counts.iter().map(of).sum::<usize>() as f64;
     let share = |some: f64, all: f64| if all > 0.0 { some / all } else { 0.0 };
     let name = |line: usize| field.lines[line].id.as_str().to_owned();
-    let is_missing = |line: usize| {
-        let predicted = sum(&|counts| counts.of_line[line].predicted);
-        let hardly_seen = sum(&|counts| counts.of_line[line].seen) < MIN_OF_LINE * predicted;
-        predicted >= ENOUGH && hardly_seen && !is_touchline(field, line)
-    };
     let lines: BTreeSet<usize> = counts.iter().flat_map(|counts| counts.lines.iter().copied()).collect();
+    let of_lines: Vec<&[LineCounts]> = counts.iter().map(|counts| counts.of_line.as_slice()).collect();
     UnclickedEvidence {
         frames: frames.len(),
         explained: share(sum(&|counts| counts.explained), sum(&|counts| counts.paint)),
         visible: share(sum(&|counts| counts.total().seen), sum(&|counts| counts.total().predicted)),
         rival: 0.0,
         lines: lines.into_iter().map(name).collect(),
-        missing: (0..field.lines.len()).filter(|line| is_missing(*line)).map(name).collect(),
+        missing: missing(field, &of_lines),
         residual_px: joint.residual_px(),
         halves_m: joint.halves_m,
         other_size_m: None,
     }
+}
+
+/// The lines that cameras should show on open ground and do not, by name.
+pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)]) -> Vec<String> {
+    let of_frame = |(camera, strokes): &(PtzCamera, &Strokes)| {
+        LineCounts::of(field, &samples_of(field, camera, strokes.size()), strokes)
+    };
+    let counts: Vec<Vec<LineCounts>> = looking.par_iter().map(of_frame).collect();
+    missing(field, &counts.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+/// The lines that hardly any frame shows of those that should, by name.
+fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
+    let is_missing = |line: &usize| {
+        let sum = |of: fn(&LineCounts) -> usize| of_frames.iter().map(|lines| of(&lines[*line])).sum::<usize>() as f64;
+        let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
+        predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
+    };
+    (0..field.lines.len()).filter(is_missing).map(|line| field.lines[line].id.as_str().to_owned()).collect()
+}
+
+/// Where a camera shows the field's lines.
+fn samples_of(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Vec<LineSample> {
+    sample_lines(field, camera, size, &SampleOptions { spacing_px: 8.0, border_px: 4.0 })
 }
 
 /// Whether a line runs along one of the long sides of a field.
@@ -137,6 +157,22 @@ struct LineCounts {
     seen: usize,
 }
 
+impl LineCounts {
+    /// Of each line of a field in one frame.
+    fn of(field: &FieldModel, samples: &[LineSample], strokes: &Strokes) -> Vec<Self> {
+        let mut of_line = vec![Self::default(); field.lines.len()];
+        for sample in samples {
+            let counts = &mut of_line[sample.line];
+            match strokes.shown(sample.image) {
+                Shown::Stroke => (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1),
+                Shown::Ground => counts.predicted += 1,
+                Shown::Other => {}
+            }
+        }
+        of_line
+    }
+}
+
 impl Counts {
     /// The samples of all lines.
     fn total(&self) -> LineCounts {
@@ -148,7 +184,7 @@ impl Counts {
         /// A line is seen if this many of its samples are.
         const OF_LINE: usize = 6;
         let size = strokes.size();
-        let samples = sample_lines(field, camera, size, &SampleOptions { spacing_px: 8.0, border_px: 4.0 });
+        let samples = samples_of(field, camera, size);
         let within_px = WITHIN_PX * size.scale_from_1920();
         // Samples by where they are, in cells as wide as paint may be off.
         let cell = |x: f64, y: f64| ((x / 8.0).floor() as i64, (y / 8.0).floor() as i64);
@@ -165,15 +201,7 @@ impl Counts {
             })
         };
         let explained = paint.iter().filter(on_line).count();
-        let mut of_line = vec![LineCounts::default(); field.lines.len()];
-        for sample in &samples {
-            let counts = &mut of_line[sample.line];
-            match strokes.shown(sample.image) {
-                Shown::Stroke => (counts.predicted, counts.seen) = (counts.predicted + 1, counts.seen + 1),
-                Shown::Ground => counts.predicted += 1,
-                Shown::Other => {}
-            }
-        }
+        let of_line = LineCounts::of(field, &samples, strokes);
         let lines = (0..of_line.len()).filter(|line| of_line[*line].seen >= OF_LINE).collect();
         Self { paint: paint.len(), explained, of_line, lines }
     }

@@ -9,6 +9,7 @@
 mod answer;
 mod camera;
 mod candidates;
+mod clicked;
 mod deciding;
 mod doubt;
 mod error;
@@ -22,11 +23,13 @@ mod progress;
 mod record;
 mod refined;
 mod search;
+mod starts;
+mod tied;
 mod traces;
 mod venue;
 
 pub use answer::{DecidingLandmark, UnclickedAnswer};
-pub use camera::camera_without_clicks;
+pub use camera::{camera_from_few_clicks, camera_without_clicks};
 pub use doubt::Doubt;
 pub use error::{Abstention, UnclickedError};
 pub use evidence::UnclickedEvidence;

@@ -1,7 +1,8 @@
 //! A base that was found without clicks, adjusted once more to the paint that its frames' own pictures show: the strokes that it
 //! was found by are coarser than what can be read there once it is known where to look.
 
-use super::candidates::{Neighbours, Stop};
+use super::candidates::Neighbours;
+use super::error::Stop;
 use super::traces::PictureOfFrame;
 use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
 use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};

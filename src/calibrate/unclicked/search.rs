@@ -132,6 +132,10 @@ fn place(index: usize) -> (Vec3, Angle) {
 const SCATTER: f64 = 0.025;
 const SCATTER_M: f64 = 0.3;
 
+/// A pan axis that leans by this, rad, moves what is seen at a distance by its square over the camera's height: from low cameras
+/// that is more than the scatter.
+const LEAN: f64 = 0.005;
+
 /// How many of the places first tried on a field are looked at closer, and how many are fitted.
 const LOOKED_AT: usize = 400;
 const FITTED: usize = 80;
@@ -199,7 +203,7 @@ fn sort(hypotheses: &mut [Hypothesis]) {
 }
 
 /// What speaks for a fitted place.
-fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
+pub(super) fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
     const WITHIN_DEG: f64 = 0.25;
     let explains = |direction: &&Vec3| {
         pose.ground(**direction).and_then(|ground| map.nearest(ground)).is_some_and(|line| {
@@ -220,7 +224,9 @@ fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap) -> f64
     let near = |direction: &Vec3| -> f64 {
         let Some(ground) = pose.ground(*direction) else { return 0.0 };
         let Some(distance_m) = map.distance_m(ground.x, ground.y) else { return 0.0 };
-        let scatter_m = (SCATTER * (ground - pose.position_m).norm()).max(SCATTER_M);
+        let range_m = (ground - pose.position_m).norm();
+        let leaning_m = LEAN * range_m * range_m / pose.position_m.z;
+        let scatter_m = (SCATTER * range_m).max(leaning_m).max(SCATTER_M);
         let ratio = distance_m / scatter_m;
         if ratio < 2.0 { (1.0 - 0.25 * ratio * ratio).powi(2) } else { 0.0 }
     };

@@ -4,10 +4,12 @@ use std::fmt;
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::time::Instant;
-use touchline::calibrate::{Abstention, UnclickedAnswer, UnclickedCamera, camera_without_clicks, record_found};
+use touchline::calibrate::{
+    Abstention, UnclickedAnswer, UnclickedCamera, camera_from_few_clicks, camera_without_clicks, record_found,
+};
 use touchline::camera::PtzCamera;
-use touchline::document::Document;
-use touchline::field::FieldModel;
+use touchline::document::{Click, Document};
+use touchline::field::{FieldModel, Landmark};
 use touchline::geometry::ImagePoint;
 use touchline::media::FrameReader;
 use touchline::proposals::read_picture;
@@ -47,15 +49,54 @@ impl fmt::Display for Tally {
     }
 }
 
+/// How an answer is asked for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Way {
+    /// Clicks are not read.
+    WithoutClicks,
+    /// Clicks say where the camera stands.
+    FewClicks,
+}
+
 /// The answer to a document's frames, and how long it took, s.
-pub fn answer(document: &Document, folder: &Path) -> (UnclickedAnswer, f64) {
+pub fn answer(document: &Document, folder: &Path, way: Way) -> (UnclickedAnswer, f64) {
     let start = Instant::now();
     let mut reader = FrameReader::new();
     let mut picture = |index: usize| read_picture(&mut reader, &document.frames[index], folder).ok();
     let camera = &document.cameras[0].id;
     let watch = |_| ControlFlow::Continue(());
-    let answer = camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch).unwrap();
+    let answer = match way {
+        Way::WithoutClicks => camera_without_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
+        Way::FewClicks => camera_from_few_clicks(document.at(folder), camera, LOOK_AT, &mut picture, &watch),
+    };
+    let answer = answer.unwrap();
     (answer, start.elapsed().as_secs_f64())
+}
+
+/// A document with two clicks, on the two landmarks of the ground that lie farthest apart of all that the frames show; people's
+/// clicks scatter.
+pub fn two_clicked(document: &Document, truth: &[PtzCamera], field: &FieldModel) -> Document {
+    const SCATTER_PX: [(f64, f64); 2] = [(1.6, -1.2), (-0.9, 1.8)];
+    let mut seen: Vec<(usize, ImagePoint, &Landmark)> = Vec::new();
+    for (index, camera) in truth.iter().enumerate() {
+        let size = document.frames[index].image_size;
+        for landmark in field.landmarks.iter().filter(|landmark| landmark.nominal_m.z == 0.0) {
+            let Ok(image) = camera.image_from_world(field.landmark_in_world(landmark)) else { continue };
+            if size.contains(image) {
+                seen.push((index, image, landmark));
+            }
+        }
+    }
+    let apart = |(one, other): &(usize, usize)| (seen[*one].2.nominal_m - seen[*other].2.nominal_m).norm();
+    let pairs = (0..seen.len()).flat_map(|one| (one + 1..seen.len()).map(move |other| (one, other)));
+    let farthest = pairs.max_by(|a, b| apart(a).total_cmp(&apart(b)));
+    let mut clicked = document.clone();
+    for (place, (dx, dy)) in farthest.map(|(one, other)| [one, other]).into_iter().flatten().zip(SCATTER_PX) {
+        let (index, image, landmark) = seen[place];
+        let at = ImagePoint::new(image.x + dx, image.y + dy);
+        clicked.frames[index].clicks.push(Click::landmark(landmark.id.clone(), at));
+    }
+    clicked
 }
 
 /// How far off each answered frame is at the worst place of the ground that it shows, px.

@@ -3,7 +3,7 @@
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
 //! `cargo bench --bench no_click [-- drawn refused real clips] [--matches N] [--from K] [--keep DIR]`; the real frames are those of
-//! `TOUCHLINE_DATA`. With `--keep` drawn pictures stay in a folder and are used again.
+//! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
 mod answers;
@@ -35,7 +35,11 @@ fn main() {
 
     let mut all = Tally::default();
     if wants("drawn") {
-        all.add(&matches::drawn(pictures, from..from + count));
+        all.add(&matches::drawn(
+            pictures,
+            from..from + count,
+            arguments.iter().any(|argument| argument == "--two-clicks"),
+        ));
     }
     if wants("refused") {
         let count = number("--matches", refused::INPUTS.len()).min(refused::INPUTS.len().saturating_sub(from));

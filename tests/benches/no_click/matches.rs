@@ -1,10 +1,11 @@
 //! Drawn matches: cameras from corner to halfway line, fields of all sizes, three presets.
 
-use super::answers::{Tally, answer, judged};
+use super::answers::{Tally, Way, answer, judged, two_clicked};
 use super::drawing::{SIZE, draw, shots};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
+use touchline::calibrate::UnclickedAnswer;
 use touchline::camera::CameraBase;
 use touchline::document::FieldSpec;
 use touchline::field::{FieldModel, builtin};
@@ -58,10 +59,11 @@ impl DrawnMatch {
     }
 }
 
-pub fn drawn(pictures: &Path, numbers: Range<usize>) -> Tally {
+/// The drawn matches; those that are not found without a click are asked again with two, with `two_clicks` all at once.
+pub fn drawn(pictures: &Path, numbers: Range<usize>, two_clicks: bool) -> Tally {
     println!("\n## drawn: {FRAMES} frames of {}x{}, {STEP_S} s apart\n", SIZE.width, SIZE.height);
     println!("| match | field, m | camera, m | answer | s |\n|---|---|---|---|---|");
-    let mut all = Tally::default();
+    let (mut all, mut clicked) = (Tally::default(), Tally::default());
     for number in numbers {
         let DrawnMatch { field, position_m, preset, seed } = DrawnMatch::of(number);
         let shoot = shoot(preset);
@@ -70,14 +72,29 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>) -> Tally {
         let shots = shots(&scene, &base(preset, position_m), &shoot, FRAMES, seed);
         let folder = pictures.join(format!("match-{number:02}"));
         let drawn = draw(&folder, &[(&scene, &shots)], shoot.jpeg_quality, FieldSpec::new("soccer"));
-        let (answer, seconds) = answer(&drawn.document, &folder);
-        let (says, tally) = judged(&drawn.document, &answer, Some((&drawn.truth, &field)));
-        println!(
-            "| {number} {preset:?} | {:.1} × {:.1} | ({:.1}, {:.1}, {:.1}) | {says} | {seconds:.0} |",
-            field.length_m, field.width_m, position_m.x, position_m.y, position_m.z
-        );
-        all.add(&tally);
+        let row = |(says, seconds): (&str, f64)| {
+            println!(
+                "| {number} {preset:?} | {:.1} × {:.1} | ({:.1}, {:.1}, {:.1}) | {says} | {seconds:.0} |",
+                field.length_m, field.width_m, position_m.x, position_m.y, position_m.z
+            );
+        };
+        let mut is_found = false;
+        if !two_clicks {
+            let (answer, seconds) = answer(&drawn.document, &folder, Way::WithoutClicks);
+            let (says, tally) = judged(&drawn.document, &answer, Some((&drawn.truth, &field)));
+            row((&says, seconds));
+            all.add(&tally);
+            is_found = matches!(answer, UnclickedAnswer::Found(_));
+        }
+        if !is_found {
+            let with_clicks = two_clicked(&drawn.document, &drawn.truth, &field);
+            let (answer, seconds) = answer(&with_clicks, &folder, Way::FewClicks);
+            let (says, tally) = judged(&with_clicks, &answer, Some((&drawn.truth, &field)));
+            row((&format!("two clicks: {says}"), seconds));
+            clicked.add(&tally);
+        }
     }
-    println!("\n{all}");
+    println!("\nwithout a click: {all}\nwith two clicks: {clicked}");
+    all.add(&clicked);
     all
 }

@@ -1,6 +1,6 @@
 //! Real frames. People's clicks measure the answers; the method is given the pictures alone.
 
-use super::answers::{Tally, answer, judged};
+use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{CAMERA, document};
 use std::path::Path;
 use touchline::calibrate::{
@@ -93,7 +93,7 @@ impl Clicked {
 
     /// One line of a table, and what kind of answer it was.
     fn answered(&self, name: &str, folder: &Path) -> Tally {
-        let (answer, seconds) = answer(&self.bare, folder);
+        let (answer, seconds) = answer(&self.bare, folder, Way::WithoutClicks);
         let mut tally = Tally::default();
         let says = match &answer {
             UnclickedAnswer::Found(found) => {
@@ -190,7 +190,7 @@ pub fn others(data: &Path) -> Tally {
             let video = VideoFrame::new(video, index as u64, info.pts_s(index));
             document.frames.push(Frame::from_video(video, CameraId::from(CAMERA), info.size).into());
         }
-        let (answer, seconds) = answer(&document, data);
+        let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
         let says = if let (true, UnclickedAnswer::Found(found)) = (can_be_right, &answer) {
             format!("to be looked at: {:?} {says}", found.base.position_m)
@@ -203,7 +203,7 @@ pub fn others(data: &Path) -> Tally {
         }
     }
     let mixed = mixed(data);
-    let (answer, seconds) = answer(&mixed, data);
+    let (answer, seconds) = answer(&mixed, data, Way::WithoutClicks);
     let (says, tally) = match &answer {
         UnclickedAnswer::Found(found) => of_one_match(data, &mixed, found),
         _ => judged(&mixed, &answer, None),

@@ -1,6 +1,6 @@
 //! Inputs that have no right answer, or hardly one: what is shown as good all the same is wrong.
 
-use super::answers::{Tally, answer, judged};
+use super::answers::{Tally, Way, answer, judged};
 use super::drawing::{Drawn, Shot, draw, shots};
 use super::matches::{base, shoot, soccer};
 use std::ops::Range;
@@ -49,7 +49,7 @@ pub fn refused(pictures: &Path, numbers: Range<usize>) -> Tally {
         let (name, draw) = INPUTS[number];
         let folder = pictures.join(format!("refused-{number:02}"));
         let input = draw(&folder);
-        let (answer, seconds) = answer(&input.drawn.document, &folder);
+        let (answer, seconds) = answer(&input.drawn.document, &folder, Way::WithoutClicks);
         let truth = input.field.as_ref().map(|field| (&*input.drawn.truth, field));
         let (says, tally) = judged(&input.drawn.document, &answer, truth);
         println!("| {name} | {says} | {seconds:.0} |");

@@ -1,0 +1,93 @@
+//! Where an adjustment of all frames begins: places that a search found, or that clicks name.
+
+use super::clicked::{GroundClick, poses};
+use super::error::Stop;
+use super::joint::FramePaint;
+use super::pitch_map::PitchMap;
+use super::pose::{RigPose, fitted};
+use super::search::{Hypothesis, PLACES, Panorama, judged, search};
+use super::tied::TiedFrames;
+use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
+use crate::camera::{BaseAngles, CameraBase};
+use crate::field::FieldModel;
+use crate::geometry::ImageSize;
+use crate::track::Turns;
+
+/// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
+const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
+
+/// The same where clicks name the places: the scale decides how far away their landmarks are.
+const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
+
+/// Pairs of clicks from which places are made, at most.
+const PAIRS: usize = 6;
+
+/// Places of one focal scale that may be adjusted.
+const OF_SCALE: usize = 3;
+
+/// A place from which everything is adjusted.
+pub(super) struct Start {
+    pub hypothesis: Hypothesis,
+    pub turns: Turns,
+    pub paint: Vec<FramePaint>,
+}
+
+impl Start {
+    pub fn base(&self, size: ImageSize) -> CameraBase {
+        let RigPose { position_m, world_from_rig } = self.hypothesis.pose;
+        let base_from_rig = BaseAngles::default().base_from_world();
+        let base_from_world = base_from_rig * world_from_rig.transpose();
+        CameraBase { distortion: self.turns.lens, ..CameraBase::new(position_m, base_from_world, size.centre()) }
+    }
+}
+
+/// The best places of a search for tied frames on one of several fields, the most likely first.
+pub(super) fn searched(tied: &TiedFrames, maps: &[PitchMap], watch: WatchUnclicked<'_>) -> Result<Vec<Start>, Stop> {
+    begun(tied, &FOCAL_PERCENT, PLACES * maps.len(), watch, |_, panorama| search(panorama, maps))
+}
+
+/// The best of the places that clicks name, on one of several fields with their maps, the most likely first.
+pub(super) fn named(
+    tied: &TiedFrames,
+    fields: &[FieldModel],
+    maps: &[PitchMap],
+    clicks: &[GroundClick],
+    watch: WatchUnclicked<'_>,
+) -> Result<Vec<Start>, Stop> {
+    begun(tied, &FINE_FOCAL_PERCENT, fields.len(), watch, |turns, panorama| {
+        let on_field = |(field, map): (usize, &PitchMap)| {
+            let poses = poses(turns, clicks, &fields[field]).into_iter().take(PAIRS);
+            poses.map(|pose| judged(fitted(pose, &panorama.directions, map), panorama, (field, map))).collect()
+        };
+        let mut found: Vec<Hypothesis> =
+            maps.iter().enumerate().map(on_field).flat_map(|of_field: Vec<Hypothesis>| of_field).collect();
+        found.sort_by(|a, b| b.score().total_cmp(&a.score()));
+        found
+    })
+}
+
+/// The best places for frames with focal lengths of each of some shares of what their ties say.
+fn begun(
+    tied: &TiedFrames,
+    focal_percent: &[u32],
+    places: usize,
+    watch: WatchUnclicked<'_>,
+    of_turns: impl Fn(&Turns, &Panorama) -> Vec<Hypothesis>,
+) -> Result<Vec<Start>, Stop> {
+    let mut starts: Vec<Start> = Vec::new();
+    for (done, percent) in focal_percent.iter().enumerate() {
+        if watch(UnclickedProgress::Trying { places, done, of: focal_percent.len() }).is_break() {
+            return Err(UnclickedError::Stopped.into());
+        }
+        let turns = match tied.turns(*percent) {
+            Ok(turns) => turns,
+            Err(error) if done == 0 => return Err(Abstention::NotTurning(error).into()),
+            Err(_) => continue,
+        };
+        let gathered = tied.gathered(&turns)?;
+        let start = |hypothesis| Start { hypothesis, turns: turns.clone(), paint: gathered.of_frames.clone() };
+        starts.extend(of_turns(&turns, &gathered.panorama).into_iter().take(OF_SCALE).map(start));
+    }
+    starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
+    Ok(starts)
+}
