@@ -262,15 +262,42 @@ impl TransferOrder {
     }
 }
 
-/// An error as the window says it: without the command line's options.
+/// Options of the command line, and what they are called in the dialog. The longer of two that begin alike comes first.
+const OPTIONS: [(&str, &str); 17] = [
+    ("give a --map file with them, or --skip-unmapped", "choose what labels are, or leave out others"),
+    ("--size WIDTHxHEIGHT or --images FOLDER", "the picture size"),
+    ("--size WIDTHxHEIGHT", "the picture size"),
+    ("given by --size", "given as picture size"),
+    ("--size ", "picture size "),
+    ("--sensor-mm", "sensor width"),
+    ("--zoom", "what zoom values are"),
+    ("--fps", "frames a second"),
+    ("--match-id", "the match's id"),
+    ("--start-time", "when the video begins"),
+    ("--perspective", "the perspective"),
+    ("choose one with --camera", "choose one"),
+    ("--split-by ", "divided by "),
+    ("; --set length_m=… and width_m=… give another", ""),
+    (" (--outside keep)", ""),
+    (" (--images copy)", ""),
+    (" (--variant gamestate)", ""),
+];
+
+/// An error as the window says it: with the dialog's words for the command line's options.
 fn said(error: &ExchangeError) -> String {
     match error {
         ExchangeError::Exists { path } => format!("{} is there already; choose another place.", path.display()),
         ExchangeError::OtherDisk { .. } => {
             "The pictures lie on another disk and cannot be linked; copy them instead.".to_owned()
         }
-        other => sentence(&other.to_string()),
+        other => in_dialog(&other.to_string()),
     }
+}
+
+/// What an export or import says, as a sentence with the dialog's words for the command line's options.
+#[must_use]
+pub fn in_dialog(text: &str) -> String {
+    sentence(&OPTIONS.iter().fold(text.to_owned(), |text, (option, words)| text.replace(option, words)))
 }
 
 /// Bytes for people: "34 MB".
@@ -302,6 +329,8 @@ mod tests {
     fn errors_are_sentences_without_options() {
         let exists = ExchangeError::Exists { path: "out".into() };
         assert_eq!(said(&exists), "out is there already; choose another place.");
+        let needed = ExchangeError::ExportNeeds { format: Format::Cdf, what: "the frame rate", option: "--fps" };
+        assert_eq!(said(&needed), "Cdf needs the frame rate; give frames a second.");
         assert_eq!(said(&ExchangeError::Stopped), "Stopped; nothing was written.");
     }
 }

@@ -84,7 +84,7 @@ pub struct ExportArgs {
     #[arg(long, value_parser = parse_start)]
     start_time: Option<String>,
     /// Which of the stadium's cameras it is (cdf).
-    #[arg(long, value_parser = PERSPECTIVES)]
+    #[arg(long, value_parser = Recording::PERSPECTIVES)]
     perspective: Option<String>,
     /// No person turned the camera (cdf).
     #[arg(long)]
@@ -100,22 +100,11 @@ pub struct ExportArgs {
     zoom: String,
 }
 
-/// The perspectives that the Common Data Format knows.
-const PERSPECTIVES: [&str; 8] = [
-    "tactical_wide",
-    "camera_1",
-    "high_behind_right",
-    "high_behind_left",
-    "cable_camera",
-    "16m_right",
-    "16m_left",
-    "broadcast",
-];
-
 /// A time in UTC as it is written.
 fn parse_start(text: &str) -> Result<String, String> {
-    let is_time = text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok();
-    is_time.then(|| text.to_owned()).ok_or_else(|| format!("{text} is no time in UTC such as 2026-03-01T18:59:30Z"))
+    Recording::is_start(text)
+        .then(|| text.to_owned())
+        .ok_or_else(|| format!("{text} is no time in UTC such as 2026-03-01T18:59:30Z"))
 }
 
 impl ExportArgs {
@@ -157,9 +146,7 @@ fn parse_status(text: &str) -> Result<FrameStatus, String> {
 
 /// `1920x1080`.
 pub(super) fn parse_size(text: &str) -> Result<ImageSize, String> {
-    let side = |text: &str| text.parse::<u32>().ok().filter(|side| (1..=65_535).contains(side));
-    let sides = text.split_once('x').and_then(|(width, height)| Some(ImageSize::new(side(width)?, side(height)?)));
-    sides.ok_or_else(|| format!("{text} is no size such as 1920x1080"))
+    ImageSize::parse(text).ok_or_else(|| format!("{text} is no size such as 1920x1080"))
 }
 
 fn parse_rate(text: &str) -> Result<Rate, String> {

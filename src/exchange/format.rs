@@ -172,6 +172,15 @@ impl Format {
         Self::ALL.into_iter().find(|format| format.name() == name)
     }
 
+    /// Whether it holds points or lines of pictures, not cameras.
+    #[must_use]
+    pub const fn is_of_points(self) -> bool {
+        matches!(
+            self,
+            Self::SoccerNetLines | Self::YoloPose | Self::Coco | Self::Cvat | Self::LabelStudio | Self::Labelme
+        )
+    }
+
     /// Whether an export makes a folder, not a file.
     #[must_use]
     pub const fn is_folder(self) -> bool {

@@ -73,6 +73,26 @@ pub struct Recording {
     pub is_automated: bool,
 }
 
+impl Recording {
+    /// The perspectives that the Common Data Format knows.
+    pub const PERSPECTIVES: [&str; 8] = [
+        "tactical_wide",
+        "camera_1",
+        "high_behind_right",
+        "high_behind_left",
+        "cable_camera",
+        "16m_right",
+        "16m_left",
+        "broadcast",
+    ];
+
+    /// Whether a text is a time in UTC such as `2026-03-01T18:59:30Z`.
+    #[must_use]
+    pub fn is_start(text: &str) -> bool {
+        text.ends_with('Z') && text.parse::<jiff::Timestamp>().is_ok()
+    }
+}
+
 /// What happens where frames are missing between solved frames of a video. They are never filled without being asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gaps {

@@ -1,5 +1,7 @@
 //! Frame rates.
 
+use std::fmt;
+
 /// A frame rate as a ratio.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rate {
@@ -58,6 +60,13 @@ impl Rate {
     }
 }
 
+impl fmt::Display for Rate {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { frames, seconds } = self;
+        if *seconds == 1 { write!(f, "{frames}") } else { write!(f, "{frames}/{seconds}") }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::Rate;
@@ -67,6 +76,9 @@ mod tests {
         assert_eq!(Rate::parse("25"), Some(Rate::new(25, 1)));
         assert_eq!(Rate::parse("29.97"), Some(Rate::new(30_000, 1001)));
         assert_eq!(Rate::parse("30000/1001"), Some(Rate::new(30_000, 1001)));
+        for rate in [Rate::new(50, 1), Rate::new(60_000, 1001)] {
+            assert_eq!(Rate::parse(&rate.to_string()), Some(rate));
+        }
         assert_eq!(Rate::nearest(23.9763), Some(Rate::new(24_000, 1001)));
         for bad in ["0", "1/0", "27.3", "fast", "-25"] {
             assert_eq!(Rate::parse(bad), None, "{bad}");

@@ -80,6 +80,14 @@ impl ImageSize {
         Self { width, height }
     }
 
+    /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=65_535).contains(side));
+        let (width, height) = text.split_once(['x', '×'])?;
+        Some(Self::new(side(width)?, side(height)?))
+    }
+
     /// The middle of the picture.
     #[must_use]
     pub fn centre(self) -> ImagePoint {

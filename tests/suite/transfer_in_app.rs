@@ -2,7 +2,7 @@
 
 use crate::headless::Headless;
 use std::path::Path;
-use touchline::app::transfer::{Look, TransferAction, TransferTab};
+use touchline::app::transfer::{Look, TransferAction, TransferTab, in_dialog};
 use touchline::app::{Action, Command, Question, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz};
 use touchline::document::{
@@ -47,6 +47,39 @@ fn opened(folder: &Path) -> Headless {
 
 fn act(headless: &mut Headless, action: TransferAction) {
     headless.act(Action::Transfer(action));
+}
+
+/// Whether a text names an option of the command line. That a place is taken is said in words of the window's own.
+fn names_option(text: &str) -> bool {
+    let is_option = |rest: &str| rest.starts_with(|first: char| first.is_ascii_lowercase());
+    !text.contains("--force") && text.split("--").skip(1).any(is_option)
+}
+
+/// The texts in double quotes of the sources below a folder that name an option of the command line; their tests are left out.
+fn texts_with_options(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(texts_with_options(&path));
+            continue;
+        }
+        let source = std::fs::read_to_string(&path).unwrap();
+        let source = source.split("#[cfg(test)]").next().unwrap_or_default();
+        let lines = source.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let texts = lines.flat_map(|line| line.split('"').skip(1).step_by(2));
+        found.extend(texts.filter(|text| names_option(text)).map(str::to_owned));
+    }
+    found
+}
+
+#[test]
+fn every_option_that_an_export_or_import_speaks_of_has_words_in_the_dialog() {
+    let texts = texts_with_options(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/exchange"));
+    assert!(texts.len() > 15, "{texts:?}");
+    for text in texts {
+        assert!(!names_option(&in_dialog(&text)), "{text:?} is {:?} in the dialog", in_dialog(&text));
+    }
 }
 
 fn found(headless: &mut Headless) -> Look {

@@ -1,6 +1,7 @@
 //! The page of datasets: what goes into one, and what it will hold.
 
-use super::parts::{left_out, line, notes, statuses};
+use super::frames::frames;
+use super::parts::{cameras_of, left_out, line, notes};
 use crate::app::Action;
 use crate::app::transfer::{Look, TransferAction, describe_bytes};
 use crate::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
@@ -11,7 +12,7 @@ use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let transfer = &panel.app.session.transfer;
     let mut options = transfer.dataset.clone();
-    statuses(ui, &mut options.frames);
+    frames(ui, &mut options.frames, &cameras_of(panel.app));
     pictures(ui, &mut options);
     splits(ui, &mut options);
     ui.horizontal(|ui| {

@@ -1,11 +1,13 @@
 //! The formats: what each is, and what it does not hold of these frames.
 
-use super::parts::{fact, left_out, line, notes, statuses};
-use crate::app::transfer::{Look, TransferAction};
+use super::frames::frames;
+use super::options::{export_options, import_options};
+use super::parts::{cameras_of, fact, left_out, line, notes};
+use crate::app::transfer::{Look, TransferAction, in_dialog};
 use crate::app::{Action, sentence};
-use crate::exchange::{About, ExportOptions, Format, Gaps, ImportOptions, KeypointNames, LabelMap, PointSource};
+use crate::exchange::{About, Format};
 use crate::ui::{Panel, theme};
-use egui::{Align, Button, ComboBox, DragValue, Layout, RichText, ScrollArea, Ui, vec2};
+use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
 
 /// The width of the list of formats, points.
 const LIST: f32 = 210.0;
@@ -23,8 +25,8 @@ pub fn export(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.add_space(2.0 * theme::SPACE);
             let before = &panel.app.session.transfer.export;
             let mut options = before.clone();
-            statuses(ui, &mut options.frames);
-            options_of(ui, chosen, &mut options);
+            frames(ui, &mut options.frames, &cameras_of(panel.app));
+            export_options(ui, chosen, &mut options);
             if options != *before {
                 panel.actions.push(Action::Transfer(TransferAction::Export(Box::new(options))));
             }
@@ -47,7 +49,7 @@ pub fn import(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.add_space(2.0 * theme::SPACE);
             let before = &panel.app.session.transfer.import;
             let mut options = before.clone();
-            labels(ui, &mut options);
+            import_options(ui, chosen, &mut options);
             if options != *before {
                 panel.actions.push(Action::Transfer(TransferAction::Import(Box::new(options))));
             }
@@ -79,64 +81,10 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
 fn about(ui: &mut Ui, format: Format) {
     let About { conventions, users } = format.about();
     ui.add(egui::Label::new(RichText::new(sentence(format.title())).color(theme::STRONG)).wrap());
-    fact(ui, "Conventions", conventions);
-    fact(ui, "Who reads it", users);
+    fact(ui, "Conventions", &in_dialog(conventions));
+    fact(ui, "Who reads it", &in_dialog(users));
     if format.exports() {
         fact(ui, "Does not hold", format.loses());
-    }
-}
-
-/// The options of an export that its format knows.
-fn options_of(ui: &mut Ui, format: Format, options: &mut ExportOptions) {
-    match format {
-        Format::SoccerNetLines | Format::Coco | Format::YoloPose | Format::LabelStudio | Format::Labelme => {
-            ui.horizontal(|ui| {
-                let mut projected = options.points == PointSource::Projected;
-                let tip = "Points where the camera shows the landmarks, not where people clicked.";
-                ui.checkbox(&mut projected, "where the camera shows them").on_hover_text(tip);
-                options.points = if projected { PointSource::Projected } else { PointSource::Clicked };
-                if matches!(format, Format::Coco | Format::YoloPose) {
-                    let mut roboflow = options.names == KeypointNames::Roboflow32;
-                    ui.checkbox(&mut roboflow, "names of Roboflow's 32 points")
-                        .on_hover_text("Other landmarks are left out.");
-                    options.names = if roboflow { KeypointNames::Roboflow32 } else { KeypointNames::Touchline };
-                }
-                if format == Format::SoccerNetLines {
-                    ui.checkbox(&mut options.game_state, "game state")
-                        .on_hover_text("Class names without the space at the end.");
-                }
-            });
-        }
-        Format::Wc14 | Format::TsWorldCup | Format::Homography => {
-            let tip = "Homographies of pictures whose lens distortion has been taken out.";
-            ui.checkbox(&mut options.undistorted, "of undistorted pictures").on_hover_text(tip);
-        }
-        Format::Csv | Format::Usda | Format::OpenTrackIo | Format::FreeD | Format::FreeDCsv | Format::Chan => {
-            ui.horizontal(|ui| gaps(ui, &mut options.gaps));
-        }
-        _ => {}
-    }
-}
-
-/// What happens where frames of a video are missing.
-fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
-    ui.label("Missing frames");
-    let mut most = if let Gaps::Interpolate(most) = *gaps { most } else { 12 };
-    let tip = "Rows are missing where frames are.";
-    if ui.radio(*gaps == Gaps::Keep, "stay missing").on_hover_text(tip).clicked() {
-        *gaps = Gaps::Keep;
-    }
-    let tip = "Short gaps get cameras between those of their neighbours, marked as interpolated.";
-    if ui.radio(matches!(gaps, Gaps::Interpolate(_)), "are interpolated").on_hover_text(tip).clicked() {
-        *gaps = Gaps::Interpolate(most);
-    }
-    if matches!(gaps, Gaps::Interpolate(_)) {
-        let field = DragValue::new(&mut most).range(1..=500).prefix("up to ").update_while_editing(false);
-        ui.add(field).accessible_name("Longest gap").on_hover_text("Longer gaps stay, frames.");
-        *gaps = Gaps::Interpolate(most);
-    }
-    if ui.radio(*gaps == Gaps::Takes, "begin a new take").on_hover_text("A file for each run of frames.").clicked() {
-        *gaps = Gaps::Takes;
     }
 }
 
@@ -164,33 +112,6 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
         Look::Export(Err(why)) => line(ui, why, theme::BAD),
         Look::Dataset(_) | Look::Import(_) => {}
     }
-}
-
-/// What labels mean, for formats of points.
-fn labels(ui: &mut Ui, options: &mut ImportOptions) {
-    const MAPS: [(LabelMap, &str); 4] = [
-        (LabelMap::Touchline, "names of touchline"),
-        (LabelMap::Roboflow32, "Roboflow's 32 points by index"),
-        (LabelMap::Roboflow32Captions, "Roboflow's 32 points, 01 to 32"),
-        (LabelMap::SoccerNet, "SoccerNet's classes"),
-    ];
-    ui.horizontal(|ui| {
-        ui.label("Labels are");
-        let shown = MAPS.iter().find(|(map, _)| *map == options.map).map_or("your own", |(_, name)| *name);
-        let combo = ComboBox::from_id_salt("labels").width(220.0).selected_text(shown).show_ui(ui, |ui| {
-            for (map, name) in MAPS {
-                let is_chosen = options.map == map;
-                if ui.selectable_label(is_chosen, name).clicked() {
-                    options.map = map;
-                }
-            }
-        });
-        combo
-            .response
-            .on_hover_text("What the labels of other tools mean; formats with classes of their own ignore it.");
-        ui.checkbox(&mut options.skip_unmapped, "leave out others")
-            .on_hover_text("Labels without a meaning are left out, and counted.");
-    });
 }
 
 /// What the import brings.

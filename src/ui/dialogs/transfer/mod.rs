@@ -2,7 +2,10 @@
 
 mod dataset;
 mod formats;
+mod frames;
+mod options;
 mod parts;
+mod typed;
 
 use super::{has_just_opened, sheet};
 use crate::app::transfer::{TransferAction, TransferTab, UnderWay};

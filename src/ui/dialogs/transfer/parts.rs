@@ -1,9 +1,8 @@
 //! What the pages of the dialog share.
 
-use crate::app::sentence;
-use crate::app::transfer::{Look, Transfer};
-use crate::document::FrameStatus;
-use crate::exchange::FrameChoice;
+use crate::app::App;
+use crate::app::transfer::{Look, Transfer, in_dialog};
+use crate::document::CameraId;
 use crate::ui::theme;
 use egui::{Color32, RichText, Ui};
 
@@ -14,6 +13,12 @@ pub fn is_ready(transfer: &Transfer) -> bool {
         Look::Dataset(plan) => plan.is_ok(),
         Look::Import(joined) => joined.as_ref().is_ok_and(|joined| joined.matched + joined.added > 0),
     })
+}
+
+/// The cameras of the open document.
+pub fn cameras_of(app: &App) -> Vec<CameraId> {
+    let cameras = app.open().map(|open| open.document.cameras.iter().map(|camera| camera.id.clone()));
+    cameras.into_iter().flatten().collect()
 }
 
 /// A line of text that wraps.
@@ -44,31 +49,6 @@ pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
 /// What a user should know.
 pub fn notes(ui: &mut Ui, notes: &[String]) {
     for note in notes {
-        line(ui, sentence(note), theme::CAUTION);
+        line(ui, in_dialog(note), theme::CAUTION);
     }
-}
-
-/// Which frames by status; none chosen means all that are not rejected.
-pub fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
-    ui.horizontal(|ui| {
-        ui.label("Frames");
-        for (status, name, tip) in [
-            (FrameStatus::Reference, "references", "Frames that a person accepted."),
-            (FrameStatus::Suggested, "suggestions", "Frames whose camera nobody has looked at."),
-            (FrameStatus::Draft, "drafts", "Frames that somebody began."),
-        ] {
-            let is_all = choice.statuses.is_empty();
-            let mut chosen = is_all || choice.statuses.contains(&status);
-            if ui.checkbox(&mut chosen, name).on_hover_text(tip).changed() {
-                if is_all {
-                    choice.statuses = vec![FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Draft];
-                }
-                choice.statuses.retain(|known| *known != status);
-                if chosen {
-                    choice.statuses.push(status);
-                }
-                choice.statuses.sort_unstable();
-            }
-        }
-    });
 }

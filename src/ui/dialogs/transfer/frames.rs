@@ -1,0 +1,76 @@
+//! Which frames an export or a dataset takes.
+
+use crate::document::{CameraId, FrameStatus};
+use crate::exchange::FrameChoice;
+use egui::{ComboBox, DragValue, Ui};
+
+/// The confidence that is asked for first, per cent.
+const USUAL_PERCENT: f64 = 90.0;
+
+/// Which frames: by status, camera and confidence.
+pub fn frames(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
+    ui.horizontal_wrapped(|ui| {
+        statuses(ui, choice);
+        ui.separator();
+        if cameras.len() > 1 {
+            of_camera(ui, choice, cameras);
+        }
+        confident(ui, choice);
+    });
+}
+
+/// Which frames by camera: one, or all.
+fn of_camera(ui: &mut Ui, choice: &mut FrameChoice, cameras: &[CameraId]) {
+    let text = match choice.cameras.as_slice() {
+        [] => "all cameras",
+        [one] => one.as_str(),
+        _ => "several",
+    };
+    let combo = ComboBox::from_id_salt("cameras").width(140.0).selected_text(text).show_ui(ui, |ui| {
+        if ui.selectable_label(choice.cameras.is_empty(), "all cameras").clicked() {
+            choice.cameras.clear();
+        }
+        for camera in cameras {
+            if ui.selectable_label(choice.cameras.contains(camera), camera.as_str()).clicked() {
+                choice.cameras = vec![camera.clone()];
+            }
+        }
+    });
+    combo.response.on_hover_text("Only frames of this camera.");
+}
+
+/// Which frames by confidence.
+fn confident(ui: &mut Ui, choice: &mut FrameChoice) {
+    let mut asked = choice.min_confidence.is_some();
+    let tip = "Frames whose stated confidence is lower are left out. References that were clicked state none and stay.";
+    ui.checkbox(&mut asked, "confidence of at least").on_hover_text(tip);
+    let mut percent = choice.min_confidence.map_or(USUAL_PERCENT, |share| 100.0 * share);
+    if asked {
+        let field = DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %").update_while_editing(false);
+        ui.add(field).accessible_name("Least confidence").on_hover_text(tip);
+    }
+    choice.min_confidence = asked.then_some(percent / 100.0);
+}
+
+/// Which frames by status; none chosen means all that are not rejected.
+fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
+    ui.label("Frames");
+    for (status, name, tip) in [
+        (FrameStatus::Reference, "references", "Frames that a person accepted."),
+        (FrameStatus::Suggested, "suggestions", "Frames whose camera nobody has looked at."),
+        (FrameStatus::Draft, "drafts", "Frames that somebody began."),
+    ] {
+        let is_all = choice.statuses.is_empty();
+        let mut chosen = is_all || choice.statuses.contains(&status);
+        if ui.checkbox(&mut chosen, name).on_hover_text(tip).changed() {
+            if is_all {
+                choice.statuses = vec![FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Draft];
+            }
+            choice.statuses.retain(|known| *known != status);
+            if chosen {
+                choice.statuses.push(status);
+            }
+            choice.statuses.sort_unstable();
+        }
+    }
+}
