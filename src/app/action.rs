@@ -3,6 +3,7 @@
 use super::base::{EstimateFailure, EstimateProgress};
 use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
+use super::guide::GuidePage;
 use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
@@ -329,6 +330,8 @@ pub enum Action {
     SetDetails(bool),
     /// The dialog closes.
     CloseDialog,
+    /// The guide shows another page.
+    ShowGuidePage(GuidePage),
     /// A message goes away.
     DismissNotice(u64),
     /// A message from outside.
@@ -454,6 +457,7 @@ impl Action {
             | Self::SetTimeAxis(_)
             | Self::ShowSpan(_)
             | Self::CloseDialog
+            | Self::ShowGuidePage(_)
             | Self::DismissNotice(_)
             | Self::Notify(..)
             | Self::TypePath(_) => ActionKind::View,

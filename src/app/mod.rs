@@ -18,6 +18,7 @@ mod derived;
 mod effect;
 mod filter;
 pub mod guidance;
+pub mod guide;
 mod keymap;
 mod line_checks;
 pub mod naming;

@@ -5,6 +5,7 @@ pub use super::filter::{Filter, is_to_do, status_label};
 use super::base::BaseWork;
 use super::bulk::BulkWork;
 use super::choices::{QualityChoice, Scope};
+use super::guide::GuidePage;
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
@@ -53,6 +54,8 @@ pub struct Session {
     pub panel: SidePanel,
     /// What lies over the window.
     pub dialog: Option<Dialog>,
+    /// The page of the guide that was read last.
+    pub guide_page: GuidePage,
     /// The sport that the name of the pictures speaks of, while it is asked for.
     pub sport_guess: Option<&'static str>,
     /// How the picture is shown; kept from frame to frame.
@@ -268,7 +271,12 @@ pub enum Dialog {
     /// The user's own.
     Preferences,
     /// The user guide.
-    Guide,
+    Guide {
+        /// The page that it shows.
+        page: GuidePage,
+        /// What it was opened from, and closes to.
+        behind: Option<Box<Self>>,
+    },
     /// Colour, width and opacity of the overlay.
     OverlayStyle,
     /// Suggestions to be accepted together.

@@ -98,6 +98,9 @@ pub fn meaning(app: &App, stroke: KeyStroke, focus: Focus) -> Option<Action> {
         if stroke.key == Key::Escape || opens_it && (focus != Focus::Text || stroke.modifiers.command) {
             return Some(Action::CloseDialog);
         }
+        if command == Some(Command::Guide) && is_free(&stroke, focus) {
+            return Some(Action::Command(Command::Guide));
+        }
         if !matches!(dialog, Dialog::OverlayStyle | Dialog::PictureLook) {
             return None;
         }
@@ -239,7 +242,7 @@ fn opens(command: Command, dialog: &Dialog) -> bool {
             | (Command::Keys, Dialog::Keys)
             | (Command::OverlayStyle, Dialog::OverlayStyle)
             | (Command::PictureLook, Dialog::PictureLook)
-            | (Command::Guide, Dialog::Guide)
+            | (Command::Guide, Dialog::Guide { .. })
     )
 }
 

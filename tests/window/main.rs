@@ -8,6 +8,7 @@ mod base;
 mod cameras;
 mod closing;
 mod gold;
+mod guide;
 mod labelling;
 mod names;
 mod panels;
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         cameras::TESTS,
         closing::TESTS,
         gold::TESTS,
+        guide::TESTS,
         labelling::TESTS,
         names::TESTS,
         panels::TESTS,

@@ -309,7 +309,7 @@ impl App {
             C::ChooseSport => self.session.dialog = Some(Dialog::Sport),
             C::PictureLook => self.session.dialog = Some(Dialog::PictureLook),
             C::Preferences => self.session.dialog = Some(Dialog::Preferences),
-            C::Guide => self.session.dialog = Some(Dialog::Guide),
+            C::Guide => self.open_guide(),
             C::About => self.session.dialog = Some(Dialog::About),
         }
     }
@@ -325,7 +325,8 @@ impl App {
 
     /// Leaves what lies on top: dialog, names, drag, placing, line; then the selection.
     fn cancel(&mut self) {
-        if self.session.dialog.take().is_some() {
+        if self.session.dialog.is_some() {
+            self.close_dialog();
             return;
         }
         if self.session.opening.take().is_some() {

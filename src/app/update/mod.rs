@@ -10,6 +10,7 @@ mod document;
 mod doubt;
 mod frames;
 mod gold;
+mod guide;
 mod leaving;
 mod masks;
 mod naming;
@@ -250,7 +251,8 @@ impl App {
                 self.settings.details = shown;
                 self.effects.push(Effect::SaveSettings);
             }
-            Action::CloseDialog => self.session.dialog = None,
+            Action::CloseDialog => self.close_dialog(),
+            Action::ShowGuidePage(page) => self.show_guide_page(page),
             Action::DismissNotice(id) => self.session.notices.retain(|notice| notice.id != id),
             Action::Notify(level, text) => self.session.notify(level, text),
             Action::TypePath(question) => self.session.dialog = Some(Dialog::Path(question)),

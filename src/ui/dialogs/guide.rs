@@ -1,48 +1,61 @@
 //! The user guide: the Markdown of `assets/guide`, a page at a time.
 
 use super::sheet;
+use crate::app::Action;
+use crate::app::guide::GuidePage;
 use crate::ui::{Panel, theme};
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, Context, FontFamily, FontId, Id, Label, RichText, ScrollArea, Ui, vec2};
+use egui::{Button, Context, FontFamily, FontId, Label, RichText, ScrollArea, Ui, vec2};
 
-/// The pages: what the list says, and the text.
-const PAGES: [(&str, &str); 9] = [
-    ("First project", include_str!("../../../assets/guide/first-project.md")),
-    ("The base", include_str!("../../../assets/guide/base.md")),
-    ("Trust", include_str!("../../../assets/guide/trust.md")),
-    ("Video", include_str!("../../../assets/guide/video.md")),
-    ("Review", include_str!("../../../assets/guide/review.md")),
-    ("Quality", include_str!("../../../assets/guide/quality.md")),
-    ("Export", include_str!("../../../assets/guide/export.md")),
-    ("Several people", include_str!("../../../assets/guide/several-people.md")),
-    ("Glossary", include_str!("../../../assets/guide/glossary.md")),
-];
+/// The text of a page.
+const fn text(page: GuidePage) -> &'static str {
+    match page {
+        GuidePage::FirstProject => include_str!("../../../assets/guide/first-project.md"),
+        GuidePage::Window => include_str!("../../../assets/guide/window.md"),
+        GuidePage::Base => include_str!("../../../assets/guide/base.md"),
+        GuidePage::Trust => include_str!("../../../assets/guide/trust.md"),
+        GuidePage::Video => include_str!("../../../assets/guide/video.md"),
+        GuidePage::Review => include_str!("../../../assets/guide/review.md"),
+        GuidePage::Quality => include_str!("../../../assets/guide/quality.md"),
+        GuidePage::Export => include_str!("../../../assets/guide/export.md"),
+        GuidePage::SeveralPeople => include_str!("../../../assets/guide/several-people.md"),
+        GuidePage::Glossary => include_str!("../../../assets/guide/glossary.md"),
+    }
+}
+
 /// The width of the list of pages, points.
 const LIST: f32 = 120.0;
 
-/// Shows the guide.
-pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    let memory = Id::unique("page of the guide");
-    let mut page = ctx.data(|data| data.get_temp::<usize>(memory)).unwrap_or(0).min(PAGES.len() - 1);
-    sheet(panel, ctx, "User guide", vec2(760.0, 520.0), |_, ui| {
+/// Shows a page of the guide; closing it leads back to a dialog if `leads_back`.
+pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: bool) {
+    sheet(panel, ctx, "User guide", vec2(760.0, 520.0), |panel, ui| {
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(LIST);
-                for (index, (name, _)) in PAGES.iter().enumerate() {
-                    let button = Button::selectable(index == page, *name).min_size(vec2(LIST, 22.0));
+                for other in GuidePage::ALL {
+                    let button = Button::selectable(other == page, other.title()).min_size(vec2(LIST, 22.0));
                     if ui.add(button).clicked() {
-                        page = index;
+                        panel.actions.push(Action::ShowGuidePage(other));
+                    }
+                }
+                if leads_back {
+                    ui.add_space(2.0 * theme::SPACE);
+                    let back = ui.add(Button::new("Back").min_size(vec2(LIST, 22.0)));
+                    if back.on_hover_text("Back to the dialog. (Esc)").clicked() {
+                        panel.actions.push(Action::CloseDialog);
                     }
                 }
             });
-            ScrollArea::vertical().id_salt(page).auto_shrink(false).show(ui, |ui| {
-                for line in PAGES[page].1.lines() {
-                    show_line(ui, line);
-                }
+            ScrollArea::vertical().id_salt(page.title()).auto_shrink(false).show(ui, |ui| {
+                // The area has the layout of the row that it stands in.
+                ui.vertical(|ui| {
+                    for line in text(page).lines() {
+                        show_line(ui, line);
+                    }
+                });
             });
         });
     });
-    ctx.data_mut(|data| data.insert_temp(memory, page));
 }
 
 /// A line of Markdown: a title, an entry of a list, or a paragraph.
@@ -115,7 +128,8 @@ mod tests {
 
     #[test]
     fn every_page_has_a_title_and_nothing_that_is_not_rendered() {
-        for (name, text) in PAGES {
+        for page in GuidePage::ALL {
+            let (name, text) = (page.title(), text(page));
             assert!(text.starts_with("# "), "{name}");
             for line in text.lines() {
                 assert!(!line.contains('<') && !line.contains("](") && !line.starts_with("  "), "{name}: {line}");

@@ -24,9 +24,11 @@ mod transfer;
 pub use keys::captures_keys;
 
 use super::{Panel, symbol, theme};
-use crate::app::Action;
 use crate::app::session::Dialog;
-use egui::{Align, Align2, Area, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2};
+use crate::app::{Action, Command};
+use egui::{
+    Align, Align2, Area, Button, Color32, Context, Frame, Id, Layout, Margin, Order, RichText, Sense, Ui, Vec2, vec2,
+};
 
 /// Shows the dialog that is open, if any.
 pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
@@ -38,7 +40,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::About) => about::show(panel, ctx),
         Some(Dialog::Messages) => messages::show(panel, ctx),
         Some(Dialog::Sport) => sport::show(panel, ctx),
-        Some(Dialog::Guide) => guide::show(panel, ctx),
+        Some(Dialog::Guide { page, behind }) => guide::show(panel, ctx, page, behind.is_some()),
         Some(Dialog::Preferences) => preferences::show(panel, ctx),
         Some(Dialog::PictureLook) => picture_look::show(panel, ctx),
         Some(Dialog::OverlayStyle) => overlay_style::show(panel, ctx),
@@ -115,7 +117,19 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
             if close.on_hover_text("Close. (Esc)").clicked() {
                 panel.actions.push(Action::CloseDialog);
             }
+            to_guide(panel, ui);
         });
     });
     ui.add_space(theme::SPACE);
+}
+
+/// The way to the page of the guide that speaks of the dialog.
+fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let Some(page) = panel.app.guide_page() else { return };
+    let button = Button::new(RichText::new("Guide").small().color(theme::WEAK)).small();
+    let key = panel.app.settings.keys.shown(Command::Guide);
+    let tip = format!("Open the user guide at “{}”; closing it leads back here. ({key})", page.title());
+    if ui.add(button).accessible_name(format!("Guide: {}", page.title())).on_hover_text(tip).clicked() {
+        panel.actions.push(Action::Command(Command::Guide));
+    }
 }

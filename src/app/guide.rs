@@ -1,0 +1,60 @@
+//! The pages of the user guide.
+
+/// A page of the user guide.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GuidePage {
+    /// From a folder or video to exported labels.
+    #[default]
+    FirstProject,
+    /// Keys, panels, messages, preferences.
+    Window,
+    /// Position, rotation and lens of a camera.
+    Base,
+    /// What verdict, residuals and uncertainty mean.
+    Trust,
+    /// Timeline, cuts, tracking.
+    Video,
+    /// Suggestions.
+    Review,
+    /// The quality page, gold frames.
+    Quality,
+    /// Exports, datasets, imports.
+    Export,
+    /// Two annotators, changes from outside.
+    SeveralPeople,
+    /// Words.
+    Glossary,
+}
+
+impl GuidePage {
+    /// Every page, in order.
+    pub const ALL: [Self; 10] = [
+        Self::FirstProject,
+        Self::Window,
+        Self::Base,
+        Self::Trust,
+        Self::Video,
+        Self::Review,
+        Self::Quality,
+        Self::Export,
+        Self::SeveralPeople,
+        Self::Glossary,
+    ];
+
+    /// What the list of pages says.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::FirstProject => "First project",
+            Self::Window => "The window",
+            Self::Base => "The base",
+            Self::Trust => "Trust",
+            Self::Video => "Video",
+            Self::Review => "Review",
+            Self::Quality => "Quality",
+            Self::Export => "Export",
+            Self::SeveralPeople => "Several people",
+            Self::Glossary => "Glossary",
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The user guide: every dialog leads to its page, and back.
+
+use crate::parts::{Test, tests};
+use crate::window::Window;
+use egui::{Key, Modifiers};
+use egui_kittest::kittest::Queryable as _;
+use touchline::app::guide::GuidePage;
+use touchline::app::session::Dialog;
+use touchline::app::{Action, Command};
+
+pub const TESTS: &[Test] = tests![
+    [Adapter] every_dialog_leads_to_its_page_and_back;
+    [Adapter] f1_opens_the_page_of_what_is_shown;
+];
+
+fn page(window: &Window) -> Option<GuidePage> {
+    match window.app().session.dialog {
+        Some(Dialog::Guide { page, .. }) => Some(page),
+        _ => None,
+    }
+}
+
+fn every_dialog_leads_to_its_page_and_back() {
+    let mut window = Window::open(2, [900.0, 600.0], 1.0);
+    for (command, expected) in [
+        (Command::Keys, GuidePage::Window),
+        (Command::Messages, GuidePage::Window),
+        (Command::Preferences, GuidePage::Window),
+        (Command::OverlayStyle, GuidePage::Window),
+        (Command::PictureLook, GuidePage::Window),
+        (Command::About, GuidePage::Window),
+        (Command::ChooseSport, GuidePage::FirstProject),
+        (Command::GoToPlace, GuidePage::Video),
+        (Command::AssignToCamera, GuidePage::Base),
+        (Command::Export, GuidePage::Export),
+        (Command::Import, GuidePage::Export),
+    ] {
+        window.harness.state_mut().apply([Action::Command(command)]);
+        window.harness.run_steps(3);
+        let before = window.app().session.dialog.clone();
+        window.harness.get_by_label(&format!("Guide: {}", expected.title())).click();
+        // A sheet takes its place in the second picture.
+        window.harness.run_steps(6);
+        assert_eq!(page(&window), Some(expected), "{}", command.name());
+        window.harness.get_by_label("Glossary").click();
+        window.harness.run_steps(4);
+        assert_eq!(page(&window), Some(GuidePage::Glossary), "{}", command.name());
+        window.harness.get_by_label("Back").click();
+        window.harness.run_steps(3);
+        assert_eq!(window.app().session.dialog, before, "{}", command.name());
+        window.harness.state_mut().apply([Action::CloseDialog]);
+        window.harness.run_steps(2);
+    }
+}
+
+fn f1_opens_the_page_of_what_is_shown() {
+    let mut window = Window::open(2, [900.0, 600.0], 1.0);
+    for (key, expected) in [(Key::F2, GuidePage::Base), (Key::F4, GuidePage::Review), (Key::F5, GuidePage::Quality)] {
+        window.key(key);
+        window.key(Key::F1);
+        assert_eq!(page(&window), Some(expected), "{key:?}");
+        window.key(Key::Escape);
+        window.key(key);
+    }
+    // From a dialog as well; F1 closes it again.
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    window.harness.run_steps(3);
+    window.key(Key::F1);
+    assert_eq!(page(&window), Some(GuidePage::Export));
+    window.key(Key::F1);
+    assert_eq!(window.app().session.dialog, Some(Dialog::Transfer));
+}
