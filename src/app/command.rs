@@ -122,6 +122,9 @@ pub enum Command {
     PictureLook,
     Preferences,
     Guide,
+    /// The tour on the demo match begins.
+    StartTour,
+    LeaveTour,
     Palette,
     Keys,
     Messages,
@@ -304,7 +307,9 @@ rows! {
     SkipAgain, "skip_again", Frame, "Skip this point of the blind round", "Skip a point that cannot be seen well enough and go on with the next.", ["Shift+S"];
     UseOwnNoise, "use_own_noise", Frame, "Use my click noise", "Weight points by the click noise that your blind clicks show, instead of the usual one. One step of undo.", [];
     UseUsualNoise, "use_usual_noise", Frame, "Use the usual click noise", "Points are weighted by the field template's click noise again; yours stays in the project.", [];
-    Guide, "guide", Help, "User guide", "First project, base, trust, video, review, quality, export, glossary: a page each.", ["F1"];
+    Guide, "guide", Help, "User guide", "The guide, at the page of what is shown.", ["F1"];
+    StartTour, "start_tour", Help, "Take the tour", "Five steps on the demo match, each done by you: place two points, refine one, accept, decide (3 minutes).", [];
+    LeaveTour, "leave_tour", Help, "Leave the tour", "End the tour; what you labelled stays.", [];
     Palette, "palette", Help, "Command palette…", "Find any command by typing.", ["Ctrl+K"];
     Keys, "keys", Help, "Keys", "Every command and its key; keys can be changed here.", ["?"];
     Messages, "messages", Help, "Messages…", "Every message of this session, the latest first.", [];
@@ -436,6 +441,8 @@ impl Command {
             | Self::OpenFolder
             | Self::OpenVideo
             | Self::OpenDemo
+            | Self::StartTour
+            | Self::LeaveTour
             | Self::SaveAs
             | Self::Export
             | Self::ExportDataset

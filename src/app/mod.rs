@@ -40,6 +40,7 @@ pub mod settings;
 mod shot_search;
 mod shown;
 pub mod synonyms;
+pub mod tour;
 pub mod tracking;
 mod trainer;
 pub mod transfer;

@@ -9,6 +9,7 @@ use super::guide::GuidePage;
 use super::naming::NameCandidate;
 use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
+use super::tour::Tour;
 use super::tracking::{LastCarried, Tracking};
 use super::transfer::Transfer;
 use super::unclicked::UnclickedWork;
@@ -120,6 +121,8 @@ pub struct Session {
     pub doubted: Option<Doubted>,
     /// What is done with the video of the shown frame.
     pub video: VideoState,
+    /// The tour on the demo match, while it lasts.
+    pub tour: Option<Tour>,
     /// What was chosen for exports and imports, and what is under way.
     pub transfer: Transfer,
     next_notice: u64,

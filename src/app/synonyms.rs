@@ -35,6 +35,7 @@ pub const fn synonyms(command: Command) -> &'static str {
         C::ShowMasks | C::KeepBurntIn | C::ChangeBurntIn => "ignore logo score bug watermark",
         C::Keys => "shortcuts hotkeys keyboard bindings",
         C::Guide => "help manual documentation tutorial glossary",
+        C::StartTour => "tutorial introduction learn getting started onboarding",
         C::Preferences => "settings options configuration font size text telemetry cache",
         C::Messages | C::DismissNotices => "notifications warnings history log",
         C::NextNeedsMe | C::PreviousNeedsMe => "needs me todo unfinished",

@@ -1,22 +1,42 @@
 //! A copy of the demo match for a user to try things on.
 
 use super::JobError;
-use super::opening::user_projects;
-use crate::store::PROJECT_FILE;
+use super::drawn_match::{DrawnPicture, MatchOrder, draw_match};
+use super::opening::{OpenWatch, user_projects};
+use crate::media::MediaError;
+use crate::store::{Location, PROJECT_FILE, Store};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// The user's copy of the demo match; made when there is none yet.
+/// The user's copy of the demo match. It is made when there is none yet: from the one that came with the program, or else drawn.
 ///
 /// # Errors
-/// The demo is not to be found, or cannot be copied.
-pub fn fresh_copy() -> Result<PathBuf, JobError> {
+/// It cannot be written, or `watch` ended it.
+pub fn fresh_copy(watch: OpenWatch<'_>) -> Result<PathBuf, JobError> {
     let own = user_projects().ok_or(JobError::NoUserFolder)?.join("demo");
     if own.join(PROJECT_FILE).exists() {
         return Ok(own);
     }
-    let delivered = delivered().ok_or(JobError::NoDemo)?;
-    copy_folder(&delivered, &own).map_err(JobError::io(&own))?;
+    match delivered() {
+        Some(folder) => copy_folder(&folder, &own).map_err(JobError::io(&own))?,
+        None => draw(&MatchOrder::demo(), &own, watch)?,
+    }
     Ok(own)
+}
+
+/// Draws a match into a folder. Its project comes last: as long as it is not there, the match is drawn again.
+fn draw(order: &MatchOrder, folder: &Path, watch: OpenWatch<'_>) -> Result<(), JobError> {
+    std::fs::create_dir_all(folder.join("images")).map_err(JobError::io(folder))?;
+    let drawn = draw_match(order, &mut |picture: DrawnPicture| {
+        let file = folder.join(&picture.image);
+        std::fs::write(&file, &picture.jpeg).map_err(JobError::io(&file))?;
+        match watch(format!("Drawing the demo match: {} of {} frames…", picture.index + 1, picture.of)) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(JobError::from(MediaError::Stopped { path: folder.to_path_buf() })),
+        }
+    })?;
+    Store::create(&Location::for_new_document(folder)?, &drawn.project)?;
+    Ok(())
 }
 
 /// Where the demo lies: beside an installed program, or in the source tree it was built in.
@@ -40,4 +60,32 @@ fn copy_folder(from: &Path, to: &Path) -> std::io::Result<()> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::ImageSize;
+
+    #[test]
+    fn without_a_demo_beside_the_program_one_is_drawn_that_opens_and_can_be_stopped() {
+        let place = tempfile::tempdir().unwrap();
+        let order = MatchOrder { frames: 3, image_size: ImageSize::new(320, 180), ..MatchOrder::demo() };
+        let stopped = draw(&order, place.path(), &|_| ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(JobError::Media(MediaError::Stopped { .. }))), "{stopped:?}");
+        assert!(!place.path().join(PROJECT_FILE).exists());
+        let told = std::sync::Mutex::new(Vec::new());
+        draw(&order, place.path(), &|text| {
+            told.lock().unwrap().push(text);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+        assert_eq!(told.into_inner().unwrap().last().unwrap(), "Drawing the demo match: 3 of 3 frames…");
+        let (_, document, _) = crate::store::read(place.path()).unwrap();
+        assert_eq!(document.frames.len(), 3);
+        for frame in &document.frames {
+            let file = frame.image_path(place.path()).unwrap();
+            assert_eq!(crate::media::sha256_of_file(&file).ok(), frame.sha256);
+        }
+    }
 }

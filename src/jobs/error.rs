@@ -74,11 +74,9 @@ pub enum JobError {
     /// The system has no place for a user's own files.
     #[error("this system has no folder for a user's data")]
     NoUserFolder,
-    /// The demo match is not there.
-    #[error(
-        "the demo match did not come with this program: draw one with `touchline synth --demo -o demo` and open it"
-    )]
-    NoDemo,
+    /// A picture of the demo match cannot be encoded.
+    #[error("the demo match cannot be drawn: {0}")]
+    Drawing(#[from] image::ImageError),
 }
 
 impl JobError {

@@ -16,6 +16,7 @@
 mod background;
 mod decoder;
 mod demo;
+mod drawn_match;
 mod error;
 mod frame_orders;
 mod frame_worker;
@@ -36,6 +37,7 @@ mod worker;
 
 pub use background::{Background, BackgroundReport, Reporter};
 pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
+pub use drawn_match::{DrawnMatch, DrawnPicture, MatchOrder, draw_match};
 pub use error::JobError;
 pub use opening::{Ready, open_anything};
 pub use pictures::{PictureNews, PictureState, Pictures, picture_source};

@@ -1,6 +1,6 @@
 //! Carries out what the application asks for, in the background.
 
-use super::opening::{Ready, open_anything};
+use super::opening::{OpenWatch, Ready, open_anything};
 use super::picture_tasks::{
     base_with_paint, burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked,
     transferred,
@@ -119,13 +119,13 @@ impl Runner {
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
-            Effect::Open(path) => self.open("open", move || Ok(path)),
+            Effect::Open(path) => self.open("open", move |_| Ok(path)),
             Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
             Effect::Reopen(path) => {
                 // What is not written stays in the journal, and is found again there.
                 let last = self.close();
                 self.reports.extend(last);
-                self.open("open again", move || Ok(path));
+                self.open("open again", move |_| Ok(path));
             }
             Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
             Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
@@ -400,11 +400,11 @@ impl Runner {
     }
 
     /// Opens what a task finds out.
-    fn open(&mut self, name: &str, path: impl FnOnce() -> Result<PathBuf, JobError> + Send + 'static) {
+    fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
         let held = self.held.clone();
         self.begin(name, Kind::Opening, move |watch| {
-            open_anything(&path()?, held.as_ref(), &|text| watch.tell(Action::Progress(text)))
-                .map(|ready| Outcome::Opened(Box::new(ready)))
+            let tell = |text| watch.tell(Action::Progress(text));
+            open_anything(&path(&tell)?, held.as_ref(), &tell).map(|ready| Outcome::Opened(Box::new(ready)))
         });
     }
 

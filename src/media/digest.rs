@@ -25,6 +25,12 @@ pub fn sha256_of_file(path: &Path) -> Result<String, MediaError> {
     Ok(hex(&digest.finalize()))
 }
 
+/// The SHA-256 of bytes, in lower-case hexadecimal digits.
+#[must_use]
+pub fn sha256_of_bytes(bytes: &[u8]) -> String {
+    hex(&Sha256::digest(bytes))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,5 +42,6 @@ mod tests {
         std::fs::write(&path, "abc").unwrap();
         let expected = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         assert_eq!(sha256_of_file(&path).unwrap(), expected);
+        assert_eq!(sha256_of_bytes(b"abc"), expected);
     }
 }

@@ -30,7 +30,7 @@ mod thumbnail;
 mod video;
 
 pub(crate) use cache::FrameCache;
-pub use digest::sha256_of_file;
+pub use digest::{sha256_of_bytes, sha256_of_file};
 pub use error::MediaError;
 pub use folder::{FolderListing, list_images};
 pub(crate) use grey::{GreyPicture, grey_reduced};

@@ -49,6 +49,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                 }
             }
         });
+        let tour = Button::new("New here? Take the tour: five steps on the demo match, three minutes.").frame(false);
+        if ui.add(tour).on_hover_text(Command::StartTour.about()).clicked() {
+            panel.actions.push(Action::Command(Command::StartTour));
+        }
         path_field(panel, ui);
         recent(panel, ui);
     });

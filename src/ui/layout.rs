@@ -3,7 +3,7 @@
 use super::resizing::{Edge, Resized};
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
-    rejecting, review, status, theme, timeline, trainer, viewport,
+    rejecting, review, status, theme, timeline, tour, trainer, viewport,
 };
 use crate::app::Action;
 use crate::app::session::SidePanel;
@@ -67,6 +67,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let row = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 0));
     let side = Frame::new().fill(theme::PANEL);
     egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
+    tour::show(panel, ui);
     egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));
     egui::Panel::bottom("messages").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| notices::show(panel, ui));
     let is_open = panel.app.open().is_some();

@@ -38,6 +38,7 @@ mod status;
 mod symbol;
 mod theme;
 mod timeline;
+mod tour;
 mod trainer;
 mod viewport;
 

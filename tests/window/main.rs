@@ -16,6 +16,7 @@ mod panels;
 mod parts;
 mod quality;
 mod review;
+mod tour;
 mod trainer;
 mod transfer;
 mod typed;
@@ -36,6 +37,7 @@ fn main() -> ExitCode {
         panels::TESTS,
         quality::TESTS,
         review::TESTS,
+        tour::TESTS,
         trainer::TESTS,
         transfer::TESTS,
         typed::TESTS,

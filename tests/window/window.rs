@@ -2,7 +2,7 @@
 
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
@@ -96,6 +96,16 @@ impl Window {
         Self::on(folder, size, pixels_per_point)
     }
 
+    /// Opens a project of plain frames in a folder of this name.
+    pub fn open_in(name: &str, frames: usize, size: [f32; 2]) -> Self {
+        let mut offscreen = Offscreen::new().unwrap();
+        let around = tempfile::tempdir().unwrap();
+        let folder = around.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        write_project(&folder, frames, &mut offscreen);
+        Self::at(around, folder, size, 1.0)
+    }
+
     /// Opens a project of plain frames whose camera is not known, with exact points on every landmark of each.
     pub fn open_clicked(frames: usize, size: [f32; 2]) -> Self {
         let mut offscreen = Offscreen::new().unwrap();
@@ -156,6 +166,10 @@ impl Window {
     /// Opens a project that is there.
     pub fn on(folder: TempDir, size: [f32; 2], pixels_per_point: f32) -> Self {
         let path = folder.path().to_path_buf();
+        Self::at(folder, path, size, pixels_per_point)
+    }
+
+    fn at(folder: TempDir, path: PathBuf, size: [f32; 2], pixels_per_point: f32) -> Self {
         let settings = tempfile::tempdir().unwrap();
         let kept = settings.path().join("settings.json");
         // The points of these tests are exact, the paint of their small pictures is not.

@@ -27,11 +27,14 @@ impl App {
         match command {
             _ if self.round().is_some() && !command.kind().is_blind() => Some(IN_ROUND),
             C::Undo if self.round().is_some() => None,
+            C::StartTour if self.session.tour.is_some() => Some("The tour is under way."),
+            C::LeaveTour => self.session.tour.is_none().then_some("No tour is under way."),
             C::DismissNotices if self.session.notices.is_empty() => Some("There are no messages."),
             C::OpenProject
             | C::OpenFolder
             | C::OpenVideo
             | C::OpenDemo
+            | C::StartTour
             | C::DismissNotices
             | C::Quit
             | C::Cancel
@@ -160,7 +163,12 @@ impl App {
             C::OpenProject => self.effects.push(Effect::Ask(Question::Project)),
             C::OpenFolder => self.effects.push(Effect::Ask(Question::Folder)),
             C::OpenVideo => self.effects.push(Effect::Ask(Question::Video)),
-            C::OpenDemo => self.open_demo(),
+            C::OpenDemo => {
+                self.tour_waits = false;
+                self.open_demo();
+            }
+            C::StartTour => self.start_tour(),
+            C::LeaveTour => self.leave_tour(),
             C::Orphans => self.session.dialog = Some(Dialog::Orphans),
             C::Save => self.save(),
             C::SaveAs => self.effects.push(Effect::Ask(Question::CopyTo)),
@@ -330,6 +338,7 @@ impl App {
             return;
         }
         if self.session.opening.take().is_some() {
+            self.tour_waits = false;
             self.effects.push(Effect::CancelOpening);
             return;
         }

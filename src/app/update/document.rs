@@ -11,6 +11,7 @@ use std::path::PathBuf;
 
 impl App {
     pub(super) fn open_path(&mut self, path: PathBuf) {
+        self.tour_waits = false;
         if !self.asks_before(Leaving::Open(path.clone())) {
             self.begin_opening(path);
         }
@@ -80,6 +81,8 @@ impl App {
         self.line_checks = self.line_checks.for_another();
         self.point_snaps = self.point_snaps.for_another();
         self.session.unticked.clear();
+        self.begin_waiting_tour();
+        self.offer_tour();
         self.find_burnt_in();
         self.find_shots_of_new();
     }

@@ -24,6 +24,7 @@ mod quality;
 mod review;
 mod shots;
 mod sport;
+mod tour;
 mod tracking;
 mod trainer;
 mod transfer;
@@ -71,6 +72,8 @@ pub struct App {
     unclicked_tickets: u64,
     /// The number of the last order to carry cameras.
     track_tickets: u64,
+    /// A tour begins once the demo is open.
+    tour_waits: bool,
     /// How many searches for cuts there were.
     shot_tickets: u64,
     effects: Vec<Effect>,
@@ -123,6 +126,7 @@ impl App {
     pub fn update(&mut self, action: Action) -> Vec<Effect> {
         let before = self.current.readiness;
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
+        self.tell_tour(&action);
         self.apply(action);
         self.finish_find_camera();
         self.finish_tracking();
@@ -136,6 +140,7 @@ impl App {
         if self.open.as_ref().map(|open| open.revision) != names_or_clicks {
             self.tell_when_enough(before);
         }
+        self.advance_tour();
         self.watch_camera();
         self.tell_trainer();
         self.snap_points();
@@ -266,10 +271,15 @@ impl App {
             Action::Opened(opened) => self.opened(*opened),
             Action::AlreadyOpen(file) => {
                 self.session.opening = None;
-                self.session.notify(Level::Info, format!("{} is already open.", file.display()));
+                if self.tour_waits {
+                    self.begin_waiting_tour();
+                } else {
+                    self.session.notify(Level::Info, format!("{} is already open.", file.display()));
+                }
             }
             Action::Failed(message) => {
                 self.session.opening = None;
+                self.tour_waits = false;
                 if self.session.comparison == Comparison::UnderWay {
                     self.session.comparison = Comparison::None;
                 }

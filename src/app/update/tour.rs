@@ -1,0 +1,85 @@
+//! The tour on the demo match: begun when the demo is open, over when it is left or another document is opened.
+
+use super::App;
+use crate::app::Command;
+use crate::app::action::Action;
+use crate::app::session::{Level, Mode, is_to_do};
+use crate::app::tour::{Sight, Tour};
+
+impl App {
+    /// The tour is asked for: on the demo match that is open, else on the user's own copy.
+    pub(super) fn start_tour(&mut self) {
+        self.tour_waits = true;
+        if self.shows_demo() {
+            self.begin_waiting_tour();
+        } else {
+            self.open_demo();
+        }
+    }
+
+    /// Whether the open document is a copy of the demo match: a folder of that name with a camera whose base is known.
+    fn shows_demo(&self) -> bool {
+        self.open.as_ref().is_some_and(|open| {
+            open.folder.file_name().is_some_and(|name| name == "demo")
+                && open.document.cameras.iter().any(|camera| camera.base().is_some())
+        })
+    }
+
+    /// Whoever opens the demo for the first time is offered the tour.
+    pub(super) fn offer_tour(&mut self) {
+        let is_new = self.open.as_ref().is_some_and(|open| open.history.next_undo().is_none());
+        if is_new && self.session.tour.is_none() && self.shows_demo() {
+            let text = "This is the demo match: its camera is known, a third of its frames are labelled.";
+            self.session.notify_with(Level::Info, text, [("Take the tour", Command::StartTour)]);
+        }
+    }
+
+    /// The tour ends where it is.
+    pub(super) fn leave_tour(&mut self) {
+        self.session.tour = None;
+    }
+
+    /// The demo is open: the tour begins on a frame that nobody has worked on.
+    pub(super) fn begin_waiting_tour(&mut self) {
+        if !std::mem::take(&mut self.tour_waits) {
+            return;
+        }
+        // A copy that cannot be changed says so itself.
+        let Some(open) = self.open.as_ref().filter(|open| open.read_only.is_none()) else { return };
+        let untouched = open.document.frames.iter().position(|frame| is_to_do(frame) && frame.clicks.is_empty());
+        let Some(frame) = untouched else {
+            let text = format!(
+                "Your copy of the demo match has no frame left to try. Delete {} and start the tour again: a new copy is made.",
+                open.folder.display()
+            );
+            self.session.notify(Level::Warning, text);
+            return;
+        };
+        self.session.dialog = None;
+        self.go_to(frame);
+        self.session.tour = self.tour_sight().map(Tour::begin);
+    }
+
+    /// What an action tells the tour before it is carried out.
+    pub(super) fn tell_tour(&mut self, action: &Action) {
+        let takes_point = matches!(action, Action::Press { on: Some(_), .. } | Action::Nudge { .. });
+        if let Some(tour) = self.session.tour.as_mut().filter(|_| takes_point) {
+            tour.point_taken();
+        }
+    }
+
+    /// The tour goes on where its step is done; not while a point is held or waits for its name.
+    pub(super) fn advance_tour(&mut self) {
+        if self.session.tour.is_none() || self.session.mode != Mode::Idle {
+            return;
+        }
+        if let (Some(seen), Some(tour)) = (self.tour_sight(), &mut self.session.tour) {
+            tour.look(seen);
+        }
+    }
+
+    fn tour_sight(&self) -> Option<Sight> {
+        let open = self.open.as_ref()?;
+        Some(Sight::of(&open.document, self.frame(), self.current.solved().is_some()))
+    }
+}
