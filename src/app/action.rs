@@ -8,6 +8,7 @@ use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
 use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
+use super::settings::{Loupe, ThemeChoice};
 use super::tracking::TrackAction;
 use super::transfer::TransferAction;
 use super::unclicked::UnclickedFailure;
@@ -19,7 +20,7 @@ use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
-use crate::scene::{OverlayStyle, PictureLook};
+use crate::scene::{OverlayStyle, PictureLook, Sport};
 use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
 
@@ -309,6 +310,14 @@ pub enum Action {
 
     /// The overlay's style.
     SetOverlayStyle(OverlayStyle),
+    /// Dark or light.
+    SetTheme(ThemeChoice),
+    /// The lines of a sport have this colour.
+    SetLineColour(&'static Sport, [u8; 3]),
+    /// The loupe's look.
+    SetLoupe(Loupe),
+    /// The memory for decoded frames, MiB.
+    SetPictureMemory(u32),
     /// How bright the picture is shown.
     SetPictureLook(PictureLook),
     /// How large texts and controls are; 1 is the system's.
@@ -542,6 +551,10 @@ impl Action {
             | Self::Copied(_)
             | Self::CloseRequested => ActionKind::Report,
             Self::SetOverlayStyle(_)
+            | Self::SetTheme(_)
+            | Self::SetLineColour(..)
+            | Self::SetLoupe(_)
+            | Self::SetPictureMemory(_)
             | Self::SetPictureLook(_)
             | Self::SetTextSize(_)
             | Self::SetPanelSizes { .. }

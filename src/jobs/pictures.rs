@@ -127,6 +127,7 @@ impl Pictures {
                 ThumbnailReport::Failed { .. } | ThumbnailReport::Panicked { .. } => {}
             }
         }
+        self.decoder.pictures().set_budget((app.settings.picture_memory_mib as usize) << 20);
         news.forget = self.follow(app.open());
         if news.forget {
             news.thumbnails.clear();

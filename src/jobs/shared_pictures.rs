@@ -56,6 +56,11 @@ impl SharedPictures {
         self.lock().budget_bytes()
     }
 
+    /// Changes the memory that the pixels may take, bytes.
+    pub(super) fn set_budget(&self, budget_bytes: usize) {
+        self.lock().set_budget(budget_bytes);
+    }
+
     /// Keeps a frame that the window shows or is about to show; others make room.
     pub(super) fn insert(&self, frame: FrameRef, picture: Picture) {
         self.lock().insert(frame, picture);

@@ -37,6 +37,16 @@ impl FrameCache {
         if let Some(before) = self.frames.put(frame, picture) {
             self.bytes -= before.bytes();
         }
+        self.keep_budget();
+    }
+
+    /// Changes the memory that they may take, and forgets frames until that holds.
+    pub fn set_budget(&mut self, budget_bytes: usize) {
+        self.budget_bytes = budget_bytes;
+        self.keep_budget();
+    }
+
+    fn keep_budget(&mut self) {
         while self.bytes > self.budget_bytes && self.frames.len() > 1 {
             let Some((_, oldest)) = self.frames.pop_lru() else { break };
             self.bytes -= oldest.bytes();
@@ -71,6 +81,17 @@ mod tests {
     /// 100 px, 400 bytes.
     fn picture(shade: u8) -> Picture {
         Picture::filled(ImageSize::new(10, 10), [shade, shade, shade, 255])
+    }
+
+    #[test]
+    fn a_smaller_budget_holds_at_once() {
+        let mut cache = FrameCache::new(1200);
+        for index in 0..3 {
+            cache.insert(frame(index), picture(index as u8));
+        }
+        cache.set_budget(800);
+        assert_eq!([0, 1, 2].map(|index| cache.contains(&frame(index))), [false, true, true]);
+        assert_eq!(cache.budget_bytes(), 800);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 pub mod drawing;
 pub mod field_map;
+mod line_colours;
 pub mod next_click;
 pub mod overlay;
 pub mod paint_map;
@@ -11,4 +12,5 @@ mod style;
 pub mod timeline;
 pub mod uncertainty;
 
+pub use line_colours::{Ground, LINE_COLOURS, LineColour, SPORTS, Sport};
 pub use style::{OverlayStyle, PictureLook};

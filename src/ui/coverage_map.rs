@@ -1,6 +1,7 @@
 //! The map of pan and tilt: where references look, and where one is missing.
 
-use super::{Panel, theme};
+use super::Panel;
+use super::theme::{Palette, Themed as _};
 use crate::app::where_to_label::whole_degrees;
 use crate::camera::PtzCamera;
 use crate::geometry::{Angle, ImageSize};
@@ -12,11 +13,6 @@ use egui::{
 
 /// The number of references from which the colour no longer changes.
 const PLENTY: f32 = 4.0;
-/// The field where no reference looks.
-pub const MISSING: Color32 = Color32::from_rgb(96, 46, 40);
-/// Outside of the field and of what references see.
-const OUTSIDE: Color32 = Color32::from_rgb(20, 22, 25);
-
 /// A map on the screen; the caller draws further marks on it.
 pub struct CoverageMap<'a> {
     coverage: &'a Coverage,
@@ -56,7 +52,8 @@ impl<'a> CoverageMap<'a> {
     /// The pans at the left and the right border, below the map.
     pub fn borders(&self, ui: &mut Ui) {
         ui.horizontal(|ui| {
-            let border = |pan: Angle| RichText::new(whole_degrees(pan.degrees())).small().color(theme::WEAK);
+            let weak = ui.palette().weak;
+            let border = |pan: Angle| RichText::new(whole_degrees(pan.degrees())).small().color(weak);
             ui.label(border(self.coverage.pan.start()));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.label(border(self.coverage.pan.end().wrapped()));
@@ -93,7 +90,7 @@ impl<'a> CoverageMap<'a> {
         });
         let points: Vec<Pos2> = points.collect();
         if points.len() == 4 {
-            self.painter.add(Shape::closed_line(points, Stroke::new(1.5, theme::STRONG)));
+            self.painter.add(Shape::closed_line(points, Stroke::new(1.5, self.painter.palette().strong)));
         }
     }
 
@@ -102,7 +99,8 @@ impl<'a> CoverageMap<'a> {
         let x = self.at(pan_deg, 0.0).x.clamp(self.rect.left() + 6.0, self.rect.right() - 6.0);
         let tip = pos2(x, self.rect.top() + 9.0);
         let corners = vec![tip, tip + vec2(-5.0, -8.0), tip + vec2(5.0, -8.0)];
-        self.painter.add(Shape::convex_polygon(corners, theme::STRONG, Stroke::new(1.0, theme::BACKDROP)));
+        let palette = self.painter.palette();
+        self.painter.add(Shape::convex_polygon(corners, palette.strong, Stroke::new(1.0, palette.backdrop)));
     }
 
     /// A small square in the middle of each cell that others see, the larger the more.
@@ -126,11 +124,12 @@ impl<'a> CoverageMap<'a> {
     }
 
     fn cells(&self) {
+        let palette = self.painter.palette();
         for (index, cell) in self.coverage.cells.iter().enumerate() {
             let colour = match cell.references {
-                0 if cell.field => MISSING,
-                0 => OUTSIDE,
-                references => seen_by(references),
+                0 if cell.field => palette.missing,
+                0 => palette.outside,
+                references => seen_by(palette, references),
             };
             // A gap between cells shows that they are counts, not measurements.
             self.painter.rect_filled(self.cell(index).shrink(0.5), 0.0, colour);
@@ -139,9 +138,9 @@ impl<'a> CoverageMap<'a> {
 }
 
 /// The colour of a place that a number of references see.
-pub fn seen_by(references: u32) -> Color32 {
+pub fn seen_by(palette: &Palette, references: u32) -> Color32 {
     let share = (references as f32 / PLENTY).min(1.0);
-    theme::ACCENT_GROUND.lerp_to_gamma(theme::ACCENT, 0.15 + 0.55 * share)
+    palette.accent_ground.lerp_to_gamma(palette.accent, 0.15 + 0.55 * share)
 }
 
 /// Where a share of the map's width and a tilt lie.

@@ -1,6 +1,10 @@
 //! The start screen, shown in place of the picture while nothing is open.
 
-use super::{Panel, menu::document_name, theme};
+use super::{
+    Panel,
+    menu::document_name,
+    theme::{self, Themed as _},
+};
 use crate::app::{Action, Command};
 use egui::{Align, Button, Id, Key, Layout, Margin, RichText, TextEdit, Ui, vec2};
 use std::path::PathBuf;
@@ -13,19 +17,19 @@ const WIDTH: f32 = 560.0;
 /// Shows the start screen.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(area, 0.0, theme::BACKDROP);
+    ui.painter().rect_filled(area, 0.0, ui.palette().backdrop);
     let column = area.shrink2(vec2((area.width() - WIDTH).max(0.0) / 2.0, (area.height() / 5.0).max(24.0)));
     ui.scope_builder(egui::UiBuilder::new().max_rect(column).layout(Layout::top_down(Align::Center)), |ui| {
         ui.spacing_mut().item_spacing.y = 3.0 * theme::SPACE;
-        ui.label(RichText::new("touchline").size(26.0).color(theme::STRONG));
+        ui.label(RichText::new("touchline").size(26.0).color(ui.palette().strong));
         ui.label(
             RichText::new("Drop a video, a folder of frames or a project. Or try the demo match (2 minutes).")
-                .color(theme::TEXT),
+                .color(ui.palette().text),
         );
         ui.add_space(theme::SPACE);
         if let Some(opening) = &panel.app.session.opening {
             ui.spinner();
-            ui.label(RichText::new(opening).color(theme::ACCENT));
+            ui.label(RichText::new(opening).color(ui.palette().accent));
             if ui.button("Cancel").on_hover_text("Stop opening. (Esc)").clicked() {
                 panel.actions.push(Action::Command(Command::Cancel));
             }
@@ -42,7 +46,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ] {
                 let mut button = Button::new(says).min_size(vec2(width, 36.0));
                 if command == Command::OpenDemo {
-                    button = button.fill(theme::ACCENT_GROUND);
+                    button = button.fill(ui.palette().accent_ground);
                 }
                 if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
                     panel.actions.push(Action::Command(command));
@@ -90,8 +94,8 @@ fn recent(panel: &mut Panel<'_>, ui: &mut Ui) {
         theme::title(ui, "RECENT");
         for path in panel.app.settings.recent.iter().take(RECENT) {
             let shown = path.parent().map(|folder| folder.display().to_string()).unwrap_or_default();
-            let row = Button::new(RichText::new(document_name(path)).color(theme::STRONG))
-                .right_text(RichText::new(shown).small().color(theme::WEAK))
+            let row = Button::new(RichText::new(document_name(path)).color(ui.palette().strong))
+                .right_text(RichText::new(shown).small().color(ui.palette().weak))
                 .truncate()
                 .min_size(vec2(WIDTH, 26.0));
             if ui.add(row).on_hover_text(path.display().to_string()).clicked() {

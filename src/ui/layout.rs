@@ -3,7 +3,7 @@
 use super::resizing::{Edge, Resized};
 use super::{
     Panel, camera_panel, dialogs, empty, filmstrip, inspector, keys, menu, naming, notices, quality, reclick,
-    rejecting, review, status, theme, timeline, tour, trainer, viewport,
+    rejecting, review, status, theme::Themed as _, timeline, tour, trainer, viewport,
 };
 use crate::app::Action;
 use crate::app::session::SidePanel;
@@ -64,8 +64,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let remembered = [settings.side_width, settings.filmstrip_height];
     let side_width = edges[0].size(ui.ctx(), remembered[0], side_width);
     let filmstrip_height = edges[1].size(ui.ctx(), remembered[1], filmstrip_height);
-    let row = Frame::new().fill(theme::PANEL).inner_margin(Margin::symmetric(8, 0));
-    let side = Frame::new().fill(theme::PANEL);
+    let row = Frame::new().fill(ui.palette().panel).inner_margin(Margin::symmetric(8, 0));
+    let side = Frame::new().fill(ui.palette().panel);
     egui::Panel::top("menu").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| menu::show(panel, ui));
     tour::show(panel, ui);
     egui::Panel::bottom("status").exact_size(ROW).resizable(false).frame(row).show(ui, |ui| status::show(panel, ui));

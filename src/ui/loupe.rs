@@ -4,18 +4,15 @@ use super::canvas;
 use super::labels::{PlateStyle, plate};
 use super::overlay::Overlay;
 use super::placement::Placement;
+use crate::app::settings::Loupe;
 use crate::geometry::ImagePoint;
 use crate::render::{Layer, View};
 use egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Vec2, WidgetInfo,
 };
 
-/// Points of the screen per px of the picture.
-const MAGNIFICATION: f64 = 8.0;
-/// From this zoom on no loupe is needed, points per px.
-const NOT_NEEDED_FROM: f64 = 5.0;
-/// The side of the loupe, points.
-const SIDE: f32 = 160.0;
+/// No loupe is needed where the picture is enlarged by more than this share of what the loupe would.
+const NOT_NEEDED_FROM: f64 = 0.625;
 /// From the point to the nearest border of the loupe, points.
 const GAP: f32 = 36.0;
 /// The cost of changing sides, as the length of line that the loupe would hide, points.
@@ -38,28 +35,30 @@ const SIDES: [Vec2; 8] = [
 /// Shows the loupe of a place, with what lies over the picture there at a zoom (physical px per px of the picture).
 pub fn show(
     ui: &egui::Ui,
+    look: Loupe,
     placement: &Placement,
     at: ImagePoint,
     picture: &Layer,
     overlay: impl FnOnce(f64) -> Overlay,
 ) {
-    if placement.points_per_px() >= NOT_NEEDED_FROM {
+    let magnification = f64::from(look.magnification);
+    if !look.shown || placement.points_per_px() >= NOT_NEEDED_FROM * magnification {
         return;
     }
     let pixels_per_point = ui.pixels_per_point();
-    let overlay = overlay(MAGNIFICATION * f64::from(pixels_per_point));
+    let overlay = overlay(magnification * f64::from(pixels_per_point));
     let point = placement.screen_from_image(at);
     let side_id = side_id();
     let before = ui.data(|data| data.get_temp::<usize>(side_id));
-    let side = free_side(point, placement.rect, &lines(&overlay, placement), before);
+    let side = free_side(point, look.side, placement.rect, &lines(&overlay, placement), before);
     ui.data_mut(|data| data.insert_temp(side_id, side));
-    let rect = egui::emath::GuiRounding::round_to_pixels(on_side(point, side), pixels_per_point);
+    let rect = egui::emath::GuiRounding::round_to_pixels(on_side(point, look.side, side), pixels_per_point);
 
     let response = ui.interact(rect, side_id, Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Loupe"));
     let painter = ui.ctx().layer_painter(LayerId::new(Order::Tooltip, side_id));
     let layers = std::iter::once(picture.clone()).chain(overlay.layers()).collect();
-    canvas::paint(&painter, canvas::LOUPE, rect, view(at, rect, pixels_per_point), layers);
+    canvas::paint(&painter, canvas::LOUPE, rect, view(at, rect, magnification, pixels_per_point), layers);
     crosshair(&painter, rect);
     let text = format!("{:.2}, {:.2}", at.x, at.y);
     let corner = rect.center_bottom() - egui::vec2(0.0, 12.0);
@@ -85,8 +84,8 @@ fn side_id() -> Id {
 }
 
 /// Places the picture so that one of its points lies exactly in the middle.
-fn view(at: ImagePoint, rect: Rect, pixels_per_point: f32) -> View {
-    let scale = MAGNIFICATION * f64::from(pixels_per_point);
+fn view(at: ImagePoint, rect: Rect, magnification: f64, pixels_per_point: f32) -> View {
+    let scale = magnification * f64::from(pixels_per_point);
     let size_px = canvas::size_px(rect, pixels_per_point);
     let [width, height] = size_px.map(f64::from);
     let offset_px = [(width / 2.0 - at.x * scale) as f32, (height / 2.0 - at.y * scale) as f32];
@@ -96,7 +95,7 @@ fn view(at: ImagePoint, rect: Rect, pixels_per_point: f32) -> View {
 /// A crosshair whose centre stays free.
 fn crosshair(painter: &egui::Painter, rect: Rect) {
     let centre = rect.center();
-    let reach = SIDE / 2.0 - 24.0;
+    let reach = rect.width() / 2.0 - 24.0;
     for (width, colour) in [(3.0, Color32::from_black_alpha(110)), (1.0, Color32::WHITE)] {
         for way in [Vec2::RIGHT, Vec2::LEFT, Vec2::UP, Vec2::DOWN] {
             painter.line_segment([centre + way * OPEN, centre + way * reach], Stroke::new(width, colour));
@@ -106,14 +105,14 @@ fn crosshair(painter: &egui::Painter, rect: Rect) {
     painter.circle_filled(centre, 1.0, Color32::WHITE);
 }
 
-fn on_side(point: Pos2, side: usize) -> Rect {
-    Rect::from_center_size(point + SIDES[side % SIDES.len()] * (GAP + SIDE / 2.0), Vec2::splat(SIDE))
+fn on_side(point: Pos2, length: f32, side: usize) -> Rect {
+    Rect::from_center_size(point + SIDES[side % SIDES.len()] * (GAP + length / 2.0), Vec2::splat(length))
 }
 
 /// The side on which the loupe hides least of the overlay's lines, with a preference for the current side.
-fn free_side(point: Pos2, bounds: Rect, lines: &[[Pos2; 2]], before: Option<usize>) -> usize {
+fn free_side(point: Pos2, length: f32, bounds: Rect, lines: &[[Pos2; 2]], before: Option<usize>) -> usize {
     let cost = |side: usize| {
-        let rect = on_side(point, side);
+        let rect = on_side(point, length, side);
         let outside = (rect.area() - rect.intersect(bounds).area().max(0.0)).max(0.0);
         let hidden: f32 = lines.iter().map(|line| length_within(*line, rect)).sum();
         let change = if before.is_some_and(|before| before != side) { STAY } else { 0.0 };
@@ -156,25 +155,26 @@ mod tests {
     use super::*;
     use egui::pos2;
 
+    const SIDE: f32 = 160.0;
     const BOUNDS: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(980.0, 580.0) };
 
     #[test]
     fn the_loupe_keeps_off_the_point_the_lines_and_the_border() {
         for point in [pos2(500.0, 300.0), pos2(2.0, 3.0), pos2(978.0, 4.0), pos2(976.0, 575.0), pos2(5.0, 570.0)] {
-            let rect = on_side(point, free_side(point, BOUNDS, &[], None));
+            let rect = on_side(point, SIDE, free_side(point, SIDE, BOUNDS, &[], None));
             assert!(BOUNDS.contains_rect(rect) && !rect.contains(point), "{point:?} {rect:?}");
         }
         let point = pos2(500.0, 300.0);
         let line = [pos2(400.0, 400.0), pos2(900.0, -100.0)];
-        let side = free_side(point, BOUNDS, &[line], None);
-        assert_eq!(length_within(line, on_side(point, side)), 0.0);
+        let side = free_side(point, SIDE, BOUNDS, &[line], None);
+        assert_eq!(length_within(line, on_side(point, SIDE, side)), 0.0);
     }
 
     #[test]
     fn the_loupe_stays_where_it_is_without_a_reason() {
         let point = pos2(500.0, 300.0);
         for side in 0..SIDES.len() {
-            assert_eq!(free_side(point, BOUNDS, &[], Some(side)), side);
+            assert_eq!(free_side(point, SIDE, BOUNDS, &[], Some(side)), side);
         }
     }
 

@@ -1,6 +1,9 @@
 //! The top row: menus, the open document, and whether it is saved.
 
-use super::{Panel, symbol, theme};
+use super::{
+    Panel, symbol,
+    theme::{self, Themed as _},
+};
 use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
@@ -233,21 +236,21 @@ pub fn document_name(file: &Path) -> String {
 fn place(app: &App, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
     let name = document_name(&open.file);
-    ui.add(egui::Label::new(RichText::new(name).color(theme::STRONG)).truncate())
+    ui.add(egui::Label::new(RichText::new(name).color(ui.palette().strong)).truncate())
         .on_hover_text(open.file.display().to_string());
     let count = open.document.frames.len();
     if let Some(frame) = app.frame() {
         let number = frame.number_at(app.session.frame);
-        ui.label(RichText::new(format!("frame {number}")).color(theme::TEXT))
+        ui.label(RichText::new(format!("frame {number}")).color(ui.palette().text))
             .on_hover_text(format!("Frame {number} of {count}, counted from 0: {}", frame.name()));
         if let Some(clip) = &frame.clip {
-            ui.label(RichText::new(format!("shot {clip}")).color(theme::WEAK)).on_hover_text("The frame's shot");
+            ui.label(RichText::new(format!("shot {clip}")).color(ui.palette().weak)).on_hover_text("The frame's shot");
         }
-        ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(theme::WEAK)).truncate())
+        ui.add(egui::Label::new(RichText::new(file_name(&frame.name())).color(ui.palette().weak)).truncate())
             .on_hover_text(frame.name());
     }
     if let Some(reason) = &open.read_only {
-        ui.label(RichText::new("READ ONLY").small().strong().color(theme::CAUTION)).on_hover_text(reason.clone());
+        ui.label(RichText::new("READ ONLY").small().strong().color(ui.palette().caution)).on_hover_text(reason.clone());
     }
 }
 
@@ -259,7 +262,9 @@ pub fn file_name(path: &str) -> String {
 /// Whether every edit is on disk.
 fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.session.changed_outside.is_some() {
-        let choose = Button::new(RichText::new("Changed outside").color(theme::BACKDROP)).fill(theme::CAUTION).small();
+        let choose = Button::new(RichText::new("Changed outside").color(ui.palette().on_accent))
+            .fill(ui.palette().caution)
+            .small();
         let tip = "Another program changed the document. It is not written until you choose which version to keep.";
         if ui.add(choose).on_hover_text(tip).clicked() {
             panel.actions.push(Action::AskOutside);
@@ -268,22 +273,23 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
     match &panel.app.session.saving {
         Saving::Untouched => {}
         Saving::Pending => {
-            ui.label(RichText::new("saving…").color(theme::WEAK))
+            ui.label(RichText::new("saving…").color(ui.palette().weak))
                 .on_hover_text("The last edit is being written to disk.");
         }
         Saving::Saved { at } => {
-            ui.label(RichText::new(format!("saved {at}")).color(theme::WEAK))
+            ui.label(RichText::new(format!("saved {at}")).color(ui.palette().weak))
                 .on_hover_text("Every edit is on disk. You do not have to save.");
         }
         Saving::Failed { message, since } => {
             let since = since.as_ref().map(|at| format!("Edits since {at} are only in memory."));
             let edits = since.unwrap_or_else(|| "Edits are only in memory.".to_owned());
-            let elsewhere =
-                Button::new(RichText::new("Save elsewhere").color(theme::BACKDROP)).fill(theme::BAD).small();
+            let elsewhere = Button::new(RichText::new("Save elsewhere").color(ui.palette().on_accent))
+                .fill(ui.palette().bad)
+                .small();
             if ui.add(elsewhere).on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
                 panel.actions.push(Action::Command(Command::SaveAs));
             }
-            let text = RichText::new(format!("NOT SAVED: {message}. {edits}")).color(theme::BAD).strong();
+            let text = RichText::new(format!("NOT SAVED: {message}. {edits}")).color(ui.palette().bad).strong();
             ui.add(egui::Label::new(text).truncate()).on_hover_text(format!("{message}. {edits}"));
         }
     }
@@ -292,10 +298,11 @@ fn saving(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// Background work.
 fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     if let Some(opening) = &panel.app.session.opening {
-        ui.label(RichText::new(opening).color(theme::ACCENT)).on_hover_text("The window stays usable meanwhile.");
+        ui.label(RichText::new(opening).color(ui.palette().accent)).on_hover_text("The window stays usable meanwhile.");
         ui.add(egui::Spinner::new().size(12.0));
         let key = panel.app.settings.keys.shown(Command::Cancel);
-        let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", theme::WEAK);
+        let palette = ui.palette();
+        let give_up = symbol::button(ui, symbol::Symbol::Cross, "Stop opening", palette.weak);
         if give_up.on_hover_text(format!("Stop opening. ({key})")).clicked() {
             panel.actions.push(Action::Command(Command::Cancel));
         }
@@ -306,7 +313,8 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
     let thumbnails = panel.pictures.thumbnails_in_view();
     if thumbnails.done < thumbnails.wanted {
         let text = format!("thumbnails {}/{}", thumbnails.done, thumbnails.wanted);
-        ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text("Thumbnails of the frames in view.");
+        ui.label(RichText::new(text).small().color(ui.palette().weak))
+            .on_hover_text("Thumbnails of the frames in view.");
     }
 }
 
@@ -314,7 +322,8 @@ fn jobs(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(search) = &panel.app.session.video.search else { return };
     let share = 100 * search.progress.done / search.progress.of.max(1);
-    let says = ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(theme::WEAK)).frame(false));
+    let says =
+        ui.add(Button::new(RichText::new(format!("cuts {share} %")).small().color(ui.palette().weak)).frame(false));
     let tip = format!("Looking for cuts in {}. Click to stop.", file_name(&search.video));
     if says.on_hover_text(tip).clicked() {
         panel.actions.push(Action::Command(Command::StopShotSearch));
@@ -325,7 +334,7 @@ fn shot_search(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(work) = panel.app.session.transfer.under_way.filter(|work| work.writes) else { return };
     let far = work.pictures.map(|(done, of)| format!(" {} %", 100 * done / of.max(1))).unwrap_or_default();
-    let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(theme::WEAK)).frame(false));
+    let says = ui.add(Button::new(RichText::new(format!("export{far}")).small().color(ui.palette().weak)).frame(false));
     if says.on_hover_text("An export is being written. Click to show it.").clicked() {
         panel.actions.push(Action::Command(Command::Export));
     }
@@ -335,8 +344,8 @@ fn writing(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn trainer(panel: &mut Panel<'_>, ui: &mut Ui) {
     let status = &panel.app.session.trainer.status;
     let (text, colour) = match (&status.trouble, status.doing.in_brief()) {
-        (Some(_), _) => ("trainer: problem".to_owned(), theme::CAUTION),
-        (None, Some(brief)) => (brief, theme::WEAK),
+        (Some(_), _) => ("trainer: problem".to_owned(), ui.palette().caution),
+        (None, Some(brief)) => (brief, ui.palette().weak),
         (None, None) => return,
     };
     let tip = status.trouble.clone().unwrap_or_else(|| format!("{}.", status.doing.describe()));

@@ -1,6 +1,6 @@
 //! A thumbnail of a frame with the lines of its camera: enough to see whether a proposal is right.
 
-use super::{Panel, theme};
+use super::{Panel, theme::Themed as _};
 use crate::app::OpenProject;
 use crate::document::FrameStatus;
 use crate::markings::{MarkingOptions, project_lines};
@@ -11,7 +11,7 @@ const TOLERANCE_PX: f64 = 4.0;
 
 /// Paints a frame's thumbnail into a box, and the field's lines as its camera has them; dashed where it is proposed.
 pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index: usize, within: Rect) {
-    painter.rect_filled(within, CornerRadius::same(2), theme::RAISED);
+    painter.rect_filled(within, CornerRadius::same(2), painter.palette().raised);
     let Some(frame) = open.frame(index) else { return };
     let size = egui::vec2(frame.image_size.width as f32, frame.image_size.height as f32).max(egui::Vec2::splat(1.0));
     let scale = (within.width() / size.x).min(within.height() / size.y);
@@ -25,7 +25,7 @@ pub fn paint(panel: &mut Panel<'_>, painter: &Painter, open: &OpenProject, index
     let shares = |shown| open.document.field_of(shown) == open.document.field_of(frame);
     let Some(camera) = open.document.pointed(frame).filter(|_| panel.app.frame().is_some_and(shares)) else { return };
     let options = MarkingOptions { tolerance_px: TOLERANCE_PX, margin_px: 0.0 };
-    let [red, green, blue] = panel.app.settings.overlay.colour;
+    let [red, green, blue] = panel.app.overlay_style().colour;
     let stroke = Stroke::new(1.0, Color32::from_rgb(red, green, blue));
     let clipped = painter.with_clip_rect(painter.clip_rect().intersect(picture));
     for line in project_lines(field, &camera, frame.image_size, &options) {

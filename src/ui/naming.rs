@@ -1,7 +1,7 @@
 //! The list of names beside a point that has no name yet.
 
 use super::placement::Placement;
-use super::{Panel, theme};
+use super::{Panel, theme::Themed as _};
 use crate::app::naming::NameCandidate;
 use crate::app::session::{Mode, Naming, OFFERED};
 use crate::app::{Action, App, Command};
@@ -172,9 +172,9 @@ fn title(ui: &mut egui::Ui, naming: &Naming) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let what = if naming.lines { "Which line?" } else { "Which landmark?" };
     let (text, colour) = if naming.typed.is_empty() {
-        (what.to_owned(), theme::TEXT)
+        (what.to_owned(), ui.palette().text)
     } else {
-        (format!("{}|", naming.typed), theme::STRONG)
+        (format!("{}|", naming.typed), ui.palette().strong)
     };
     ui.painter().text(
         rect.left_center() + vec2(6.0, 0.0),
@@ -194,7 +194,7 @@ struct Columns {
 
 impl Columns {
     fn of(ui: &egui::Ui, naming: &Naming) -> Self {
-        let measure = |text: &str, font| ui.painter().layout_no_wrap(text.to_owned(), font, theme::TEXT).size().x;
+        let measure = |text: &str, font| ui.painter().layout_no_wrap(text.to_owned(), font, ui.palette().text).size().x;
         let widest = |widths: &mut dyn Iterator<Item = f32>| widths.fold(0.0, f32::max);
         let candidates = &naming.candidates;
         let with_distance = candidates.iter().any(|candidate| candidate.distance_px.is_some());
@@ -244,9 +244,10 @@ fn row(
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, highlighted, &name));
     let painter = ui.painter();
     if highlighted {
-        painter.rect_filled(rect, 4.0, theme::ACCENT_GROUND);
+        painter.rect_filled(rect, 4.0, ui.palette().accent_ground);
     }
-    let (weak, strong) = if highlighted { (theme::TEXT, theme::STRONG) } else { (theme::WEAK, theme::TEXT) };
+    let (weak, strong) =
+        if highlighted { (ui.palette().text, ui.palette().strong) } else { (ui.palette().weak, ui.palette().text) };
     let at = |x| pos2(x, rect.center().y);
     painter.text(at(rect.left() + LABEL / 2.0), Align2::CENTER_CENTER, index + 1, distance_font(), weak);
     painter.text(at(rect.left() + LABEL), Align2::LEFT_CENTER, &candidate.label, label_font(), strong);
@@ -274,7 +275,7 @@ fn nothing(ui: &mut egui::Ui, naming: &Naming) {
     let kind = if naming.lines { "line" } else { "landmark" };
     let text = format!("No {kind} matches “{}”.", naming.typed);
     let at = rect.left_center() + vec2(6.0, 0.0);
-    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(13.0), theme::CAUTION);
+    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(13.0), ui.palette().caution);
 }
 
 fn hint(ui: &mut egui::Ui, naming: &Naming) {
@@ -282,7 +283,7 @@ fn hint(ui: &mut egui::Ui, naming: &Naming) {
     let other = if naming.lines { "landmarks" } else { "lines" };
     let text = format!("Enter or 1–{OFFERED}: choose · type to filter · Tab: {other} · Esc");
     let at = rect.left_center() + vec2(6.0, 2.0);
-    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), theme::WEAK);
+    ui.painter().text(at, Align2::LEFT_CENTER, text, FontId::proportional(11.0), ui.palette().weak);
 }
 
 #[cfg(test)]

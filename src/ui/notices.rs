@@ -2,7 +2,10 @@
 //! the focus. What goes by stays in the list of messages.
 
 use super::symbol::{self, Symbol};
-use super::{Panel, theme};
+use super::{
+    Panel,
+    theme::{Palette, Themed as _},
+};
 use crate::app::session::{Level, Notice};
 use crate::app::{Action, App, Command};
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
@@ -27,7 +30,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         if let Some(notice) = latest {
             let tip = format!("Dismiss: {}", notice.text);
-            if symbol::button(ui, Symbol::Cross, &tip, theme::WEAK).on_hover_text("Dismiss this message.").clicked() {
+            let palette = ui.palette();
+            if symbol::button(ui, Symbol::Cross, &tip, palette.weak).on_hover_text("Dismiss this message.").clicked() {
                 panel.actions.push(Action::DismissNotice(notice.id));
             }
         }
@@ -40,9 +44,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
         ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-            let (sign, colour) = look(notice.level);
+            let (sign, colour) = look(ui.palette(), notice.level);
             symbol::show(ui, sign, colour);
-            let said = ui.add(Label::new(RichText::new(&notice.text).color(theme::STRONG)).truncate());
+            let said = ui.add(Label::new(RichText::new(&notice.text).color(ui.palette().strong)).truncate());
             said.widget_info(|| WidgetInfo::labeled(Role::Label, true, &notice.text));
             said.on_hover_text(&notice.text);
         });
@@ -56,18 +60,18 @@ fn others(app: &App, actions: &mut Vec<Action>, ui: &mut Ui) {
     }
     let more = app.session.notices.len().saturating_sub(1);
     let says = if more > 0 { format!("{more} more") } else { "Messages".to_owned() };
-    let button = Button::new(RichText::new(says).small().color(theme::WEAK)).frame(false);
+    let button = Button::new(RichText::new(says).small().color(ui.palette().weak)).frame(false);
     if ui.add(button).on_hover_text(app.settings.keys.tooltip(Command::Messages)).clicked() {
         actions.push(Action::Command(Command::Messages));
     }
 }
 
 /// How a level looks.
-pub const fn look(level: Level) -> (Symbol, Color32) {
+pub const fn look(palette: &Palette, level: Level) -> (Symbol, Color32) {
     match level {
-        Level::Info | Level::Question => (Symbol::Info, theme::ACCENT),
-        Level::Warning => (Symbol::Warning, theme::CAUTION),
-        Level::Error => (Symbol::Warning, theme::BAD),
+        Level::Info | Level::Question => (Symbol::Info, palette.accent),
+        Level::Warning => (Symbol::Warning, palette.caution),
+        Level::Error => (Symbol::Warning, palette.bad),
     }
 }
 

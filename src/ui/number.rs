@@ -1,7 +1,7 @@
 //! Number fields: dragged or typed, one step of undo each. What is typed and cannot be used stays in the field with the reason
 //! below it; Enter in a field never means the frame.
 
-use super::theme;
+use super::theme::Themed as _;
 use crate::app::session::Mode;
 use crate::app::{Action, App};
 use egui::{Area, CornerRadius, DragValue, Key, Label, Order, Response, RichText, Stroke, StrokeKind, Ui, vec2};
@@ -138,7 +138,12 @@ fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
         return;
     }
     ui.ctx().request_repaint_after_secs(left as f32);
-    ui.painter().rect_stroke(response.rect, CornerRadius::same(4), Stroke::new(1.5, theme::BAD), StrokeKind::Outside);
+    ui.painter().rect_stroke(
+        response.rect,
+        CornerRadius::same(4),
+        Stroke::new(1.5, ui.palette().bad),
+        StrokeKind::Outside,
+    );
     Area::new(memory)
         .order(Order::Tooltip)
         .fixed_pos(response.rect.left_bottom() + vec2(0.0, 4.0))
@@ -146,7 +151,7 @@ fn told(ui: &Ui, response: &Response, problem: Option<String>, over: bool) {
         .show(ui.ctx(), |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_max_width(TOLD_WIDTH);
-                ui.add(Label::new(RichText::new(&text).color(theme::BAD)).wrap());
+                ui.add(Label::new(RichText::new(&text).color(ui.palette().bad)).wrap());
             });
         });
 }

@@ -1,6 +1,6 @@
 //! A small plot: a box with two scales, lines and numbers at its sides.
 
-use super::theme;
+use super::theme::Themed as _;
 use crate::report::figure::Ruler;
 use egui::{Align2, FontId, Painter, Pos2, Rect, Stroke, pos2};
 
@@ -44,9 +44,9 @@ impl Plot {
     pub fn levels(&self, painter: &Painter, ruler: &Ruler) {
         for (value, words) in &ruler.ticks {
             let y = self.y_of(*value);
-            painter.hline(self.area.x_range(), y, Stroke::new(1.0, theme::LINE));
+            painter.hline(self.area.x_range(), y, Stroke::new(1.0, painter.palette().line));
             let place = pos2(self.area.left() - 4.0, y);
-            painter.text(place, Align2::RIGHT_CENTER, words, small(), theme::WEAK);
+            painter.text(place, Align2::RIGHT_CENTER, words, small(), painter.palette().weak);
         }
     }
 
@@ -54,15 +54,15 @@ impl Plot {
     pub fn steps<'a>(&self, painter: &Painter, ticks: impl IntoIterator<Item = (f64, &'a str)>) {
         for (value, words) in ticks {
             let at = pos2(self.x_of(value), self.area.bottom());
-            painter.vline(at.x, at.y..=at.y + 3.0, Stroke::new(1.0, theme::WEAK));
-            painter.text(at + egui::vec2(0.0, 4.0), Align2::CENTER_TOP, words, small(), theme::WEAK);
+            painter.vline(at.x, at.y..=at.y + 3.0, Stroke::new(1.0, painter.palette().weak));
+            painter.text(at + egui::vec2(0.0, 4.0), Align2::CENTER_TOP, words, small(), painter.palette().weak);
         }
     }
 
     /// What the plot shows, in its upper left corner.
     pub fn caption(&self, painter: &Painter, words: &str) {
         let place = self.area.left_top() + egui::vec2(4.0, 1.0);
-        painter.text(place, Align2::LEFT_TOP, words, small(), theme::TEXT);
+        painter.text(place, Align2::LEFT_TOP, words, small(), painter.palette().text);
     }
 }
 

@@ -1,6 +1,9 @@
 //! The right panel during a blind round: the landmark to click, its place on the field, and the progress.
 
-use super::{Panel, field_map, theme};
+use super::{
+    Panel, field_map,
+    theme::{self, Themed as _},
+};
 use crate::app::{Action, Command};
 use crate::document::Target;
 use egui::{Button, Frame, Label, Margin, ProgressBar, RichText, Ui, vec2};
@@ -17,16 +20,16 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         theme::title(ui, &title);
-        ui.add(Label::new(RichText::new(&label).heading().color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(&label).heading().color(ui.palette().strong)).wrap());
         ui.add_space(theme::SPACE);
         let share = (number - 1) as f32 / count.max(1) as f32;
         ui.add(ProgressBar::new(share).desired_height(6.0));
         let skipped = if skipped > 0 { format!(", {skipped} skipped") } else { String::new() };
-        ui.label(RichText::new(format!("{number} of {count}{skipped}")).color(theme::TEXT));
+        ui.label(RichText::new(format!("{number} of {count}{skipped}")).color(ui.palette().text));
         ui.add_space(2.0 * theme::SPACE);
         let text = "Click it as you would label it, as carefully and at the zoom you always use. The label, its lines and the \
                     proposals are hidden; the label stays as it is.";
-        ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+        ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         for (says, command, why_not) in [
             ("Skip", Command::SkipAgain, None),

@@ -1,7 +1,7 @@
 //! Edges of panels that can be dragged. A size is remembered in the settings once the edge is let go; a double click gives the
 //! default back.
 
-use super::theme;
+use super::theme::Themed as _;
 use egui::{Context, CursorIcon, Id, Rect, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// How near to an edge the pointer takes hold of it, points.
@@ -57,7 +57,7 @@ impl Edge {
             } else {
                 CursorIcon::ResizeVertical
             });
-            ui.painter().line_segment(edge, Stroke::new(2.0, theme::ACCENT));
+            ui.painter().line_segment(edge, Stroke::new(2.0, ui.palette().accent));
         }
         if response.double_clicked() {
             ui.data_mut(|data| data.remove::<f32>(memory));

@@ -173,6 +173,7 @@ impl eframe::App for Shell {
         if ui.ctx().zoom_factor() != self.app.settings.text_size {
             ui.ctx().set_zoom_factor(self.app.settings.text_size);
         }
+        theme::follow(ui.ctx(), self.app.settings.theme);
         self.read_input(&ui.ctx().clone());
         let mut actions = Vec::new();
         let mut panel =

@@ -1,6 +1,6 @@
 //! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
-use super::{Panel, theme};
+use super::{Panel, theme::Themed as _};
 use crate::app::guidance::next_step;
 use crate::app::session::PictureView;
 use crate::app::{Action, App, Command};
@@ -23,7 +23,7 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui) {
     let offers_width: f32 = guidance.offers.iter().map(|(says, _)| 7.5 * says.len() as f32 + 24.0).sum();
     ui.scope(|ui| {
         ui.set_max_width((ui.available_width() - offers_width).max(60.0));
-        ui.add(Label::new(RichText::new(&guidance.text).color(theme::STRONG)).truncate())
+        ui.add(Label::new(RichText::new(&guidance.text).color(ui.palette().strong)).truncate())
             .on_hover_text(guidance.text.clone());
     });
     for (says, command) in guidance.offers {
@@ -39,7 +39,8 @@ fn undo(panel: &mut Panel<'_>, ui: &mut Ui) {
     let position = step.frame.as_ref().and_then(|id| open.document.frames.position_of(id));
     let elsewhere = position.filter(|position| *position != panel.app.session.frame);
     let place = elsewhere.map(|position| format!(" (frame {})", open.frame_number(position))).unwrap_or_default();
-    let button = Button::new(RichText::new(format!("Undo: {}{place}", step.name)).color(theme::WEAK)).frame(false);
+    let button =
+        Button::new(RichText::new(format!("Undo: {}{place}", step.name)).color(ui.palette().weak)).frame(false);
     if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(Command::Undo)).clicked() {
         panel.actions.push(Action::Command(Command::Undo));
     }
@@ -56,7 +57,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
     };
     if scale > 0.0 {
         let text = format!("{:.0} %{}", 100.0 * scale, if fits { " fit" } else { "" });
-        let button = Button::new(RichText::new(text).color(theme::TEXT)).frame(false);
+        let button = Button::new(RichText::new(text).color(ui.palette().text)).frame(false);
         let tip = format!(
             "Screen px per px of the picture. {} The wheel zooms to the pointer.",
             panel.app.settings.keys.tooltip(Command::ZoomToFit)
@@ -70,7 +71,7 @@ fn zoom(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 fn pointer(app: &App, ui: &mut Ui) {
     let Some(at) = app.session.hover else { return };
-    ui.label(RichText::new(format!("{:.1}, {:.1}", at.x, at.y)).monospace().color(theme::TEXT))
+    ui.label(RichText::new(format!("{:.1}, {:.1}", at.x, at.y)).monospace().color(ui.palette().text))
         .on_hover_text("The pointer, px of the picture from its top-left corner.");
     ui.separator();
 }

@@ -1,6 +1,6 @@
 //! Symbols drawn as shapes, independent of fonts; each button that shows one has an accessible name.
 
-use super::theme;
+use super::theme::{self, Themed as _};
 use egui::{Color32, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// A symbol.
@@ -63,9 +63,9 @@ pub fn paint(painter: &Painter, symbol: Symbol, within: Rect, colour: Color32) {
         }
         Symbol::Warning => {
             painter.add(Shape::convex_polygon(vec![at(0.0, -6.0), at(6.5, 5.5), at(-6.5, 5.5)], colour, Stroke::NONE));
-            let dark = Stroke::new(1.5, theme::BACKDROP);
+            let dark = Stroke::new(1.5, painter.palette().on_accent);
             painter.line_segment([at(0.0, -2.0), at(0.0, 1.8)], dark);
-            painter.circle_filled(at(0.0, 3.8), 0.9, theme::BACKDROP);
+            painter.circle_filled(at(0.0, 3.8), 0.9, painter.palette().on_accent);
         }
         Symbol::Info => {
             painter.circle_stroke(centre, 6.0, stroke);
@@ -106,7 +106,7 @@ pub fn button(ui: &mut Ui, symbol: Symbol, name: &str, colour: Color32) -> Respo
 pub fn toggle(ui: &mut Ui, symbol: Symbol, name: &str, on: bool, colour: Color32) -> Response {
     let (rect, response) = ui.allocate_exact_size(theme::SYMBOL, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, ui.is_enabled(), on, name));
-    paint_button(ui, &response, rect, symbol, if on { colour } else { theme::LINE.gamma_multiply(1.4) });
+    paint_button(ui, &response, rect, symbol, if on { colour } else { ui.palette().hovered_line });
     response
 }
 
@@ -117,6 +117,6 @@ fn paint_button(ui: &Ui, response: &Response, rect: Rect, symbol: Symbol, colour
         if lit {
             painter.rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
         }
-        paint(painter, symbol, rect, if lit { theme::STRONG } else { colour });
+        paint(painter, symbol, rect, if lit { ui.palette().strong } else { colour });
     }
 }

@@ -1,6 +1,6 @@
 //! The bar of the tour, below the menus: the step, what is to be done, and the way out. It lies over nothing.
 
-use super::{Panel, theme};
+use super::{Panel, theme::Themed as _};
 use crate::app::tour::TourStep;
 use crate::app::{Action, Command};
 use egui::{Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense, Stroke, Ui, vec2};
@@ -8,14 +8,14 @@ use egui::{Align, Button, Color32, Frame, Label, Layout, Margin, RichText, Sense
 /// Shows the bar while there is a tour.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(step) = panel.app.session.tour.as_ref().map(crate::app::tour::Tour::step) else { return };
-    let frame = Frame::new().fill(theme::ACCENT_GROUND).inner_margin(Margin::symmetric(12, 6));
+    let frame = Frame::new().fill(ui.palette().accent_ground).inner_margin(Margin::symmetric(12, 6));
     egui::Panel::top("tour").resizable(false).frame(frame).show(ui, |ui| {
         ui.horizontal(|ui| {
             let heading = match step.number() {
                 Some(number) => format!("Step {number} of {}: {}", TourStep::ALL.len(), step.title()),
                 None => step.title().to_owned(),
             };
-            ui.label(RichText::new(heading).strong().color(theme::STRONG));
+            ui.label(RichText::new(heading).strong().color(ui.palette().strong));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 for command in buttons(step) {
                     let says = if *command == Command::LeaveTour && step == TourStep::Finished {
@@ -31,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             });
         });
         let text = step.text(&panel.app.settings.keys);
-        ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap());
+        ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
     });
 }
 
@@ -50,9 +50,9 @@ fn dots(ui: &mut Ui, step: TourStep) {
     for place in 0..TourStep::ALL.len() {
         let at = rect.left_center() + vec2(14.0 * place as f32 + 7.0, 0.0);
         let (fill, line) = match place.cmp(&done) {
-            std::cmp::Ordering::Less => (theme::GOOD, theme::GOOD),
-            std::cmp::Ordering::Equal => (Color32::TRANSPARENT, theme::STRONG),
-            std::cmp::Ordering::Greater => (Color32::TRANSPARENT, theme::WEAK),
+            std::cmp::Ordering::Less => (ui.palette().good, ui.palette().good),
+            std::cmp::Ordering::Equal => (Color32::TRANSPARENT, ui.palette().strong),
+            std::cmp::Ordering::Greater => (Color32::TRANSPARENT, ui.palette().weak),
         };
         ui.painter().circle(at, 4.0, fill, Stroke::new(1.5, line));
     }

@@ -2,7 +2,7 @@
 
 use crate::parts::{Test, tests};
 use crate::window::Window;
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, Rect, pos2, vec2};
 use egui_kittest::kittest::Queryable as _;
 use touchline::app::guide::GuidePage;
 use touchline::app::session::Dialog;
@@ -10,6 +10,7 @@ use touchline::app::{Action, Command};
 
 pub const TESTS: &[Test] = tests![
     [Adapter] every_dialog_leads_to_its_page_and_back;
+    [Adapter] the_guide_is_read_from_top_to_bottom_in_the_smallest_window;
     [Adapter] f1_opens_the_page_of_what_is_shown;
 ];
 
@@ -51,6 +52,20 @@ fn every_dialog_leads_to_its_page_and_back() {
         window.harness.state_mut().apply([Action::CloseDialog]);
         window.harness.run_steps(2);
     }
+}
+
+fn the_guide_is_read_from_top_to_bottom_in_the_smallest_window() {
+    let mut window = Window::open(2, [900.0, 600.0], 1.0);
+    window.key(Key::F1);
+    window.harness.run_steps(6);
+    window.snapshot_of("guide", Rect::from_min_max(pos2(70.0, 30.0), pos2(830.0, 330.0)));
+    let rect = |text: &str| window.harness.get_by_label_contains(text).rect();
+    for name in ["Close: User guide", "Glossary"] {
+        let place = rect(name);
+        assert!(Rect::from_min_size(pos2(0.0, 0.0), vec2(900.0, 600.0)).contains_rect(place), "{name}: {place:?}");
+    }
+    let (first, second) = (rect("Drop a folder of frames"), rect("Choose the sport."));
+    assert!(second.top() >= first.bottom() && (second.left() - first.left()).abs() < 2.0, "{first:?} {second:?}");
 }
 
 fn f1_opens_the_page_of_what_is_shown() {

@@ -14,6 +14,7 @@ mod names;
 mod panels;
 #[path = "../external/parts.rs"]
 mod parts;
+mod preferences;
 mod quality;
 mod review;
 mod tour;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         labelling::TESTS,
         names::TESTS,
         panels::TESTS,
+        preferences::TESTS,
         quality::TESTS,
         review::TESTS,
         tour::TESTS,

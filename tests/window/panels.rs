@@ -315,7 +315,7 @@ fn a_comment_is_written_and_an_overlay_colour_chosen() {
     window.key(Key::O);
     window.harness.get_by_label("Cyan").click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().settings.overlay.colour, [90, 225, 255]);
+    assert_eq!(window.app().overlay_style().colour, [90, 225, 255]);
     window.key(Key::Escape);
     assert_eq!(window.app().session.dialog, None);
 }

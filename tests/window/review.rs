@@ -11,6 +11,7 @@ use touchline::ui::Shell;
 
 pub const TESTS: &[Test] = tests![
     [Adapter] the_list_leads_from_suggestion_to_suggestion;
+    [Adapter] a_row_has_a_menu_of_what_can_be_done_with_its_frame;
     [Adapter] under_the_pointer_no_row_moves;
     [Adapter] the_panel_and_the_filmstrip_look_like_this;
     [Adapter] several_are_accepted_by_keyboard_after_a_look_and_one_undo_takes_all_back;
@@ -49,6 +50,17 @@ fn the_list_leads_from_suggestion_to_suggestion() {
     window.harness.run_steps(2);
     assert_eq!(window.app().session.panel, SidePanel::Frame);
     window.harness.get_by_label_contains("No proposal: 3 features look like the references, 12 are needed.");
+}
+
+fn a_row_has_a_menu_of_what_can_be_done_with_its_frame() {
+    let mut window = Window::open_suggested(&[Some(0.62), Some(0.99), Some(0.93)], SIZE);
+    window.key(Key::F4);
+    window.harness.get_by_label_contains("Suggestion, frame 2, 0002.png").click_secondary();
+    window.harness.run_steps(5);
+    assert_eq!(window.app().session.frame, 2, "the menu is about the row's frame, which is shown");
+    window.harness.get_by_label_contains("Accept and stay").click();
+    window.harness.run_steps(4);
+    assert_eq!(statuses(&window), [FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Reference]);
 }
 
 fn under_the_pointer_no_row_moves() {

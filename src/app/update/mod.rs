@@ -22,6 +22,7 @@ mod points;
 mod proposals;
 mod quality;
 mod review;
+mod settings;
 mod shots;
 mod sport;
 mod tour;
@@ -229,24 +230,15 @@ impl App {
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),
             Action::Compared(compared) => self.compared(*compared),
-            Action::SetOverlayStyle(style) => {
-                self.settings.overlay = style;
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::SetPictureLook(look) => {
-                self.settings.picture = look.within_limits();
-                self.effects.push(Effect::SaveSettings);
-            }
-            Action::SetTextSize(size) => {
-                self.settings.text_size = crate::app::settings::text_size_within_limits(size);
-                self.effects.push(Effect::SaveSettings);
-            }
+            Action::SetOverlayStyle(_)
+            | Action::SetTheme(_)
+            | Action::SetLineColour(..)
+            | Action::SetLoupe(_)
+            | Action::SetPictureMemory(_)
+            | Action::SetPictureLook(_)
+            | Action::SetTextSize(_)
+            | Action::SetPanelSizes { .. } => self.set_setting(&action),
             Action::ChooseSport(template) => self.choose_sport(&template),
-            Action::SetPanelSizes { side, filmstrip } => {
-                self.settings.side_width = side;
-                self.settings.filmstrip_height = filmstrip;
-                self.effects.push(Effect::SaveSettings);
-            }
             Action::AssignKey(command, chord) => self.assign_key(command, chord),
             Action::ResetKeys => {
                 self.settings.keys.reset();

@@ -6,7 +6,10 @@ use crate::app::{Action, Command};
 use crate::calibrate::BaseReadiness;
 use crate::calibrate::EstimatedBase;
 use crate::document::Camera;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Frame, Grid, Label, Margin, ProgressBar, RichText, Ui};
 
 /// Shows the state of the estimation.
@@ -59,14 +62,15 @@ fn start(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let says = if again { "Estimate again" } else { "Estimate the base" };
     ui.horizontal(|ui| {
         let main = Button::new(RichText::new(says).strong());
-        let main = if ready.is_enough() && camera.base().is_none() { main.fill(theme::ACCENT_GROUND) } else { main };
+        let main =
+            if ready.is_enough() && camera.base().is_none() { main.fill(ui.palette().accent_ground) } else { main };
         let possible = ready.wide > 0 || (camera.base().is_some() && ready.frames > 0);
         let button = ui.add_enabled(possible, main);
         let tip = panel.app.settings.keys.tooltip(Command::EstimateBase);
         if button.on_hover_text(tip).on_disabled_hover_text(ready.describe()).clicked() {
             panel.actions.push(Action::Command(Command::EstimateBase));
         }
-        ui.label(RichText::new(counted(&ready)).color(theme::WEAK));
+        ui.label(RichText::new(counted(&ready)).color(ui.palette().weak));
     });
 }
 
@@ -78,7 +82,7 @@ fn counted(ready: &BaseReadiness) -> String {
 
 /// The result, and the choice whether to use it.
 fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
-    let card = Frame::new().fill(theme::RAISED).corner_radius(6).inner_margin(Margin::same(8));
+    let card = Frame::new().fill(ui.palette().raised).corner_radius(6).inner_margin(Margin::same(8));
     card.show(ui, |ui| {
         ui.set_width(ui.available_width());
         summary(ui, found);
@@ -86,7 +90,7 @@ fn proposed(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         if panel.app.current().base.is_some() {
             let key = panel.app.settings.keys.shown(Command::Compare);
             let text = format!("Picture and numbers show this base. Hold {key} for the current one.");
-            ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+            ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
         }
     });
 }
@@ -103,8 +107,8 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
     let (position, sigma) = (estimate.base.position_m, estimate.base.sigma.position_m);
     Grid::new("estimate").num_columns(2).min_col_width(84.0).spacing([8.0, 2.0]).show(ui, |ui| {
         let mut row = |name: &str, value: String, tip: &str| {
-            ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
-            ui.label(RichText::new(value).color(theme::STRONG)).on_hover_text(tip);
+            ui.label(RichText::new(name).color(ui.palette().weak)).on_hover_text(tip);
+            ui.label(RichText::new(value).color(ui.palette().strong)).on_hover_text(tip);
             ui.end_row();
         };
         let fit = format!("{:.1} px median, {:.1} px 90 %", estimate.median_px, estimate.p90_px);
@@ -115,13 +119,13 @@ fn summary(ui: &mut Ui, found: &EstimatedBase) {
         if let Some(on_paint) = &found.on_paint {
             let seen = &on_paint.seen;
             let places = format!("{} places, {} lines, {} frames", seen.places, seen.lines, seen.frames);
-            row("Paint seen", places, "Where painted lines took part.");
+            row("Paint seen", places, "Where painted lines were used.");
             for (name, errors, tip) in [
                 (
                     "Paint fits",
                     seen.after.paint,
-                    "How far painted lines that took no part lie off: each frame's camera is \
-                    fitted to half of its paint and measured at the other half, with a base found without that frame.",
+                    "Errors at painted lines that were held out: each frame's camera is fitted to \
+                    half of its paint and measured at the other half, with a base estimated without that frame.",
                 ),
                 ("Before", seen.before.paint, "The same paint with the base that the points alone give."),
             ] {

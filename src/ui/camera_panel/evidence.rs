@@ -9,7 +9,10 @@ use crate::field::Symmetry;
 use crate::solve::base::{DisputedClick, MirroredFrame};
 use crate::ui::bar::Bar;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Grid, Id, Label, Rect, RichText, Ui, pos2};
 
 /// More frames than this are shown when asked for.
@@ -31,12 +34,12 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
     section(ui, "LENS MODELS, CROSS-VALIDATED");
     Grid::new("models").num_columns(3).spacing([8.0, 2.0]).show(ui, |ui| {
         for head in ["", "median", "90 %"] {
-            ui.label(RichText::new(head).small().color(theme::WEAK));
+            ui.label(RichText::new(head).small().color(ui.palette().weak));
         }
         ui.end_row();
         for score in &found.estimate.scores {
             let chosen = score.model == found.estimate.model;
-            let colour = if chosen { theme::STRONG } else { theme::WEAK };
+            let colour = if chosen { ui.palette().strong } else { ui.palette().weak };
             let mark = if chosen { "•" } else { "  " };
             let tip = "The error of each model on points that it was not fitted to. The marked model was chosen.";
             ui.label(RichText::new(format!("{mark} {}", score.model)).color(colour)).on_hover_text(tip);
@@ -45,10 +48,9 @@ fn models(ui: &mut Ui, found: &EstimatedBase) {
             ui.end_row();
         }
     });
-    let advice =
-        found.estimate.one_more_frame.map_or_else(String::new, |frame| format!(" To know it better: {frame}."));
+    let advice = found.estimate.one_more_frame.map_or_else(String::new, |frame| format!(" To pin it down: {frame}."));
     let reason = format!("Chosen: {}.{advice}", found.estimate.reason);
-    ui.add(Label::new(RichText::new(reason).small().color(theme::WEAK)).wrap());
+    ui.add(Label::new(RichText::new(reason).small().color(ui.palette().weak)).wrap());
 }
 
 /// Each frame's median as a bar, the worst first.
@@ -108,7 +110,7 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
             name: &name,
             value: &value,
             share: px.map_or(0.0, |px| px / largest.max(1e-9)),
-            colour: if px.is_some_and(|px| px > loud_px) { theme::CAUTION } else { theme::ACCENT },
+            colour: px.is_some_and(|px| px > loud_px).then_some(ui.palette().caution),
             selected: index == panel.app.session.frame,
             tail: theme::SYMBOL.x,
             ..Bar::default()
@@ -120,7 +122,8 @@ fn rows_of_frames(panel: &mut Panel<'_>, ui: &mut Ui, frames: &[(usize, Option<f
         }
         let place = Rect::from_min_max(pos2(rect.right() - theme::SYMBOL.x, rect.top()), rect.max);
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
-            let leave = symbol::button(ui, Symbol::Cross, &format!("Leave {name} out"), theme::WEAK);
+            let palette = ui.palette();
+            let leave = symbol::button(ui, Symbol::Cross, &format!("Leave {name} out"), palette.weak);
             if leave.on_hover_text("Leave this frame out of the estimation.").clicked() {
                 panel.actions.push(Action::UseForBase { frame: index, used: false });
             }
@@ -144,10 +147,10 @@ fn left_out(panel: &mut Panel<'_>, ui: &mut Ui, camera: &crate::document::Camera
         .collect();
     for (index, name) in out {
         ui.horizontal(|ui| {
-            if ui.add(Button::new(RichText::new(&name).color(theme::WEAK)).frame(false)).clicked() {
+            if ui.add(Button::new(RichText::new(&name).color(ui.palette().weak)).frame(false)).clicked() {
                 panel.actions.push(Action::GoTo(index));
             }
-            ui.label(RichText::new("left out").small().color(theme::WEAK));
+            ui.label(RichText::new("left out").small().color(ui.palette().weak));
             let back = ui.add(Button::new("Put back").small());
             if back.on_hover_text("Use this frame in the estimation again.").clicked() {
                 panel.actions.push(Action::UseForBase { frame: index, used: true });
@@ -175,7 +178,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
             name: &name,
             value: &value,
             share: fit.median_px / largest,
-            colour: if loud { theme::CAUTION } else { theme::ACCENT },
+            colour: loud.then_some(ui.palette().caution),
             ..Bar::default()
         };
         let (_, response) = bar.show(ui);
@@ -185,7 +188,7 @@ fn rows_of_landmarks(panel: &mut Panel<'_>, ui: &mut Ui, found: &EstimatedBase) 
         }
     }
     if let Some(more) = found.landmarks.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
-        ui.label(RichText::new(format!("{more} more, all with smaller errors")).small().color(theme::WEAK));
+        ui.label(RichText::new(format!("{more} more, all with smaller errors")).small().color(ui.palette().weak));
     }
 }
 
@@ -260,7 +263,8 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
 
 fn remark(ui: &mut Ui, text: &str, ways_out: impl FnOnce(&mut Ui)) {
     ui.horizontal_top(|ui| {
-        symbol::show(ui, Symbol::Warning, theme::CAUTION);
+        let palette = ui.palette();
+        symbol::show(ui, Symbol::Warning, palette.caution);
         ui.vertical(|ui| {
             ui.add(Label::new(text).wrap());
             ui.horizontal(ways_out);

@@ -6,7 +6,10 @@ use crate::document::{CROWN, FieldSize, FieldSpec};
 use crate::field::{Curve, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
 use crate::ui::number::Number;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Button, Color32, ComboBox, CornerRadius, Label, Rect, RichText, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
@@ -21,12 +24,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(spec) = panel.app.shown_field_spec().cloned() else { return };
     let open = panel.app.open();
     if open.zip(panel.app.frame()).is_some_and(|(open, frame)| *open.document.field_of(frame) != open.document.field) {
-        ui.label(RichText::new("Of this camera only").small().color(theme::WEAK))
+        ui.label(RichText::new("Of this camera only").small().color(ui.palette().weak))
             .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
     if let Some(Err(error)) = &panel.app.current().field {
-        ui.add(Label::new(RichText::new(error.to_string()).color(theme::BAD)).wrap());
+        ui.add(Label::new(RichText::new(error.to_string()).color(ui.palette().bad)).wrap());
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
@@ -58,7 +61,8 @@ fn params(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
         row(panel, ui, spec, &param.name, length);
         let rule = param.source.split(':').next().unwrap_or_default();
         let allowed = format!("{} {rule}", range(param));
-        ui.add(Label::new(RichText::new(allowed).small().color(theme::WEAK)).truncate()).on_hover_text(&param.source);
+        ui.add(Label::new(RichText::new(allowed).small().color(ui.palette().weak)).truncate())
+            .on_hover_text(&param.source);
     }
     let tip = "How much higher the middle is than the touchlines, m. Usually 0.05 to 0.25.";
     let value = spec.crown_m();
@@ -111,7 +115,8 @@ fn size(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {
     let known = match (spec.describe_assumed_size(), spec.size()) {
         (Some(description), _) => {
             ui.horizontal_top(|ui| {
-                symbol::show(ui, Symbol::Warning, theme::CAUTION);
+                let palette = ui.palette();
+                symbol::show(ui, Symbol::Warning, palette.caution);
                 ui.vertical(|ui| {
                     ui.add(Label::new(description).wrap());
                     ui.horizontal(|ui| {
@@ -154,15 +159,15 @@ fn edge(ui: &mut Ui, field: &FieldModel) {
         let painter = ui.painter();
         painter.rect_filled(rect, CornerRadius::same(3), Color32::from_rgb(38, 74, 48));
         let paint = Rect::from_min_size(pos2(rect.right() - 24.0, rect.top()), vec2(10.0, rect.height()));
-        painter.rect_filled(paint, CornerRadius::ZERO, theme::STRONG);
+        painter.rect_filled(paint, CornerRadius::ZERO, ui.palette().strong);
         let end = pos2(paint.left() + at * paint.width(), rect.center().y);
-        let stroke = Stroke::new(1.5, theme::CAUTION);
+        let stroke = Stroke::new(1.5, ui.palette().caution);
         painter.line_segment([pos2(rect.left(), end.y), end], stroke);
         for dy in [-3.5, 3.5] {
             painter.line_segment([end, end + vec2(-5.0, dy)], stroke);
         }
-        painter.vline(end.x, rect.y_range(), Stroke::new(1.0, theme::CAUTION));
-        ui.add(Label::new(RichText::new(says).small().color(theme::WEAK)).wrap());
+        painter.vline(end.x, rect.y_range(), Stroke::new(1.0, ui.palette().caution));
+        ui.add(Label::new(RichText::new(says).small().color(ui.palette().weak)).wrap());
     });
 }
 

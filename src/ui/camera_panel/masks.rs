@@ -5,7 +5,7 @@ use crate::app::{Action, Command, MaskList, MaskScope};
 use crate::document::{Camera, MaskSource, RangedMask};
 use crate::geometry::PixelBox;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align, Button, Layout, RichText, Ui};
 
 /// Shows the list.
@@ -13,7 +13,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "MASKS");
     let of_frame = panel.app.frame().map(|frame| frame.masks.clone()).unwrap_or_default();
     if camera.masks.is_empty() && camera.ranged_masks.is_empty() && of_frame.is_empty() {
-        ui.label(RichText::new("None. Shift-drag a box around the score bug and each logo.").color(theme::WEAK));
+        ui.label(RichText::new("None. Shift-drag a box around the score bug and each logo.").color(ui.palette().weak));
     }
     for (index, mask) in camera.masks.iter().enumerate() {
         row(panel, ui, &Row { list: MaskList::Camera, index, mask, covers: "every frame".to_owned() });
@@ -56,10 +56,11 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, row: &Row<'_>) {
     let Row { list, index, mask, ref covers } = *row;
     ui.horizontal(|ui| {
         ui.label(format!("{:.0}, {:.0}", mask.x, mask.y)).on_hover_text("Left and top edge, px.");
-        ui.label(RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height)).color(theme::WEAK));
+        ui.label(RichText::new(format!("{:.0} × {:.0} px", mask.width, mask.height)).color(ui.palette().weak));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let name = format!("Remove mask {} of {covers}", index + 1);
-            if symbol::button(ui, Symbol::Cross, &name, theme::WEAK).on_hover_text("Remove this mask.").clicked() {
+            let palette = ui.palette();
+            if symbol::button(ui, Symbol::Cross, &name, palette.weak).on_hover_text("Remove this mask.").clicked() {
                 panel.actions.push(Action::RemoveMask { list, index });
             }
             let menu = ui.menu_button(RichText::new(covers).small(), |ui| {

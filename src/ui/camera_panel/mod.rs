@@ -11,7 +11,10 @@ mod paint_map;
 mod position_view;
 mod unclicked;
 
-use super::{Panel, inspector, theme};
+use super::{
+    Panel, inspector,
+    theme::{self, Themed as _},
+};
 use crate::app::{Action, Command};
 use crate::camera::BaseAngles;
 use crate::document::Camera;
@@ -28,7 +31,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let Some(camera) = camera_of(panel) else {
         Frame::new().inner_margin(Margin::symmetric(8, 4)).show(ui, |ui| {
-            ui.label(RichText::new("This frame's camera is not in the document.").color(theme::WEAK));
+            ui.label(RichText::new("This frame's camera is not in the document.").color(ui.palette().weak));
         });
         return;
     };
@@ -80,12 +83,12 @@ fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
             let name = camera_of(panel).map(|camera| camera.id.as_str().to_owned()).unwrap_or_default();
-            ui.label(RichText::new("Camera").heading().color(theme::STRONG));
-            ui.add(Label::new(RichText::new(name).color(theme::WEAK)).truncate());
+            ui.label(RichText::new("Camera").heading().color(ui.palette().strong));
+            ui.add(Label::new(RichText::new(name).color(ui.palette().weak)).truncate());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let keys = &panel.app.settings.keys;
-                let close =
-                    super::symbol::button(ui, super::symbol::Symbol::Cross, "Close the camera panel", theme::WEAK);
+                let weak = ui.palette().weak;
+                let close = super::symbol::button(ui, super::symbol::Symbol::Cross, "Close the camera panel", weak);
                 let tip = format!("Back to the frame. ({})", keys.shown(Command::CameraPanel));
                 if close.on_hover_text(tip).clicked() {
                     panel.actions.push(Action::Command(Command::CameraPanel));

@@ -6,7 +6,10 @@ use crate::camera::{BaseAngles, BaseSigma};
 use crate::document::{Camera, CameraSigma, K1Curve, Stage};
 use crate::geometry::{Angle, Mat3, Vec3};
 use crate::ui::number::Number;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align, Button, Grid, Layout, RichText, Ui};
 
 /// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
@@ -61,7 +64,7 @@ pub fn position(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
             speed: 0.05,
             decimals: 3,
             range: if axis == 2 { LOWEST_M..=500.0 } else { -500.0..=500.0 },
-            why: if axis == 2 { "a camera stands above the field" } else { "cameras stand no farther from the field" },
+            why: if axis == 2 { "a camera stands above the field" } else { "no camera stands that far from the field" },
             suffix: " m",
             width: FIELD,
         };
@@ -111,7 +114,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
 fn matrix(ui: &mut Ui, base_from_world: &Mat3) {
     for line in base_from_world.row_iter() {
         let cells: Vec<String> = line.iter().map(|cell| format!("{cell:+.6}")).collect();
-        ui.label(RichText::new(cells.join("  ")).monospace().color(theme::WEAK))
+        ui.label(RichText::new(cells.join("  ")).monospace().color(ui.palette().weak))
             .on_hover_text("base_from_world: rotates directions from world (x right, y away, z up) to base.");
     }
     let copy =
@@ -131,7 +134,7 @@ pub fn lens(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     section(ui, "LENS");
     let size = camera.image_size;
     line(ui, "Picture", "The size of this camera's pictures.", |ui| {
-        ui.label(RichText::new(format!("{} × {} px", size.width, size.height)).color(theme::WEAK));
+        ui.label(RichText::new(format!("{} × {} px", size.width, size.height)).color(ui.palette().weak));
     });
     let point = |name, tip, value, limit: u32| Number {
         name,
@@ -248,7 +251,7 @@ fn distortion(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let slope = number("k1 per 1000 px", tip, curve.per_1000_px, 0.0005, 5, -5.0..=5.0, "");
     row(panel, ui, camera, "k1 per 1000 px", slope, |changed, value| curve_of(changed).per_1000_px = value);
     if let Some(share) = camera.distortion.as_ref().and_then(|lens| lens.k2_per_k1_squared) {
-        let tip = "k2 is this times k1², at every focal length. From 0.45 on the lens folds nowhere.";
+        let tip = "k2 is this times k1², at every focal length. From 0.45 on the distortion is monotonic: the picture never folds over.";
         let share = number("k2 per k1²", tip, share, 0.005, 3, -10.0..=10.0, "");
         row(panel, ui, camera, "k2 per k1²", share, |changed, value| {
             changed.distortion.get_or_insert_default().k2_per_k1_squared = Some(value);
@@ -275,7 +278,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     Grid::new("sigma").num_columns(4).min_col_width(40.0).spacing(spacing).show(ui, |ui| {
         ui.label("");
         for axis in ["x", "y", "z"] {
-            ui.label(RichText::new(axis).small().color(theme::WEAK));
+            ui.label(RichText::new(axis).small().color(ui.palette().weak));
         }
         ui.end_row();
         for (label, unit, values, of_position, decimals, limit) in

@@ -5,7 +5,10 @@ use crate::app::{Action, Command};
 use crate::document::Camera;
 use crate::ui::plot::{Plot, small};
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align2, Button, CornerRadius, Label, Pos2, Rect, Role, Sense, Stroke, Ui, WidgetInfo, pos2, vec2};
 
 /// The plot's height, points.
@@ -32,7 +35,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     let Some(change) = panel.app.camera_change().filter(|change| change.camera == camera.id).cloned() else { return };
     ui.add_space(theme::SPACE);
     ui.horizontal_top(|ui| {
-        symbol::show(ui, Symbol::Warning, theme::CAUTION);
+        let palette = ui.palette();
+        symbol::show(ui, Symbol::Warning, palette.caution);
         ui.vertical(|ui| {
             ui.add(Label::new(change.describe()).wrap());
             ui.horizontal(|ui| {
@@ -68,7 +72,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let description = format!("Fit of {} frames over time, {from} to {to}", points.len());
     response.widget_info(|| WidgetInfo::labeled(Role::Button, true, &description));
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, CornerRadius::same(4), theme::BACKDROP);
+    painter.rect_filled(rect, CornerRadius::same(4), ui.palette().backdrop);
     let highest = scale_px(points, SCALE_PX * camera.image_size.scale_from_1920());
     let plot = Plot {
         area: Rect::from_min_max(rect.min + vec2(6.0, 14.0), rect.max - vec2(6.0, 14.0)),
@@ -79,25 +83,31 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
     let x_of = |frame: usize| plot.x_of(frame as f64);
     // A square-root scale: a few px stay distinguishable beside fifty.
     let at = |point: &Point| plot.at(point.frame as f64, point.rms_px.sqrt());
-    painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, theme::LINE));
-    painter.text(rect.left_top() + vec2(6.0, 1.0), Align2::LEFT_TOP, format!("{highest:.0} px"), small(), theme::WEAK);
+    painter.hline(area.x_range(), area.bottom(), Stroke::new(1.0, ui.palette().line));
+    painter.text(
+        rect.left_top() + vec2(6.0, 1.0),
+        Align2::LEFT_TOP,
+        format!("{highest:.0} px"),
+        small(),
+        ui.palette().weak,
+    );
     let change = panel.app.camera_change().filter(|change| change.camera == camera.id).map(|change| change.frame);
     let shown = panel.app.session.frame;
     if (first.frame..=last.frame).contains(&shown) {
-        painter.vline(x_of(shown), area.y_range(), Stroke::new(1.0, theme::WEAK));
+        painter.vline(x_of(shown), area.y_range(), Stroke::new(1.0, ui.palette().weak));
     }
     if let Some(frame) = change {
-        painter.vline(x_of(frame), area.y_range(), Stroke::new(2.0, theme::CAUTION));
+        painter.vline(x_of(frame), area.y_range(), Stroke::new(2.0, ui.palette().caution));
     }
     for point in points {
         let after = change.is_some_and(|change| point.frame >= change);
-        let colour = if after { theme::CAUTION } else { theme::ACCENT };
+        let colour = if after { ui.palette().caution } else { ui.palette().accent };
         let radius = if point.frame == shown { 3.5 } else { 2.0 };
         painter.circle_filled(at(point), radius, colour);
     }
     let below = rect.bottom() - 1.0;
-    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, from, small(), theme::WEAK);
-    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, to, small(), theme::WEAK);
+    painter.text(pos2(area.left(), below), Align2::LEFT_BOTTOM, from, small(), ui.palette().weak);
+    painter.text(pos2(area.right(), below), Align2::RIGHT_BOTTOM, to, small(), ui.palette().weak);
 
     let nearest = |pointer: Pos2| {
         points.iter().min_by(|a, b| {
@@ -112,7 +122,7 @@ fn plot(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera, points: &[Point]) {
         panel.actions.push(Action::GoTo(point.frame));
     }
     if let Some(point) = under {
-        painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, theme::STRONG));
+        painter.circle_stroke(at(point), 5.0, Stroke::new(1.0, ui.palette().strong));
         let name = panel.app.open().and_then(|open| open.frame(point.frame)).map(crate::document::Frame::name);
         let text = format!("{}: {:.1} px. Click to go there.", name.unwrap_or_default(), point.rms_px);
         response.on_hover_text_at_pointer(text);

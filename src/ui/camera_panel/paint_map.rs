@@ -7,7 +7,7 @@ use crate::calibrate::FoundCamera;
 use crate::document::Camera;
 use crate::geometry::ImagePoint;
 use crate::scene::paint_map::{PaintMapFrame, PaintMapScene, line_pieces};
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, vec2};
 use std::sync::Arc;
 
@@ -62,7 +62,7 @@ fn describe(found: &FoundCamera) -> String {
 
 fn draw(ui: &Ui, rect: Rect, scene: &PaintMapScene<'_>, map: &PaintMapFrame, at: impl Fn(ImagePoint) -> Pos2) {
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 4.0, theme::BACKDROP);
+    painter.rect_filled(rect, 4.0, ui.palette().backdrop);
     for outline in map.outlines(scene) {
         let corners: Vec<Pos2> = outline.into_iter().map(&at).collect();
         painter.add(Shape::convex_polygon(corners, Color32::from_rgba_unmultiplied(70, 120, 82, 14), Stroke::NONE));

@@ -4,7 +4,7 @@ use super::section;
 use crate::calibrate::EstimatedBase;
 use crate::field::FieldModel;
 use crate::geometry::Vec3;
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2};
 use nalgebra::{Matrix2, SymmetricEigen, Vector2};
 
@@ -27,7 +27,7 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
         format!("From above: the camera at x {:.1}, y {:.1}, height {:.1} m", position.x, position.y, position.z);
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, &description));
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 4.0, theme::BACKDROP);
+    painter.rect_filled(rect, 4.0, ui.palette().backdrop);
     let top = Rect::from_min_max(rect.min, pos2(rect.right() - SIDE, rect.bottom()));
     let side = Rect::from_min_max(pos2(rect.right() - SIDE, rect.top()), rect.max);
     from_above(&painter, top.shrink(8.0), &field, found, panel.app.session.frame);
@@ -60,7 +60,7 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
         let reach_m = (position.y.abs() / direction.cos().abs().max(0.2)).max(LOOK_M);
         let end = position + Vec3::new(direction.sin(), direction.cos(), 0.0) * reach_m;
         let (width, colour) = if *index == shown {
-            (1.5, theme::STRONG)
+            (1.5, painter.palette().strong)
         } else {
             (1.0, Color32::from_rgba_unmultiplied(64, 146, 255, 90))
         };
@@ -72,10 +72,10 @@ fn from_above(painter: &Painter, rect: Rect, field: &FieldModel, found: &Estimat
         let grown = offset * times;
         at(position + Vec3::new(grown.x, grown.y, 0.0))
     });
-    painter.add(Shape::closed_line(outline.collect(), Stroke::new(1.5, theme::CAUTION)));
-    painter.circle_filled(at(position), 3.0, theme::STRONG);
+    painter.add(Shape::closed_line(outline.collect(), Stroke::new(1.5, painter.palette().caution)));
+    painter.circle_filled(at(position), 3.0, painter.palette().strong);
     let text = if times > 1.0 { format!("1-σ × {times:.0}") } else { "1-σ".to_owned() };
-    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), theme::CAUTION);
+    painter.text(rect.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), painter.palette().caution);
 }
 
 /// The height over the ground with its 1-σ.
@@ -85,12 +85,24 @@ fn from_the_side(painter: &Painter, rect: Rect, found: &EstimatedBase) {
     let scale = f64::from(ground - rect.top() - 16.0) / (height + sigma).max(1.0);
     let x = rect.center().x;
     let at = |z: f64| ground - (z * scale) as f32;
-    painter.line_segment([pos2(rect.left(), ground), pos2(rect.right(), ground)], Stroke::new(1.0, theme::LINE));
-    painter.line_segment([pos2(x, ground), pos2(x, at(height))], Stroke::new(1.0, theme::WEAK));
-    painter.line_segment([pos2(x, at(height - sigma)), pos2(x, at(height + sigma))], Stroke::new(3.0, theme::CAUTION));
-    painter.circle_filled(pos2(x, at(height)), 3.0, theme::STRONG);
+    painter.line_segment(
+        [pos2(rect.left(), ground), pos2(rect.right(), ground)],
+        Stroke::new(1.0, painter.palette().line),
+    );
+    painter.line_segment([pos2(x, ground), pos2(x, at(height))], Stroke::new(1.0, painter.palette().weak));
+    painter.line_segment(
+        [pos2(x, at(height - sigma)), pos2(x, at(height + sigma))],
+        Stroke::new(3.0, painter.palette().caution),
+    );
+    painter.circle_filled(pos2(x, at(height)), 3.0, painter.palette().strong);
     let text = format!("{height:.1} m");
-    painter.text(pos2(x, rect.bottom()), Align2::CENTER_BOTTOM, text, FontId::proportional(11.0), theme::TEXT);
+    painter.text(
+        pos2(x, rect.bottom()),
+        Align2::CENTER_BOTTOM,
+        text,
+        FontId::proportional(11.0),
+        painter.palette().text,
+    );
 }
 
 /// The 1-σ ellipse of a covariance as offsets, m.

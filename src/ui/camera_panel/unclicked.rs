@@ -4,7 +4,10 @@ use super::section;
 use crate::app::unclicked::{Searching, TwoCameras, UnclickedWork};
 use crate::app::{Action, Command};
 use crate::document::Camera;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Label, ProgressBar, RichText, Ui};
 
 /// Shows what can be done about a camera without a click; nothing where it has a base.
@@ -20,13 +23,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         }
         UnclickedWork::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
-            ui.add(Label::new(RichText::new(why.as_str()).color(theme::CAUTION)).wrap());
+            ui.add(Label::new(RichText::new(why.as_str()).color(ui.palette().caution)).wrap());
             start(panel, ui, "Look again");
         }
         _ if camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
             let text = "Overlapping views of one camera, matched to each other, show where it stands. This takes about a minute.";
-            ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+            ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
             start(panel, ui, "Find the camera automatically");
         }
         _ => {}

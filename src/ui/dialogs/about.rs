@@ -3,7 +3,10 @@
 use super::sheet;
 use crate::app::App;
 use crate::media::opencv_version;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Label, RichText, vec2};
 use std::fmt::Write as _;
 
@@ -13,7 +16,9 @@ const CITATION: &str = "J. Chen, F. Zhu and J. J. Little: A Two-point Method for
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "About", vec2(480.0, 420.0), |panel, ui| {
-        ui.label(RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION"))).size(20.0).color(theme::STRONG));
+        ui.label(
+            RichText::new(format!("touchline {}", env!("CARGO_PKG_VERSION"))).size(20.0).color(ui.palette().strong),
+        );
         ui.label("Calibrates a pan-tilt-zoom sports camera from two clicks.");
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "LICENCE");
@@ -27,7 +32,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ui.add_space(2.0 * theme::SPACE);
         theme::title(ui, "FOR A BUG REPORT");
         let report = report(panel.app, panel.adapter, ui.ctx());
-        ui.add(Label::new(RichText::new(&report).monospace().color(theme::WEAK)).wrap().selectable(true));
+        ui.add(Label::new(RichText::new(&report).monospace().color(ui.palette().weak)).wrap().selectable(true));
         let copy = ui.button("Copy diagnostic report");
         if copy
             .on_hover_text("Copy versions, graphics adapter and counts. It contains no paths and no pictures.")

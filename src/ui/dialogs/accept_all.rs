@@ -4,7 +4,10 @@ use super::{has_just_opened, sheet};
 use crate::app::review::{AcceptSheet, BulkAccept, DISAGREES_PX, percent};
 use crate::app::{Action, Command};
 use crate::proposals::ExpectedWrong;
-use crate::ui::{Panel, miniature, review, theme};
+use crate::ui::{
+    Panel, miniature, review,
+    theme::{self, Themed as _},
+};
 use egui::{
     Align, Align2, Button, Checkbox, Context, FontId, Id, Label, Layout, Rect, RichText, Role, ScrollArea, Sense,
     Stroke, Ui, UiBuilder, WidgetInfo, vec2,
@@ -30,7 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
             ui.label("Confidence at least");
             review::threshold(panel, ui);
         });
-        ui.add(Label::new(RichText::new(describe(panel, &shown)).color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(describe(panel, &shown)).color(ui.palette().strong)).wrap());
         disagreeing(panel, ui, bulk);
         ui.add_space(theme::SPACE);
         let room = ui.available_height().min(SIZE.y - 170.0);
@@ -118,13 +121,13 @@ fn cell(panel: &mut Panel<'_>, ui: &Ui, index: usize, confidence: &str, place: R
     let picture = Rect::from_min_size(place.min, PICTURE);
     miniature::paint(panel, ui.painter(), open, index, picture);
     if response.hovered() || response.has_focus() {
-        ui.painter().rect_stroke(picture, 2.0, Stroke::new(2.0, theme::ACCENT), egui::StrokeKind::Inside);
+        ui.painter().rect_stroke(picture, 2.0, Stroke::new(2.0, ui.palette().accent), egui::StrokeKind::Inside);
     }
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let painter = ui.painter();
-    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, number, small.clone(), theme::WEAK);
-    painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, theme::TEXT);
+    painter.text(egui::pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, number, small.clone(), ui.palette().weak);
+    painter.text(egui::pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, confidence, small, ui.palette().text);
     if response.on_hover_text("Click to look at it first.").clicked() {
         panel.actions.push(Action::CloseDialog);
         panel.actions.push(Action::GoTo(index));
@@ -136,7 +139,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
     let mut ticked = before;
     let number = panel.app.open().map_or(index as u64, |open| open.frame_number(index));
     let place = Rect::from_min_size(cell.min + vec2(4.0, 4.0), vec2(20.0, 20.0));
-    ui.painter().rect_filled(place, 3.0, theme::PANEL);
+    ui.painter().rect_filled(place, 3.0, ui.palette().panel);
     // A child of its own: the rows stay where they are.
     let response = ui.new_child(UiBuilder::new().max_rect(place)).add(Checkbox::without_text(&mut ticked));
     response.widget_info(|| WidgetInfo::selected(Role::CheckBox, true, before, format!("Accept frame {number}")));
@@ -148,7 +151,7 @@ fn tick(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, before: bool, cell: Re
 
 fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) {
     let count = bulk.taken().count();
-    let accept = ui.add_enabled(count > 0, Button::new(format!("Accept {count}")).fill(theme::ACCENT_GROUND));
+    let accept = ui.add_enabled(count > 0, Button::new(format!("Accept {count}")).fill(ui.palette().accent_ground));
     if opened {
         accept.request_focus();
     }
@@ -160,5 +163,5 @@ fn buttons(panel: &mut Panel<'_>, ui: &mut Ui, bulk: &BulkAccept, opened: bool) 
         panel.actions.push(Action::CloseDialog);
     }
     let said = format!("They become labels that are not used for training. {undo} undoes all of it.");
-    ui.add(Label::new(RichText::new(said).small().color(theme::WEAK)).truncate());
+    ui.add(Label::new(RichText::new(said).small().color(ui.palette().weak)).truncate());
 }

@@ -4,7 +4,10 @@ use super::{has_just_opened, sheet};
 use crate::app::selection::Scope;
 use crate::app::{Action, CameraChoice};
 use crate::document::CameraId;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Id, Label, RichText, ScrollArea, TextEdit, Ui, vec2};
 
 /// More cameras than fit here are scrolled to, points.
@@ -44,7 +47,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, scope: Scope) {
         ui.add_space(theme::SPACE);
         let text =
             "Their points are solved with the other base. Proposed and manual values are removed. One step of undo.";
-        ui.add(Label::new(RichText::new(text).small().color(theme::WEAK)).wrap());
+        ui.add(Label::new(RichText::new(text).small().color(ui.palette().weak)).wrap());
     });
     ctx.data_mut(|data| data.insert_temp(memory, name));
 }
@@ -84,7 +87,7 @@ fn cameras(panel: &mut Panel<'_>, ui: &mut Ui, scope: Scope, count: usize) {
             let frames = open.counts().of_camera(&camera.id);
             let known = if camera.base().is_some() { "" } else { ", base not known" };
             let button = Button::new(camera.id.as_str())
-                .right_text(RichText::new(format!("{frames} frames{known}")).small().color(theme::WEAK))
+                .right_text(RichText::new(format!("{frames} frames{known}")).small().color(ui.palette().weak))
                 .min_size(vec2(ui.available_width(), 24.0));
             let is_own = scope == Scope::Frame && panel.app.camera_id() == Some(&camera.id);
             let fits = size == Some(camera.image_size);

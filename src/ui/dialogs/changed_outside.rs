@@ -2,7 +2,10 @@
 
 use super::sheet;
 use crate::app::{Action, Command, OutsideChoice};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Label, RichText, vec2};
 
 /// What each choice is called, and what it does.
@@ -25,15 +28,15 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
              until you choose.",
             file.unwrap_or_else(|| "the document".to_owned())
         );
-        ui.add(Label::new(RichText::new(text).color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         for (choice, says, does) in CHOICES {
             let button = Button::new(says).min_size(vec2(180.0, 26.0));
-            let button = if choice == OutsideChoice::Merge { button.fill(theme::ACCENT_GROUND) } else { button };
+            let button = if choice == OutsideChoice::Merge { button.fill(ui.palette().accent_ground) } else { button };
             if ui.add(button).on_hover_text(does).clicked() {
                 panel.actions.push(Action::ResolveOutside(choice));
             }
-            ui.add(Label::new(RichText::new(does).small().color(theme::WEAK)).wrap());
+            ui.add(Label::new(RichText::new(does).small().color(ui.palette().weak)).wrap());
         }
         let elsewhere = ui.add(Button::new("Save elsewhere…").min_size(vec2(180.0, 26.0)));
         if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {

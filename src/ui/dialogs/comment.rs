@@ -3,7 +3,10 @@
 use super::{has_just_opened, sheet};
 use crate::app::Action;
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align, Button, Context, Id, Key, Layout, Modifiers, RichText, TextEdit, vec2};
 
 /// Shows the sheet; `before` is the comment as it was when it opened.
@@ -15,7 +18,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
     sheet(panel, ctx, "Comment", vec2(440.0, 220.0), |panel, ui| {
         let save = ui.input_mut(|input| input.consume_key(Modifiers::COMMAND, Key::Enter));
         let name = panel.app.frame().map(crate::document::Frame::name).unwrap_or_default();
-        ui.label(RichText::new(file_name(&name)).color(theme::WEAK));
+        ui.label(RichText::new(file_name(&name)).color(ui.palette().weak));
         let field = TextEdit::multiline(&mut typed).desired_rows(4).desired_width(f32::INFINITY);
         let response = ui.add(field).accessible_name("Comment on this frame");
         let response = response.on_hover_text("A note for anybody who opens this frame.");
@@ -25,7 +28,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, before: &str) {
         ui.add_space(theme::SPACE);
         let row = vec2(ui.available_width(), 24.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            let keep = ui.add(Button::new("Save comment").fill(theme::ACCENT_GROUND));
+            let keep = ui.add(Button::new("Save comment").fill(ui.palette().accent_ground));
             if keep.on_hover_text("Save the comment; an empty one is removed. (Ctrl+Enter)").clicked() || save {
                 panel.actions.push(Action::SetComment(typed.clone()));
             }

@@ -3,7 +3,10 @@
 use super::{has_just_opened, sheet};
 use crate::app::place::Place;
 use crate::app::{Action, VideoAction, sentence};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Id, Key, RichText, TextEdit, vec2};
 
 /// Shows the sheet.
@@ -23,7 +26,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 response.request_focus();
             }
             let entered = response.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
-            let go = ui.add_enabled(place.is_ok(), Button::new("Go").fill(theme::ACCENT_GROUND));
+            let go = ui.add_enabled(place.is_ok(), Button::new("Go").fill(ui.palette().accent_ground));
             let go = go.on_hover_text("Show this frame. (Enter)");
             if let (true, Ok(place)) = (go.clicked() || entered, &place) {
                 panel.actions.push(Action::Video(VideoAction::GoToPlace(*place)));
@@ -31,8 +34,10 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         });
         ui.add_space(theme::SPACE);
         let says = match &place {
-            Err(error) if !typed.trim().is_empty() => RichText::new(sentence(&error.to_string())).color(theme::CAUTION),
-            _ => RichText::new(format!("Frames are numbered from 0 to {last}.")).color(theme::WEAK),
+            Err(error) if !typed.trim().is_empty() => {
+                RichText::new(sentence(&error.to_string())).color(ui.palette().caution)
+            }
+            _ => RichText::new(format!("Frames are numbered from 0 to {last}.")).color(ui.palette().weak),
         };
         ui.label(says.small());
     });

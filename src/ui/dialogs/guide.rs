@@ -3,7 +3,10 @@
 use super::sheet;
 use crate::app::Action;
 use crate::app::guide::GuidePage;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Palette, Themed as _},
+};
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Button, Context, FontFamily, FontId, Label, RichText, ScrollArea, Ui, vec2};
 
@@ -61,7 +64,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
 /// A line of Markdown: a title, an entry of a list, or a paragraph.
 fn show_line(ui: &mut Ui, line: &str) {
     if let Some(title) = line.strip_prefix("# ") {
-        ui.label(RichText::new(title).heading().color(theme::STRONG));
+        ui.label(RichText::new(title).heading().color(ui.palette().strong));
         return;
     }
     let Some(text) = Some(line.trim()).filter(|line| !line.is_empty()) else {
@@ -76,19 +79,19 @@ fn show_line(ui: &mut Ui, line: &str) {
     };
     ui.horizontal_top(|ui| {
         if let Some(mark) = mark {
-            ui.add_sized(vec2(20.0, 16.0), Label::new(RichText::new(mark).color(theme::WEAK)));
+            ui.add_sized(vec2(20.0, 16.0), Label::new(RichText::new(mark).color(ui.palette().weak)));
         }
-        ui.add(Label::new(laid_out(text)).wrap().selectable(true));
+        ui.add(Label::new(laid_out(ui.palette(), text)).wrap().selectable(true));
     });
 }
 
 /// A text with what stands between pairs of `**`, `*` and `` ` `` set off.
-fn laid_out(text: &str) -> LayoutJob {
+fn laid_out(palette: &Palette, text: &str) -> LayoutJob {
     let mut job = LayoutJob::default();
     for (part, is_set_off) in parts(text) {
         let key = is_set_off && part.starts_with('`');
         let family = if key { FontFamily::Monospace } else { FontFamily::Proportional };
-        let colour = if is_set_off { theme::STRONG } else { theme::TEXT };
+        let colour = if is_set_off { palette.strong } else { palette.text };
         let shown = if is_set_off { part.trim_matches(['`', '*']) } else { part };
         job.append(shown, 0.0, TextFormat::simple(FontId::new(13.0, family), colour));
     }
@@ -123,7 +126,7 @@ mod tests {
             found.iter().map(|(part, _)| *part).collect::<String>(),
             "Press `Ctrl-K` or *File › Open*, **never** 2 * 3."
         );
-        assert_eq!(laid_out("**a** b").text, "a b");
+        assert_eq!(laid_out(theme::ON_PICTURE, "**a** b").text, "a b");
     }
 
     #[test]

@@ -2,7 +2,10 @@
 
 use super::sheet;
 use crate::app::{Action, Chord, Command, Keymap, MenuGroup};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Event, Grid, Id, Key, Label, Modifiers, RichText, ScrollArea, Ui, vec2};
 
 /// Keys that are not commands and cannot be changed.
@@ -50,7 +53,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 Some(command) => format!("Press the new key for “{}”. Esc keeps the old one.", command.name()),
                 None => "Click a key to change it.".to_owned(),
             };
-            let colour = if chosen.is_some() { theme::ACCENT } else { theme::WEAK };
+            let colour = if chosen.is_some() { ui.palette().accent } else { ui.palette().weak };
             ui.label(RichText::new(hint).color(colour));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let changed = panel.app.settings.keys.is_changed();
@@ -93,9 +96,9 @@ fn table(panel: &mut Panel<'_>, ui: &mut Ui, group: MenuGroup, chosen: Option<Co
 fn key(panel: &Panel<'_>, ui: &mut Ui, command: Command, waits: bool) {
     let shown = shown(&panel.app.settings.keys, command);
     let text = match (waits, shown.is_empty()) {
-        (true, _) => RichText::new("press a key").color(theme::STRONG),
-        (false, true) => RichText::new("none").color(theme::WEAK),
-        (false, false) => RichText::new(&shown).monospace().color(theme::STRONG),
+        (true, _) => RichText::new("press a key").color(ui.palette().strong),
+        (false, true) => RichText::new("none").color(ui.palette().weak),
+        (false, false) => RichText::new(&shown).monospace().color(ui.palette().strong),
     };
     let button = ui.add(Button::new(text).min_size(vec2(KEY, 20.0)).selected(waits));
     let name = format!("Key of {}: {}", command.name(), if shown.is_empty() { "none" } else { &shown });
@@ -114,7 +117,7 @@ fn fixed(ui: &mut Ui) {
     theme::title(ui, "POINTER AND FIXED KEYS");
     Grid::new("fixed keys").num_columns(2).min_col_width(KEY).spacing([12.0, 4.0]).show(ui, |ui| {
         for (key, about) in FIXED {
-            ui.label(RichText::new(key).color(theme::STRONG));
+            ui.label(RichText::new(key).color(ui.palette().strong));
             ui.add(Label::new(about).wrap());
             ui.end_row();
         }

@@ -2,7 +2,10 @@
 
 use super::sheet;
 use crate::app::{Action, Command};
-use crate::ui::{Panel, notices, symbol, theme};
+use crate::ui::{
+    Panel, notices, symbol,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Context, Label, RichText, ScrollArea, vec2};
 
 /// Shows the list.
@@ -19,9 +22,9 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
         ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
             for (level, text) in panel.app.session.told.iter().rev() {
                 ui.horizontal_top(|ui| {
-                    let (sign, colour) = notices::look(*level);
+                    let (sign, colour) = notices::look(ui.palette(), *level);
                     symbol::show(ui, sign, colour);
-                    ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap().selectable(true));
+                    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap().selectable(true));
                 });
             }
         });

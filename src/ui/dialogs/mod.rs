@@ -19,11 +19,15 @@ mod path;
 mod picture_look;
 mod preferences;
 mod sport;
+mod swatches;
 mod transfer;
 
 pub use keys::captures_keys;
 
-use super::{Panel, symbol, theme};
+use super::{
+    Panel, symbol,
+    theme::{self, Themed as _},
+};
 use crate::app::session::Dialog;
 use crate::app::{Action, Command};
 use egui::{
@@ -50,7 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
         Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
-        Some(Dialog::Transfer) => transfer::show(panel, ctx),
+        Some(Dialog::Transfer) => theme::in_dark(ctx, || transfer::show(panel, ctx)),
         Some(Dialog::Orphans) => orphans::show(panel, ctx),
         Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
     }
@@ -111,9 +115,10 @@ fn frame(ui: &Ui) -> Frame {
 
 fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(title).heading().color(theme::STRONG));
+        ui.label(RichText::new(title).heading().color(ui.palette().strong));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let close = symbol::button(ui, symbol::Symbol::Cross, &format!("Close: {title}"), theme::WEAK);
+            let palette = ui.palette();
+            let close = symbol::button(ui, symbol::Symbol::Cross, &format!("Close: {title}"), palette.weak);
             if close.on_hover_text("Close. (Esc)").clicked() {
                 panel.actions.push(Action::CloseDialog);
             }
@@ -126,7 +131,7 @@ fn header(panel: &mut Panel<'_>, ui: &mut Ui, title: &str) {
 /// The way to the page of the guide that speaks of the dialog.
 fn to_guide(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(page) = panel.app.guide_page() else { return };
-    let button = Button::new(RichText::new("Guide").small().color(theme::WEAK)).small();
+    let button = Button::new(RichText::new("Guide").small().color(ui.palette().weak)).small();
     let key = panel.app.settings.keys.shown(Command::Guide);
     let tip = format!("Open the user guide at “{}”; closing it leads back here. ({key})", page.title());
     if ui.add(button).accessible_name(format!("Guide: {}", page.title())).on_hover_text(tip).clicked() {

@@ -3,7 +3,10 @@
 use super::sheet;
 use crate::app::session::{Leaving, Saving};
 use crate::app::{Action, Command};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align, Button, Context, Label, Layout, RichText, vec2};
 
 /// Shows the sheet.
@@ -29,11 +32,11 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
                 "Quit",
             ),
         };
-        ui.add(Label::new(RichText::new(what).color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(what).color(ui.palette().strong)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         let row = vec2(ui.available_width(), 28.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
-            let elsewhere = ui.add(Button::new("Save elsewhere…").fill(theme::ACCENT_GROUND));
+            let elsewhere = ui.add(Button::new("Save elsewhere…").fill(ui.palette().accent_ground));
             if elsewhere.on_hover_text(panel.app.settings.keys.tooltip(Command::SaveAs)).clicked() {
                 panel.actions.push(Action::CloseDialog);
                 panel.actions.push(Action::Command(Command::SaveAs));
@@ -41,7 +44,8 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, leaving: &Leaving) {
             if ui.button("Cancel").on_hover_text("Continue working; saving is tried again. (Esc)").clicked() {
                 panel.actions.push(Action::CloseDialog);
             }
-            if ui.button(RichText::new(does).color(theme::BAD)).on_hover_text("This cannot be undone.").clicked() {
+            if ui.button(RichText::new(does).color(ui.palette().bad)).on_hover_text("This cannot be undone.").clicked()
+            {
                 panel.actions.push(Action::LeaveUnsaved);
             }
         });

@@ -3,14 +3,17 @@
 use super::sheet;
 use crate::app::Action;
 use crate::store::Orphan;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Context, Label, RichText, ScrollArea, Ui, vec2};
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Edits set aside", vec2(560.0, 320.0), |panel, ui| {
         let text = "These edits were made to another version of this document and are not part of it.";
-        ui.add(Label::new(RichText::new(text).color(theme::STRONG)).wrap());
+        ui.add(Label::new(RichText::new(text).color(ui.palette().strong)).wrap());
         ui.add_space(2.0 * theme::SPACE);
         ScrollArea::vertical().id_salt("edits set aside").show(ui, |ui| {
             for orphan in &panel.app.session.orphans.clone() {

@@ -3,7 +3,10 @@
 use super::{curtain, fuzzy, has_just_opened};
 use crate::app::synonyms::synonyms;
 use crate::app::{Action, App, Command};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Align2, Area, Context, CornerRadius, FontId, Frame, Id, Key, Margin, Modifiers, Order, Role, ScrollArea, Sense,
     TextEdit, Ui, WidgetInfo, pos2, vec2,
@@ -126,11 +129,11 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
     }
     let painter = ui.painter();
     if chosen || response.hovered() {
-        let ground = if chosen { theme::ACCENT_GROUND } else { theme::RAISED };
+        let ground = if chosen { ui.palette().accent_ground } else { ui.palette().raised };
         painter.rect_filled(rect, CornerRadius::same(4), ground);
     }
     let middle = rect.center().y;
-    let name = if why_not.is_some() { theme::WEAK } else { theme::STRONG };
+    let name = if why_not.is_some() { ui.palette().weak } else { ui.palette().strong };
     let end = painter.text(
         pos2(rect.left() + 8.0, middle),
         Align2::LEFT_CENTER,
@@ -144,10 +147,16 @@ fn row(app: &App, ui: &mut Ui, command: Command, chosen: bool, into_view: bool) 
         Align2::LEFT_CENTER,
         beside,
         FontId::proportional(11.0),
-        theme::WEAK,
+        ui.palette().weak,
     );
     let key = app.settings.keys.shown(command);
-    painter.text(pos2(rect.right() - 8.0, middle), Align2::RIGHT_CENTER, key, FontId::monospace(12.0), theme::TEXT);
+    painter.text(
+        pos2(rect.right() - 8.0, middle),
+        Align2::RIGHT_CENTER,
+        key,
+        FontId::monospace(12.0),
+        ui.palette().text,
+    );
     response.on_hover_text(command.about()).clicked()
 }
 

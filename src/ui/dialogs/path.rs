@@ -2,7 +2,10 @@
 
 use super::{has_just_opened, sheet};
 use crate::app::{Action, Question};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align, Button, Context, Id, Key, Layout, RichText, TextEdit, vec2};
 use std::path::PathBuf;
 
@@ -34,7 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
     let mut typed = known.filter(|_| !opened).unwrap_or_default();
     let (title, does, example) = describe(question);
     sheet(panel, ctx, title, vec2(520.0, 160.0), |panel, ui| {
-        ui.label(RichText::new("No file dialog is available. Type or paste the path.").color(theme::WEAK));
+        ui.label(RichText::new("No file dialog is available. Type or paste the path.").color(ui.palette().weak));
         let field = TextEdit::singleline(&mut typed).hint_text(example).desired_width(f32::INFINITY);
         let response =
             ui.add(field).accessible_name("Path").on_hover_text("A path on this computer. Enter confirms it.");
@@ -46,7 +49,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, question: Question) {
         let row = vec2(ui.available_width(), 24.0);
         ui.allocate_ui_with_layout(row, Layout::right_to_left(Align::Center), |ui| {
             let path = typed.trim();
-            let take = ui.add_enabled(!path.is_empty(), Button::new(does).fill(theme::ACCENT_GROUND));
+            let take = ui.add_enabled(!path.is_empty(), Button::new(does).fill(ui.palette().accent_ground));
             let take = take.on_hover_text("Use this path. (Enter)").on_disabled_hover_text("Type a path first.");
             if (take.clicked() || entered) && !path.is_empty() {
                 panel.actions.push(Action::Answer(question, PathBuf::from(path)));

@@ -3,7 +3,10 @@
 use super::{frame, header};
 use crate::app::{Action, Command};
 use crate::scene::PictureLook;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Area, Button, Context, Grid, Id, Order, Slider, vec2};
 
 /// Shows the sheet at the upper left of the picture.
@@ -42,7 +45,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                     look = default;
                 }
                 let tip = format!("{} opens and closes this.", panel.app.settings.keys.shown(Command::PictureLook));
-                ui.label(egui::RichText::new(tip).small().color(theme::WEAK));
+                ui.label(egui::RichText::new(tip).small().color(ui.palette().weak));
                 if look != before {
                     panel.actions.push(Action::SetPictureLook(look));
                 }

@@ -1,10 +1,14 @@
 //! Everything that belongs to the user and not to a project, in one place.
 
-use super::sheet;
-use crate::app::settings::TEXT_SIZE;
+use super::{sheet, swatches};
+use crate::app::settings::{Loupe, PICTURE_MEMORY_MIB, TEXT_SIZE, ThemeChoice};
 use crate::app::{Action, Command};
-use crate::ui::{Panel, theme};
-use egui::{Button, Context, Label, RichText, Slider, Ui, vec2};
+use crate::scene::SPORTS;
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
+use egui::{Button, Context, Grid, Label, RichText, ScrollArea, Slider, Ui, vec2};
 
 /// Switches, with what the settings say of each.
 const SWITCHES: [Command; 4] =
@@ -13,37 +17,131 @@ const SWITCHES: [Command; 4] =
 const MORE: [Command; 3] = [Command::OverlayStyle, Command::PictureLook, Command::Keys];
 /// What is kept, and where nothing goes.
 const KEPT: &str = "Every edit is saved at once, to a journal beside the project. Forest and features are in the hidden folder \
-                    .touchline beside the project, which can be deleted at any time. There is no telemetry: touchline sends nothing anywhere.";
+                    .touchline beside the project, which can be deleted at any time.";
+/// What is sent.
+const TELEMETRY: &str = "Telemetry: none. touchline sends nothing anywhere.";
+/// The width of the names of sports, points.
+const SPORT: f32 = 130.0;
 
 /// Shows the sheet.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
-    sheet(panel, ctx, "Preferences", vec2(480.0, 460.0), |panel, ui| {
-        theme::title(ui, "WINDOW");
-        text_size(panel, ui);
-        let sized = panel.app.settings.side_width.is_some() || panel.app.settings.filmstrip_height.is_some();
-        let reset = ui.add_enabled(sized, Button::new("Reset the sizes of the panels"));
-        let reset = reset.on_hover_text("Give side panel and filmstrip their default sizes.");
-        if reset.on_disabled_hover_text("The panels have their default sizes.").clicked() {
-            panel.actions.push(Action::SetPanelSizes { side: None, filmstrip: None });
-        }
-        ui.add_space(2.0 * theme::SPACE);
-        theme::title(ui, "LABELLING");
-        for command in SWITCHES {
-            switch(panel, ui, command);
-        }
-        ui.add_space(2.0 * theme::SPACE);
-        theme::title(ui, "LOOK AND KEYS");
-        ui.horizontal(|ui| {
-            for command in MORE {
-                if ui.button(command.name()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
-                    panel.actions.push(Action::Command(command));
+    sheet(panel, ctx, "Preferences", vec2(520.0, 620.0), |panel, ui| {
+        ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
+            group(ui, "WINDOW", |ui| {
+                theme_choice(panel, ui);
+                text_size(panel, ui);
+                panel_sizes(panel, ui);
+            });
+            group(ui, "LABELLING", |ui| {
+                for command in SWITCHES {
+                    switch(panel, ui, command);
                 }
-            }
+            });
+            group(ui, "LOUPE", |ui| loupe(panel, ui));
+            group(ui, "COLOUR OF THE FIELD'S LINES, BY SPORT", |ui| colours(panel, ui));
+            group(ui, "MEMORY", |ui| memory(panel, ui));
+            group(ui, "MORE", |ui| {
+                ui.horizontal(|ui| {
+                    for command in MORE {
+                        if ui.button(command.name()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+                            panel.actions.push(Action::Command(command));
+                        }
+                    }
+                });
+            });
+            group(ui, "WHAT IS KEPT AND SENT", |ui| {
+                for text in [KEPT, TELEMETRY] {
+                    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap());
+                }
+            });
         });
-        ui.add_space(2.0 * theme::SPACE);
-        theme::title(ui, "WHAT IS KEPT");
-        ui.add(Label::new(RichText::new(KEPT).color(theme::TEXT)).wrap());
     });
+}
+
+fn group(ui: &mut Ui, title: &str, contents: impl FnOnce(&mut Ui)) {
+    theme::title(ui, title);
+    contents(ui);
+    ui.add_space(2.0 * theme::SPACE);
+}
+
+fn theme_choice(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let before = panel.app.settings.theme;
+    ui.horizontal(|ui| {
+        ui.label("Theme");
+        for (choice, name, tip) in [
+            (ThemeChoice::Dark, "Dark", "Light on dark: pictures are judged best on a dark ground."),
+            (ThemeChoice::Light, "Light", "Dark on light."),
+            (ThemeChoice::System, "As the system", "Dark or light, as the system has it."),
+        ] {
+            if ui.radio(before == choice, name).on_hover_text(tip).clicked() && before != choice {
+                panel.actions.push(Action::SetTheme(choice));
+            }
+        }
+    });
+}
+
+fn panel_sizes(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let sized = panel.app.settings.side_width.is_some() || panel.app.settings.filmstrip_height.is_some();
+    let reset = ui.add_enabled(sized, Button::new("Reset the sizes of the panels"));
+    let reset = reset.on_hover_text("Give side panel and filmstrip their default sizes.");
+    if reset.on_disabled_hover_text("The panels have their default sizes.").clicked() {
+        panel.actions.push(Action::SetPanelSizes { side: None, filmstrip: None });
+    }
+}
+
+/// The loupe around a point that is placed or dragged.
+fn loupe(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let before = panel.app.settings.loupe;
+    let mut look = before;
+    ui.checkbox(&mut look.shown, "Show the loupe")
+        .on_hover_text("A magnified view around a point while you place or drag it.");
+    ui.add_enabled_ui(look.shown, |ui| {
+        Grid::new("loupe").num_columns(2).spacing([12.0, 4.0]).show(ui, |ui| {
+            ui.label("Magnification");
+            let slider = Slider::new(&mut look.magnification, Loupe::MAGNIFICATION).step_by(1.0).suffix(" ×");
+            ui.add(slider).accessible_name("Magnification of the loupe").on_hover_text("Points of the screen per px.");
+            ui.end_row();
+            ui.label("Size");
+            let slider = Slider::new(&mut look.side, Loupe::SIDE).step_by(20.0);
+            ui.add(slider).accessible_name("Size of the loupe").on_hover_text("The side of the loupe, points.");
+            ui.end_row();
+        });
+    });
+    if look != before {
+        panel.actions.push(Action::SetLoupe(look));
+    }
+}
+
+/// The colours of lines: the underlined ones are told from the sport's ground by every colour vision.
+fn colours(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let text = "Underlined: people with any colour vision tell it from the sport's ground.";
+    ui.label(RichText::new(text).small().color(ui.palette().weak));
+    Grid::new("line colours").num_columns(2).min_col_width(SPORT).spacing([8.0, 4.0]).show(ui, |ui| {
+        for sport in &SPORTS {
+            ui.label(sport.name);
+            let chosen = panel.app.settings.overlay_of(sport.id).colour;
+            if let Some(taken) = swatches::show(ui, &format!("{}: ", sport.name), Some(sport.ground), chosen) {
+                panel.actions.push(Action::SetLineColour(sport, taken));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// The memory for decoded frames.
+fn memory(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let before = panel.app.settings.picture_memory_mib;
+    let mut mib = before;
+    ui.horizontal(|ui| {
+        ui.label("Decoded frames");
+        let slider = Slider::new(&mut mib, PICTURE_MEMORY_MIB).logarithmic(true).step_by(64.0).suffix(" MiB");
+        ui.add(slider).accessible_name("Memory for decoded frames").on_hover_text(
+            "Frames that were shown, or are about to be, stay decoded within this memory: a frame of 1920 × 1080 px takes 8 MiB.",
+        );
+    });
+    if mib != before {
+        panel.actions.push(Action::SetPictureMemory(mib));
+    }
 }
 
 /// How large texts and controls are; it changes once the slider is let go, as it moves the slider itself.

@@ -3,7 +3,10 @@
 use super::sheet;
 use crate::app::{Action, App};
 use crate::field::{FieldModel, builtin, builtin_names};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, RichText, Role, ScrollArea, Sense, Shape,
     Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
@@ -19,7 +22,7 @@ const PIECES: u32 = 32;
 /// Shows the fields to choose from.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     sheet(panel, ctx, "Sport and field", vec2(660.0, 500.0), |panel, ui| {
-        ui.add(Label::new(RichText::new(cost(panel.app)).color(theme::TEXT)).wrap());
+        ui.add(Label::new(RichText::new(cost(panel.app)).color(ui.palette().text)).wrap());
         ui.add_space(theme::SPACE);
         let chosen = panel.app.shown_field_spec().map(|spec| spec.template.clone()).unwrap_or_default();
         let guess = panel.app.session.sport_guess;
@@ -55,21 +58,31 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
     let painter = ui.painter();
-    painter.rect_filled(rect, CornerRadius::same(5), if chosen { theme::ACCENT_GROUND } else { theme::RAISED });
+    painter.rect_filled(
+        rect,
+        CornerRadius::same(5),
+        if chosen { ui.palette().accent_ground } else { ui.palette().raised },
+    );
     if chosen || response.hovered() || response.has_focus() {
-        let line = Stroke::new(if chosen { 2.0 } else { 1.0 }, theme::ACCENT);
+        let line = Stroke::new(if chosen { 2.0 } else { 1.0 }, ui.palette().accent);
         painter.rect_stroke(rect, CornerRadius::same(5), line, StrokeKind::Inside);
     }
     let ground = Rect::from_min_max(rect.min, pos2(rect.right(), rect.bottom() - NAME)).shrink(6.0);
     draw(painter, ground, field);
     let (sport, rules) = title.split_once(" (").unwrap_or((title, ""));
     let at = pos2(rect.center().x, rect.bottom() - NAME);
-    painter.text(at, Align2::CENTER_TOP, sport, FontId::proportional(12.0), theme::STRONG);
+    painter.text(at, Align2::CENTER_TOP, sport, FontId::proportional(12.0), ui.palette().strong);
     let at = at + vec2(0.0, NAME / 2.0 - 2.0);
-    painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), theme::TEXT);
+    painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), ui.palette().text);
     if guessed {
         let style = FontId::proportional(10.0);
-        painter.text(rect.left_top() + vec2(8.0, 6.0), Align2::LEFT_TOP, "by the file's name", style, theme::STRONG);
+        painter.text(
+            rect.left_top() + vec2(8.0, 6.0),
+            Align2::LEFT_TOP,
+            "by the file's name",
+            style,
+            ui.palette().strong,
+        );
     }
     response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m)).clicked()
 }

@@ -145,7 +145,7 @@ fn paint(app: &App, ui: &egui::Ui, field: &FieldModel, map: &FieldMap, placement
         clicks,
         selected: app.session.selected,
         disputed: shown.disputed,
-        style: &app.settings.overlay,
+        style: &app.overlay_style(),
         zoom: placement.scale,
     };
     let drawn = field_map(&scene, map);

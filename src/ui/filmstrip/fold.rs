@@ -2,7 +2,10 @@
 
 use super::item::{BAR, CAPTION};
 use crate::app::Action;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
@@ -23,21 +26,32 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, (first, last): (usize, usize), count
     let top = Rect::from_min_max(picture.min + vec2(0.0, 2.0 * SHEET), picture.max - vec2(2.0 * SHEET, 0.0));
     for sheet in [2.0, 1.0, 0.0] {
         let shape = top.translate(vec2(SHEET * sheet, -SHEET * sheet));
-        painter.rect_filled(shape, CornerRadius::same(3), theme::RAISED);
-        painter.rect_stroke(shape, CornerRadius::same(3), Stroke::new(1.0, theme::LINE), StrokeKind::Inside);
+        painter.rect_filled(shape, CornerRadius::same(3), theme::ON_PICTURE.raised);
+        painter.rect_stroke(shape, CornerRadius::same(3), Stroke::new(1.0, ui.palette().line), StrokeKind::Inside);
     }
     if let Some(texture) = panel.pictures.thumbnail(open, middle) {
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), top.shrink(1.0), whole, Color32::from_gray(70));
     }
-    painter.text(top.center(), Align2::CENTER_CENTER, count, FontId::proportional(18.0), theme::STRONG);
+    painter.text(top.center(), Align2::CENTER_CENTER, count, FontId::proportional(18.0), theme::ON_PICTURE.strong);
     let below = top.center() + vec2(0.0, 16.0);
-    painter.text(below, Align2::CENTER_CENTER, "no answer", FontId::proportional(11.0), theme::TEXT);
+    painter.text(below, Align2::CENTER_CENTER, "no answer", FontId::proportional(11.0), theme::ON_PICTURE.text);
     let line = place.bottom() - CAPTION / 2.0;
     let numbers = format!("{from}–{to}");
-    painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, numbers, FontId::proportional(11.0), theme::WEAK);
+    painter.text(
+        pos2(place.left() + 1.0, line),
+        Align2::LEFT_CENTER,
+        numbers,
+        FontId::proportional(11.0),
+        ui.palette().weak,
+    );
     if response.hovered() || response.has_focus() {
-        painter.rect_stroke(top.expand(1.0), CornerRadius::same(4), Stroke::new(1.0, theme::WEAK), StrokeKind::Outside);
+        painter.rect_stroke(
+            top.expand(1.0),
+            CornerRadius::same(4),
+            Stroke::new(1.0, ui.palette().weak),
+            StrokeKind::Outside,
+        );
     }
     let tip = format!("{said}. The forest does not recognise them. A label on one of them may answer the others.");
     if response.on_hover_text(tip).clicked() {

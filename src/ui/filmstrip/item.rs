@@ -8,7 +8,10 @@ use crate::app::{Action, Command, OpenProject, PaintSays, sentence};
 use crate::document::{Frame, Solution};
 use crate::ui::menu::{self, file_name};
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2,
     vec2,
@@ -25,11 +28,11 @@ pub const BAR: f32 = 4.0;
 pub fn separator(ui: &Ui, first: Rect, name: String) {
     let x = first.left() - SHOT_GAP + 4.0;
     let painter = ui.painter();
-    painter.vline(x, first.y_range(), Stroke::new(1.0, theme::LINE));
-    let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), theme::WEAK);
+    painter.vline(x, first.y_range(), Stroke::new(1.0, ui.palette().line));
+    let galley = painter.layout_no_wrap(name, FontId::proportional(10.0), ui.palette().weak);
     let at = pos2(x + 1.0, first.bottom() - CAPTION - BAR - 2.0);
     // Upwards along the line, so that a long name takes no room.
-    painter.add(egui::epaint::TextShape::new(at, galley, theme::WEAK).with_angle(-std::f32::consts::FRAC_PI_2));
+    painter.add(egui::epaint::TextShape::new(at, galley, ui.palette().weak).with_angle(-std::f32::consts::FRAC_PI_2));
 }
 
 /// A frame: thumbnail, status, number; a click goes there.
@@ -64,10 +67,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui, index: usize, place: Rect) {
 fn context_menu(panel: &mut Panel<'_>, ui: &mut Ui) {
     let selected = panel.app.session.frames_selected.len();
     if selected > 1 {
-        ui.label(egui::RichText::new(format!("{selected} frames selected")).color(theme::STRONG));
+        ui.label(egui::RichText::new(format!("{selected} frames selected")).color(ui.palette().strong));
         menu::entries(panel, ui, &[Command::AssignToCamera]);
         ui.separator();
-        ui.label(egui::RichText::new("This frame").color(theme::WEAK));
+        ui.label(egui::RichText::new("This frame").color(ui.palette().weak));
     }
     menu::entries(
         panel,
@@ -100,39 +103,49 @@ struct Item<'a> {
 fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     let &Item { open, index, frame, place, hovered } = item;
     let painter = ui.painter();
-    let look = theme::status_look(frame.status);
+    let (letter, colour) = (theme::status_letter(frame.status), ui.palette().status(frame.status));
     let picture = Rect::from_min_max(place.min, pos2(place.right(), place.bottom() - CAPTION - BAR - 2.0));
-    painter.rect_filled(picture, CornerRadius::same(3), theme::RAISED);
+    painter.rect_filled(picture, CornerRadius::same(3), ui.palette().raised);
     if let Some(texture) = panel.pictures.thumbnail(open, index) {
         let shape = fitted(texture.size_vec2(), picture);
         let rejected = frame.status == crate::document::FrameStatus::Rejected;
         let tint = if rejected { Color32::from_gray(90) } else { Color32::WHITE };
         painter.image(texture.id(), shape, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), tint);
     } else if panel.pictures.has_no_thumbnail(open, index) {
-        painter.text(picture.center(), Align2::CENTER_CENTER, "no picture", FontId::proportional(11.0), theme::WEAK);
+        painter.text(
+            picture.center(),
+            Align2::CENTER_CENTER,
+            "no picture",
+            FontId::proportional(11.0),
+            ui.palette().weak,
+        );
     }
     let bar = Rect::from_min_size(pos2(place.left(), picture.bottom() + 2.0), vec2(place.width(), BAR));
     theme::paint_status_bar(painter, bar, frame.status, confidence(frame));
     let line = place.bottom() - CAPTION / 2.0;
     let small = FontId::proportional(11.0);
     let current = index == panel.app.session.frame;
-    let number = if current { theme::STRONG } else { theme::WEAK };
+    let number = if current { ui.palette().strong } else { ui.palette().weak };
     painter.text(pos2(place.left() + 1.0, line), Align2::LEFT_CENTER, frame.number_at(index), small.clone(), number);
     let mark = match confidence(frame) {
         // Whole per cent, as a decimal would touch the next frame's number.
-        Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), look.letter),
-        None => look.letter.to_string(),
+        Some(confidence) => format!("{:.0} % {}", (100.0 * confidence).round().min(99.0), letter),
+        None => letter.to_string(),
     };
-    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, look.colour);
+    painter.text(pos2(place.right() - 1.0, line), Align2::RIGHT_CENTER, mark, small, colour);
     if frame.solution.as_ref().is_some_and(|solution| solution.warnings_of_frame().next().is_some()) {
         let corner = Rect::from_center_size(picture.right_top() + vec2(-9.0, 9.0), vec2(16.0, 16.0));
-        symbol::paint(painter, Symbol::Warning, corner, theme::CAUTION);
+        symbol::paint(painter, Symbol::Warning, corner, theme::ON_PICTURE.caution);
     }
     if frame.comment.is_some() {
         let note = Rect::from_min_size(picture.left_top() + vec2(4.0, 4.0), vec2(10.0, 8.0));
-        painter.rect_filled(note, CornerRadius::same(1), theme::STRONG);
+        painter.rect_filled(note, CornerRadius::same(1), theme::ON_PICTURE.strong);
         for line in [2.5, 5.5] {
-            painter.hline(note.left() + 2.0..=note.right() - 2.0, note.top() + line, Stroke::new(1.0, theme::BACKDROP));
+            painter.hline(
+                note.left() + 2.0..=note.right() - 2.0,
+                note.top() + line,
+                Stroke::new(1.0, theme::ON_PICTURE.backdrop),
+            );
         }
     }
     if let Some(says) = panel.app.paint_says(index) {
@@ -141,18 +154,18 @@ fn paint(panel: &mut Panel<'_>, ui: &Ui, item: &Item<'_>) {
     }
     if frame.gold {
         let mark = picture.right_bottom() + vec2(-7.0, -7.0);
-        painter.circle_filled(mark, 5.0, theme::BACKDROP);
+        painter.circle_filled(mark, 5.0, theme::ON_PICTURE.backdrop);
         painter.circle_filled(mark, 3.5, GOLD);
     }
     if panel.app.session.frames_selected.contains(&index) {
-        painter.rect_filled(picture, CornerRadius::same(3), theme::ACCENT.gamma_multiply(0.35));
+        painter.rect_filled(picture, CornerRadius::same(3), theme::ON_PICTURE.accent.gamma_multiply(0.35));
         let mark = picture.left_bottom() + vec2(9.0, -9.0);
-        painter.circle_filled(mark, 6.0, theme::ACCENT);
-        symbol::paint(painter, Symbol::Tick, Rect::from_center_size(mark, vec2(12.0, 12.0)), theme::STRONG);
+        painter.circle_filled(mark, 6.0, theme::ON_PICTURE.accent);
+        symbol::paint(painter, Symbol::Tick, Rect::from_center_size(mark, vec2(12.0, 12.0)), theme::ON_PICTURE.strong);
     }
     let frame_line = match (current, hovered) {
-        (true, _) => Stroke::new(2.0, theme::ACCENT),
-        (false, true) => Stroke::new(1.0, theme::WEAK),
+        (true, _) => Stroke::new(2.0, ui.palette().accent),
+        (false, true) => Stroke::new(1.0, ui.palette().weak),
         (false, false) => return,
     };
     painter.rect_stroke(picture.expand(1.0), CornerRadius::same(4), frame_line, StrokeKind::Outside);
@@ -172,7 +185,7 @@ fn fitted(size: egui::Vec2, within: Rect) -> Rect {
 
 fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintSays>) {
     response.on_hover_ui(|ui| {
-        ui.label(egui::RichText::new(file_name(&frame.name())).color(theme::STRONG));
+        ui.label(egui::RichText::new(file_name(&frame.name())).color(ui.palette().strong));
         let reason = frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase()));
         ui.label(format!(
             "Frame {} · {}{}",
@@ -187,10 +200,10 @@ fn tooltip(response: Response, index: usize, frame: &Frame, paint: Option<PaintS
             ui.label(sentence(&says.describe()));
         }
         if let Some(time) = frame.video.as_ref().and_then(|video| video.pts_s) {
-            ui.label(egui::RichText::new(format!("{time:.3} s")).color(theme::WEAK));
+            ui.label(egui::RichText::new(format!("{time:.3} s")).color(ui.palette().weak));
         }
         for warning in frame.solution.iter().flat_map(Solution::warnings_of_frame) {
-            ui.label(egui::RichText::new(&warning.message).color(theme::CAUTION));
+            ui.label(egui::RichText::new(&warning.message).color(ui.palette().caution));
         }
         if let Some(comment) = &frame.comment {
             ui.label(egui::RichText::new(format!("“{comment}”")).italics());

@@ -4,7 +4,7 @@ mod fold;
 mod item;
 mod strip;
 
-use super::{Panel, theme};
+use super::{Panel, theme::Themed as _};
 use crate::app::Action;
 use crate::app::session::Filter;
 use crate::document::FrameStatus;
@@ -34,11 +34,11 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let chosen = panel.app.session.filter;
     let shown = ComboBox::from_id_salt("filter")
         .width(ui.available_width())
-        .selected_text(RichText::new(chosen.label()).color(theme::STRONG))
+        .selected_text(RichText::new(chosen.label()).color(ui.palette().strong))
         .show_ui(ui, |ui| {
             for filter in Filter::ALL {
                 let row = egui::Button::selectable(filter == chosen, filter.label())
-                    .right_text(RichText::new(counts.shown_by(filter).to_string()).color(theme::WEAK));
+                    .right_text(RichText::new(counts.shown_by(filter).to_string()).color(ui.palette().weak));
                 if ui.add(row).clicked() {
                     panel.actions.push(Action::SetFilter(filter));
                     ui.close();
@@ -52,7 +52,7 @@ fn filter(panel: &mut Panel<'_>, ui: &mut Ui) {
     let reasons = counts.describe_to_do();
     let needed = if needed == 0 { "all done".to_owned() } else { format!("{needed} to do") };
     let tip = "Frames that are neither accepted nor marked as not calibratable";
-    ui.label(RichText::new(needed).small().color(theme::WEAK))
+    ui.label(RichText::new(needed).small().color(ui.palette().weak))
         .on_hover_text(reasons.map_or_else(|| format!("{tip}."), |reasons| format!("{tip}: {reasons}.")));
 }
 
@@ -65,7 +65,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     if strip.cells.is_empty() {
         ui.centered_and_justified(|ui| {
             let none = format!("No frame is “{}”.", app.session.filter.label());
-            ui.label(RichText::new(none).color(theme::WEAK));
+            ui.label(RichText::new(none).color(ui.palette().weak));
         });
         return;
     }

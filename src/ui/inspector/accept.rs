@@ -3,10 +3,8 @@
 use crate::app::{Action, Command};
 use crate::document::FrameStatus;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
-use egui::{
-    Button, Color32, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2,
-};
+use crate::ui::{Panel, theme::Themed as _};
+use egui::{Button, CornerRadius, FontId, Rect, Response, Role, Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, vec2};
 
 /// The button's height, points.
 const HEIGHT: f32 = 44.0;
@@ -67,16 +65,15 @@ fn button(ui: &mut Ui, says: &str, sign: Option<Symbol>, look: Look, width: f32)
     let enabled = ui.is_enabled();
     response.widget_info(|| WidgetInfo::labeled(Role::Button, enabled, says));
     let (ground, text) = match (enabled, response.is_pointer_button_down_on(), response.hovered()) {
-        (false, ..) => (theme::RAISED, theme::WEAK),
-        _ if look == Look::Done && !response.hovered() => (theme::RAISED, theme::GOOD),
-        (_, true, _) => (theme::ACCENT.gamma_multiply(0.8), Color32::WHITE),
-        (_, _, true) => (Color32::from_rgb(92, 164, 255), theme::BACKDROP),
-        _ => (theme::ACCENT, theme::BACKDROP),
+        (false, ..) => (ui.palette().raised, ui.palette().weak),
+        _ if look == Look::Done && !response.hovered() => (ui.palette().raised, ui.palette().good),
+        (_, true, _) | (_, _, true) => (ui.palette().accent_hovered, ui.palette().on_accent),
+        _ => (ui.palette().accent, ui.palette().on_accent),
     };
     let painter = ui.painter();
     painter.rect_filled(rect, CornerRadius::same(6), ground);
     if response.has_focus() {
-        painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, theme::STRONG), StrokeKind::Inside);
+        painter.rect_stroke(rect, CornerRadius::same(6), Stroke::new(2.0, ui.palette().strong), StrokeKind::Inside);
     }
     let galley = painter.layout_no_wrap(says.to_owned(), FontId::proportional(16.0), text);
     let beside = if sign.is_some() { vec2(12.0, 0.0) } else { Vec2::ZERO };

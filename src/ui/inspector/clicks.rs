@@ -6,7 +6,10 @@ use crate::scene::drawing;
 use crate::scene::overlay::{CHECK, click_colour};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, menu, theme};
+use crate::ui::{
+    Panel, menu,
+    theme::{self, Palette, Themed as _},
+};
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align, Align2, Color32, CornerRadius, FontId, Layout, Rect, RichText, Role, ScrollArea, Sense, Ui, UiBuilder,
@@ -34,7 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
         let clicks = panel.app.frame().map(|frame| frame.clicks.clone()).unwrap_or_default();
         if clicks.is_empty() {
             ui.add_space(theme::SPACE);
-            ui.label(RichText::new("Two points that you can name are enough.").color(theme::WEAK));
+            ui.label(RichText::new("Two points that you can name are enough.").color(ui.palette().weak));
         }
         for (index, click) in clicks.iter().enumerate() {
             row(panel, ui, index, click);
@@ -45,7 +48,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
 fn on_line_switch(panel: &mut Panel<'_>, ui: &mut Ui) {
     let command = Command::PlaceOnLine;
     let on = panel.app.session.next_on_line;
-    let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, theme::ACCENT);
+    let palette = ui.palette();
+    let response = symbol::toggle(ui, Symbol::OnLine, command.name(), on, palette.accent);
     if response.on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
         panel.actions.push(Action::Command(command));
     }
@@ -59,14 +63,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
         response.scroll_to_me(None);
     }
     let name = name(app, click);
-    let residual = residual(app, index, click);
+    let residual = residual(ui.palette(), app, index, click);
     response.widget_info(|| {
         let label = format!("Point {}: {name}, {}", index + 1, residual.text);
         WidgetInfo::selected(Role::Button, true, selected, label)
     });
     let ground = match (selected, response.hovered()) {
-        (true, _) => Some(theme::ACCENT_GROUND),
-        (false, true) => Some(theme::RAISED),
+        (true, _) => Some(ui.palette().accent_ground),
+        (false, true) => Some(ui.palette().raised),
         (false, false) => None,
     };
     if let Some(ground) = ground {
@@ -76,16 +80,19 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let painter = ui.painter().clone();
     let middle = rect.center().y;
     let small = FontId::proportional(12.0);
-    painter.text(pos2(rect.left() + 14.0, middle), Align2::RIGHT_CENTER, index + 1, small.clone(), theme::WEAK);
+    painter.text(pos2(rect.left() + 14.0, middle), Align2::RIGHT_CENTER, index + 1, small.clone(), ui.palette().weak);
     let on_line = click.target.as_ref().is_some_and(|target| target.line().is_some());
     let kind = if on_line { Symbol::OnLine } else { Symbol::Landmark };
-    symbol::paint(&painter, kind, Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0)), colour);
+    let mark = Rect::from_center_size(pos2(rect.left() + 26.0, middle), vec2(16.0, 16.0));
+    // The colours of points are made for pictures.
+    painter.rect_filled(mark, CornerRadius::same(3), theme::under_colours_of_pictures(ui));
+    symbol::paint(&painter, kind, mark, colour);
 
     let buttons = 2.0 * theme::SYMBOL.x;
     let has_evidence = app.shown().solved().is_none_or(FrameSolution::residuals_are_evidence);
     let text_left = rect.left() + 38.0;
     let text_width = rect.right() - buttons - RESIDUAL[usize::from(!has_evidence)] - 4.0 - text_left;
-    let strength = if click.target.is_none() { colour } else { theme::TEXT };
+    let strength = if click.target.is_none() { ui.palette().caution } else { ui.palette().text };
     let laid_out = |text: String| {
         let mut line = LayoutJob::simple(text, FontId::proportional(13.0), strength, text_width);
         line.wrap = TextWrapping::truncate_at_width(text_width);
@@ -130,7 +137,8 @@ fn has_been_selected(ui: &Ui, index: usize) -> bool {
 
 fn tail_buttons(panel: &mut Panel<'_>, ui: &mut Ui, index: usize, click: &Click) {
     let keys = &panel.app.settings.keys;
-    let delete = symbol::button(ui, Symbol::Cross, &format!("Delete point {}", index + 1), theme::WEAK);
+    let palette = ui.palette();
+    let delete = symbol::button(ui, Symbol::Cross, &format!("Delete point {}", index + 1), palette.weak);
     let key = keys.shown(Command::DeleteClick);
     if delete.on_hover_text(format!("Delete this point. ({key} deletes the selected one)")).clicked() {
         panel.actions.push(Action::DeleteClick(index));
@@ -167,14 +175,14 @@ struct Residual {
     colour: Color32,
 }
 
-fn residual(app: &App, index: usize, click: &Click) -> Residual {
-    let quiet = |text: &str| Residual { text: text.to_owned(), colour: theme::WEAK };
+fn residual(palette: &Palette, app: &App, index: usize, click: &Click) -> Residual {
+    let quiet = |text: &str| Residual { text: text.to_owned(), colour: palette.weak };
     if click.target.is_none() {
         return quiet("");
     }
     let loud = |px: f64, limit_px: f64| Residual {
         text: format!("{px:.1} px"),
-        colour: if px > limit_px { theme::CAUTION } else { theme::TEXT },
+        colour: if px > limit_px { palette.caution } else { palette.text },
     };
     let solved = app.shown().solved();
     if let Some(solved) = solved.filter(|_| click.check) {
@@ -196,7 +204,7 @@ fn residual(app: &App, index: usize, click: &Click) -> Residual {
 }
 
 fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
-    ui.label(RichText::new(format!("{}  {name}", index + 1)).color(theme::STRONG));
+    ui.label(RichText::new(format!("{}  {name}", index + 1)).color(ui.palette().strong));
     ui.label(format!("x {:.2}, y {:.2} px", click.image.x, click.image.y));
     if let Some(sigma_px) = click.snapped_sigma_px {
         ui.label(format!(
@@ -211,6 +219,6 @@ fn tooltip(ui: &mut Ui, app: &App, index: usize, click: &Click, name: &str) {
     let keys = &app.settings.keys;
     ui.label(
         RichText::new(format!("Double-click or press {} to rename it.", keys.shown(Command::RenameClick)))
-            .color(theme::WEAK),
+            .color(ui.palette().weak),
     );
 }

@@ -5,7 +5,10 @@ use crate::app::{Action, App, Command};
 use crate::document::{Solution, Target};
 use crate::solve::FrameSolution;
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Grid, Label, RichText, Role, Sense, Ui, WidgetInfo, pos2, vec2};
 
 /// Shows the details, or the line that expands them.
@@ -13,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let open = panel.app.settings.details;
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, open, "Details"));
-    let colour = if response.hovered() { theme::STRONG } else { theme::WEAK };
+    let colour = if response.hovered() { ui.palette().strong } else { ui.palette().weak };
     let sign = egui::Rect::from_center_size(pos2(rect.left() + 6.0, rect.center().y), vec2(12.0, 12.0));
     symbol::paint(ui.painter(), if open { Symbol::Unfolded } else { Symbol::Folded }, sign, colour);
     ui.painter().text(
@@ -65,9 +68,9 @@ fn has_just_unfolded(ui: &Ui, open: bool) -> bool {
 const VALUE: f32 = 172.0;
 
 fn pair(ui: &mut Ui, name: &str, value: impl Into<String>, tip: &str) {
-    ui.label(RichText::new(name).color(theme::WEAK)).on_hover_text(tip);
+    ui.label(RichText::new(name).color(ui.palette().weak)).on_hover_text(tip);
     // A long value must not widen the panel.
-    let value = Label::new(RichText::new(value.into()).color(theme::TEXT)).truncate();
+    let value = Label::new(RichText::new(value.into()).color(ui.palette().text)).truncate();
     ui.scope(|ui| {
         ui.set_max_width(VALUE.min(ui.max_rect().width()));
         ui.add(value).on_hover_text(tip);
@@ -121,7 +124,7 @@ fn residuals(ui: &mut Ui, solved: &FrameSolution) {
     theme::title(ui, "RESIDUALS, px");
     Grid::new("residuals").num_columns(4).min_col_width(48.0).spacing([8.0, 2.0]).show(ui, |ui| {
         for head in ["point", "right", "down", "1-σ"] {
-            ui.label(RichText::new(head).small().color(theme::WEAK));
+            ui.label(RichText::new(head).small().color(ui.palette().weak));
         }
         ui.end_row();
         for residual in &solved.residuals {
@@ -167,7 +170,7 @@ fn next_clicks(panel: &mut Panel<'_>, ui: &mut Ui) {
             next.worst_corner_px,
             next.gain()
         );
-        let button = Button::new(RichText::new(format!("{label}: {}", next.gain())).color(theme::TEXT));
+        let button = Button::new(RichText::new(format!("{label}: {}", next.gain())).color(ui.palette().text));
         if ui.add(button.frame(false).truncate()).on_hover_text(tip).clicked() {
             panel.actions.push(Action::Pick(target));
         }
@@ -190,7 +193,8 @@ fn other_root(panel: &mut Panel<'_>, ui: &mut Ui, solved: &FrameSolution) {
 fn warnings<'a>(ui: &mut Ui, messages: impl Iterator<Item = &'a str>) {
     for message in messages {
         ui.horizontal_top(|ui| {
-            symbol::show(ui, Symbol::Warning, theme::CAUTION);
+            let palette = ui.palette();
+            symbol::show(ui, Symbol::Warning, palette.caution);
             ui.add(Label::new(message).wrap());
         });
     }

@@ -6,7 +6,10 @@ mod details;
 mod solution;
 mod verdict;
 
-use super::{Panel, field_map, theme};
+use super::{
+    Panel, field_map,
+    theme::{self, Themed as _},
+};
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 
 /// The least height below the list of points, for solution and verdict, points.
@@ -55,5 +58,5 @@ pub fn accept(panel: &mut Panel<'_>, ui: &mut Ui) {
 /// A thin line between two groups.
 fn line(ui: &mut Ui) {
     let (rect, _) = ui.allocate_exact_size(vec2(ui.available_width(), 2.0 * theme::SPACE + 1.0), Sense::hover());
-    ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, theme::LINE));
+    ui.painter().hline(rect.x_range(), rect.center().y, egui::Stroke::new(1.0, ui.palette().line));
 }

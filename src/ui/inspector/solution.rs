@@ -5,7 +5,10 @@ use crate::camera::Ptz;
 use crate::document::{Frame, FramePtz, SolutionSource};
 use crate::geometry::Angle;
 use crate::ui::number::Number;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Align, Button, Layout, RichText, Ui};
 
 /// The width of the labels, points.
@@ -30,7 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         theme::title(ui, "CAMERA");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            ui.label(RichText::new(source(app, frame)).small().color(theme::WEAK));
+            ui.label(RichText::new(source(app, frame)).small().color(ui.palette().weak));
         });
     });
     let shown = app.shown();
@@ -156,10 +159,10 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
         match sigma.filter(|sigma| sigma.is_finite()) {
             Some(sigma) => {
                 ui.label("Worst corner");
-                ui.label(RichText::new(format!("±{sigma:.1} px")).color(theme::STRONG));
+                ui.label(RichText::new(format!("±{sigma:.1} px")).color(ui.palette().strong));
             }
             None => {
-                ui.label(RichText::new("Uncertainty unknown").color(theme::WEAK));
+                ui.label(RichText::new("Uncertainty unknown").color(ui.palette().weak));
             }
         }
         if panel.app.current().by_hand && !shown.is_estimated && !frame.clicks.is_empty() {
@@ -178,14 +181,14 @@ fn below(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
 /// No numbers yet: why, and how to set them manually.
 fn unsolved(panel: &mut Panel<'_>, ui: &mut Ui, frame: &Frame) {
     if panel.app.shown().is_estimated {
-        ui.label(RichText::new("No points here to solve with the estimated base.").color(theme::WEAK));
+        ui.label(RichText::new("No points here to solve with the estimated base.").color(ui.palette().weak));
         return;
     }
     if panel.app.current().base.is_none() {
-        ui.label(RichText::new("The camera's position is not known yet.").color(theme::WEAK));
+        ui.label(RichText::new("The camera's position is not known yet.").color(ui.palette().weak));
         return;
     }
-    ui.label(RichText::new("Not solved yet.").color(theme::WEAK));
+    ui.label(RichText::new("Not solved yet.").color(ui.palette().weak));
     let by_hand =
         ui.button("Set manually").on_hover_text("Start from a typical view and drag pan, tilt and focal length.");
     if by_hand.clicked() {

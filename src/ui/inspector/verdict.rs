@@ -7,7 +7,10 @@ use crate::calibrate::CalibrationError;
 use crate::document::{Frame, FrameStatus, Target};
 use crate::solve::{SolveError, Verdict, Warning, WarningCode};
 use crate::ui::symbol::{self, Symbol};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Label, RichText, Ui};
 
 /// The least height of the group, points, so that nothing below it jumps.
@@ -22,7 +25,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         let shown = app.shown();
         match (&shown.judgement, shown.solution) {
             (Some(judgement), _) => {
-                let colour = theme::verdict_colour(judgement.verdict);
+                let colour = ui.palette().verdict(judgement.verdict);
                 ui.horizontal(|ui| {
                     let sign = if judgement.verdict == Verdict::Good { Symbol::Landmark } else { Symbol::Warning };
                     if judgement.verdict != Verdict::Good {
@@ -33,7 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                         "Good: no evidence against it. Check: look before you accept. Wrong: something contradicts it.",
                     );
                 });
-                ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(theme::TEXT)).wrap());
+                ui.add(Label::new(RichText::new(sentence(&judgement.reason)).color(ui.palette().text)).wrap());
                 if !shown.is_estimated {
                     ways_out(panel, ui, &judgement.reason);
                 }
@@ -96,13 +99,13 @@ fn paint(app: &App, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let (mark, _) = ui.allocate_exact_size(egui::Vec2::splat(12.0), egui::Sense::hover());
         theme::paint_line_mark(ui.painter(), mark.center(), says.verdict);
-        let told = ui.add(Label::new(RichText::new(text).small().color(theme::TEXT)).wrap());
+        let told = ui.add(Label::new(RichText::new(text).small().color(ui.palette().text)).wrap());
         told.on_hover_text("The picture is searched for paint where the camera predicts painted lines.");
     });
 }
 
 fn said(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }
 
 /// The button that searches the painted lines, where that may find a camera.
@@ -154,7 +157,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
             panel.actions.extend(way.actions);
         }
         if more > 0 {
-            let rest = Button::new(RichText::new(format!("{more} more")).color(theme::CAUTION)).frame(false);
+            let rest = Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution)).frame(false);
             if ui.add(rest).on_hover_text("Show all warnings in the details below.").clicked() {
                 panel.actions.push(Action::SetDetails(true));
             }

@@ -7,7 +7,10 @@ use crate::document::Target;
 use crate::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Button, Label, RichText, Ui, vec2};
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -52,7 +55,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui, compared: Option<&Arc<Compared>>) 
     }
     let name = file_name(&compared.file.to_string_lossy());
     let text = if stale { format!("with {name}, before the last changes") } else { format!("with {name}") };
-    ui.label(RichText::new(text).small().color(theme::WEAK)).on_hover_text(compared.file.display().to_string());
+    ui.label(RichText::new(text).small().color(ui.palette().weak)).on_hover_text(compared.file.display().to_string());
 }
 
 fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
@@ -73,7 +76,7 @@ fn found(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             {
                 let label = panel.app.label(&Target::Landmark(pair.landmark.clone()));
                 let text = format!("{}: {label}, {:.1} px", file_name(&frame.name), pair.apart_px());
-                ui.label(RichText::new(text).color(theme::STRONG));
+                ui.label(RichText::new(text).color(ui.palette().strong));
                 if clicked {
                     panel.actions.push(look_at(frame, pair.clicks[0]));
                 }
@@ -152,7 +155,7 @@ fn names(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
             if frame.names.len() == 1 { "1 point".to_owned() } else { format!("{} points", frame.names.len()) };
         let text = format!("{}: {points}, {}", file_name(&frame.name), said(&frame.names[0]));
         let all: Vec<String> = frame.names.iter().map(said).collect();
-        let row = ui.add(Button::new(RichText::new(text).color(theme::CAUTION)).frame(false).truncate());
+        let row = ui.add(Button::new(RichText::new(text).color(ui.palette().caution)).frame(false).truncate());
         if row.on_hover_text(format!("{}\nClick to look at it.", all.join("\n"))).clicked() {
             panel.actions.push(look_at(frame, frame.names[0].clicks[0]));
         }
@@ -180,7 +183,7 @@ fn frames(panel: &mut Panel<'_>, ui: &mut Ui, agreement: &Agreement) {
         let px = apart(frame);
         let value = if px.is_finite() { format!("{px:.1} px") } else { "elsewhere".to_owned() };
         let selected = panel.app.session.frame == frame.frames[0];
-        let colour = if px > largest { theme::CAUTION } else { theme::ACCENT };
+        let colour = (px > largest).then_some(ui.palette().caution);
         let (_, response) =
             Bar { name: &name, value: &value, share: px / largest, colour, selected, ..Bar::default() }.show(ui);
         if response.on_hover_text(tip(frame)).clicked() {

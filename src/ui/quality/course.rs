@@ -10,7 +10,10 @@ use crate::geometry::Angle;
 use crate::report::figure::Ruler;
 use crate::ui::menu::file_name;
 use crate::ui::plot::Plot;
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{
     Button, CornerRadius, CursorIcon, Label, Painter, Pos2, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui,
     WidgetInfo, pos2, vec2,
@@ -141,14 +144,14 @@ impl Stack {
         let painter = ui.painter_at(self.rect);
         let shown = course.at_of(panel.app.session.frame).filter(|at| (self.span[0]..=self.span[1]).contains(at));
         for ((plot, ruler), quantity) in self.plots.iter().zip(&self.rulers).zip(Quantity::ALL) {
-            painter.rect_filled(plot.area, CornerRadius::same(3), theme::BACKDROP);
+            painter.rect_filled(plot.area, CornerRadius::same(3), ui.palette().backdrop);
             plot.levels(&painter, ruler);
             cuts(&painter, plot, course);
             if let Some(at) = shown {
-                painter.vline(plot.x_of(at), plot.area.y_range(), Stroke::new(1.0, theme::ACCENT));
+                painter.vline(plot.x_of(at), plot.area.y_range(), Stroke::new(1.0, ui.palette().accent));
             }
             if let Some(point) = under {
-                painter.vline(plot.x_of(point.at), plot.area.y_range(), Stroke::new(1.0, theme::WEAK));
+                painter.vline(plot.x_of(point.at), plot.area.y_range(), Stroke::new(1.0, ui.palette().weak));
             }
             curve(&painter, plot, course.within(self.span), quantity);
             let in_span = |point: &&CoursePoint| (self.span[0]..=self.span[1]).contains(&point.at);
@@ -160,7 +163,7 @@ impl Stack {
             }
             if let Some(point) = under {
                 let at = plot.at(point.at, point.value(quantity));
-                painter.circle_stroke(at, 5.0, Stroke::new(1.5, theme::STRONG));
+                painter.circle_stroke(at, 5.0, Stroke::new(1.5, ui.palette().strong));
             }
             plot.caption(&painter, quantity.label());
         }
@@ -252,7 +255,7 @@ fn cuts(painter: &Painter, plot: &Plot, course: &Course) {
     }
     for at in inside {
         let [top, bottom] = [plot.area.top(), plot.area.bottom()].map(|y| pos2(plot.x_of(*at), y));
-        painter.extend(Shape::dashed_line(&[top, bottom], Stroke::new(1.0, theme::WEAK), 2.0, 3.0));
+        painter.extend(Shape::dashed_line(&[top, bottom], Stroke::new(1.0, painter.palette().weak), 2.0, 3.0));
     }
 }
 
@@ -262,7 +265,8 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
     match drawn(points, quantity, plot.x, (plot.area.width() / COLUMN) as usize) {
         Drawn::Points(points) => {
             for shot in points.chunk_by(|a, b| a.shot == b.shot) {
-                painter.line(shot.iter().map(at).collect(), Stroke::new(1.0, theme::WEAK.gamma_multiply(0.6)));
+                painter
+                    .line(shot.iter().map(at).collect(), Stroke::new(1.0, painter.palette().weak.gamma_multiply(0.6)));
             }
             for kind in PointKind::ALL {
                 for point in points.iter().filter(|point| point.kind == kind) {
@@ -275,7 +279,7 @@ fn curve(painter: &Painter, plot: &Plot, points: &[CoursePoint], quantity: Quant
                 let left = plot.area.left() + column.column as f32 * COLUMN;
                 let (top, bottom) = (plot.y_of(column.high) - 1.0, plot.y_of(column.low) + 1.0);
                 let bar = Rect::from_min_max(pos2(left, top), pos2(left + COLUMN, bottom));
-                painter.rect_filled(bar, 0.0, legend::colour(column.kind));
+                painter.rect_filled(bar, 0.0, legend::colour(painter.palette(), column.kind));
             }
         }
     }
@@ -287,11 +291,11 @@ fn read_out(panel: &Panel<'_>, ui: &mut Ui, course: &Course, under: Option<&Cour
         let time = if course.axis == TimeAxis::Frame { "Frame number" } else { "Time of the video" };
         let text =
             format!("{time} to the right. Click to go to the frame, Ctrl and wheel or + and − to zoom, drag to move.");
-        ui.label(RichText::new(text).small().color(theme::WEAK));
+        ui.label(RichText::new(text).small().color(ui.palette().weak));
         return;
     };
     let text = describe_point(point, frame, course.axis);
-    let colour = if point.stands_out { theme::BAD } else { theme::STRONG };
+    let colour = if point.stands_out { ui.palette().bad } else { ui.palette().strong };
     ui.add(Label::new(RichText::new(text).small().color(colour)).truncate());
 }
 
@@ -321,7 +325,7 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
         "Farther than {DISAGREES_PX:.0} px (at 1920 px width) off the line between the frames before and after, and farther off than these are apart."
     );
     ui.horizontal(|ui| {
-        ui.label(RichText::new("Out of line with neighbours:").small().color(theme::BAD)).on_hover_text(tip);
+        ui.label(RichText::new("Out of line with neighbours:").small().color(ui.palette().bad)).on_hover_text(tip);
         for point in course.standing_out.iter().take(NAMED).map(|&place| &course.points[place]) {
             let Some(frame) = app.open().and_then(|open| open.frame(point.frame)) else { continue };
             let says = format!("{} {:.0} px", file_name(&frame.name()), point.apart_px.unwrap_or(0.0));
@@ -334,7 +338,7 @@ fn standing_out(panel: &mut Panel<'_>, ui: &mut Ui, course: &Course) {
             }
         }
         if let Some(more) = course.standing_out.len().checked_sub(NAMED).filter(|more| *more > 0) {
-            ui.label(RichText::new(format!("and {more} more")).small().color(theme::WEAK));
+            ui.label(RichText::new(format!("and {more} more")).small().color(ui.palette().weak));
         }
     });
 }

@@ -5,9 +5,9 @@ use crate::app::Action;
 use crate::app::quality::{CoursePoint, PointKind, Seen};
 use crate::app::where_to_label::whole_degrees;
 use crate::proposals::Coverage;
-use crate::ui::coverage_map::{CoverageMap, MISSING, label_next, missing, seen_by};
+use crate::ui::coverage_map::{CoverageMap, label_next, missing, seen_by};
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Color32, CursorIcon, Label, Painter, Pos2, Rect, Sense, Stroke, Ui, vec2};
 
 /// The map's height: at least, and as a share of its width, points.
@@ -33,7 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             };
             let height = HEIGHT.max(HEIGHT_SHARE * ui.available_width());
             let map = CoverageMap::show(ui, &seen.references, height, Sense::click());
-            map.dots(&seen.suggestions, theme::CAUTION);
+            map.dots(&seen.suggestions, ui.palette().caution);
             if let (Some(camera), Some(frame)) = (&panel.app.current().camera, panel.app.frame())
                 && panel.app.quality().camera.as_ref() == Some(&frame.camera)
             {
@@ -68,12 +68,13 @@ fn keys(ui: &mut Ui, seen: &Seen) {
             painter.rect_filled(Rect::from_center_size(at, vec2(side, side)), 0.0, colour);
         }
     };
+    let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
-        legend::entry(ui, "seen by 1 reference", square(seen_by(1), 9.0));
-        legend::entry(ui, "by 4 or more", square(seen_by(4), 9.0));
-        legend::entry(ui, "field that none sees", square(MISSING, 9.0));
+        legend::entry(ui, "seen by 1 reference", square(seen_by(palette, 1), 9.0));
+        legend::entry(ui, "by 4 or more", square(seen_by(palette, 4), 9.0));
+        legend::entry(ui, "field that none sees", square(palette.missing, 9.0));
         if !is_empty(&seen.suggestions) {
-            legend::entry(ui, "seen by a suggestion", square(theme::CAUTION, 4.0));
+            legend::entry(ui, "seen by a suggestion", square(palette.caution, 4.0));
         }
     });
 }
@@ -100,7 +101,7 @@ fn read_pointer(panel: &mut Panel<'_>, ui: &Ui, map: &CoverageMap<'_>, looks: &S
         map.response.clone().on_hover_text_at_pointer(seen);
         return;
     };
-    map.painter.circle_stroke(on_map(point), 4.0, Stroke::new(1.5, theme::STRONG));
+    map.painter.circle_stroke(on_map(point), 4.0, Stroke::new(1.5, ui.palette().strong));
     ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
     let name = file_name(&frame.name());
     let text = format!("{seen} Click to go to {name}, whose centre is nearest.");

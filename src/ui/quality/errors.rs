@@ -5,7 +5,7 @@ use crate::app::Action;
 use crate::app::quality::{ClickErrors, Histogram, Spread};
 use crate::report::figure::Ruler;
 use crate::ui::plot::Plot;
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     CornerRadius, CursorIcon, Painter, Rect, Response, RichText, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2, vec2,
 };
@@ -25,11 +25,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let errors = &panel.app.quality().errors;
     let unit = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The distance between a click and where the frame's camera projects its landmark or line, scaled to 1920 px width.";
-        ui.label(RichText::new("px at 1920 px width").small().color(theme::WEAK)).on_hover_text(tip);
+        ui.label(RichText::new("px at 1920 px width").small().color(ui.palette().weak)).on_hover_text(tip);
         if !errors.clicks.is_empty() {
             let right = "The histogram expected of the same number of correct clicks, from the click noise of their landmarks and lines.";
             legend::entry(ui, "correct clicks", |painter, at| {
-                painter.hline(at.x - 4.0..=at.x + 4.0, at.y, Stroke::new(1.5, theme::GOOD));
+                painter.hline(at.x - 4.0..=at.x + 4.0, at.y, Stroke::new(1.5, painter.palette().good));
             })
             .on_hover_text(right);
         }
@@ -71,7 +71,7 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     let (histogram, step_px) = (&spread.histogram, spread.histogram.step_px);
     let description =
         format!("{what}: {}, median {}, 90 % below {}", spread.count, px(spread.median_px), px(spread.most_px));
-    ui.label(RichText::new(&description).small().color(theme::STRONG)).on_hover_text(about);
+    ui.label(RichText::new(&description).small().color(ui.palette().strong)).on_hover_text(about);
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT + BELOW), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, format!("Histogram. {description}")));
     let area = Rect::from_min_max(rect.min + vec2(NUMBERS, 4.0), rect.max - vec2(4.0, BELOW));
@@ -80,10 +80,10 @@ fn one(panel: &mut Panel<'_>, ui: &mut Ui, spread: Option<&Spread>, check: bool)
     let plot = Plot { area, x: [0.0, histogram.bins.len() as f64], y: ruler.range() };
     if ui.is_rect_visible(rect) {
         let painter = ui.painter_at(rect);
-        painter.rect_filled(area, CornerRadius::same(3), theme::BACKDROP);
+        painter.rect_filled(area, CornerRadius::same(3), ui.palette().backdrop);
         plot.levels(&painter, &ruler);
         bars(&painter, &plot, histogram);
-        for (value, colour) in [(spread.median_px, theme::STRONG), (spread.most_px, theme::WEAK)] {
+        for (value, colour) in [(spread.median_px, ui.palette().strong), (spread.most_px, ui.palette().weak)] {
             painter.vline(plot.x_of(value / step_px), area.y_range(), Stroke::new(1.0, colour));
         }
         below(&painter, &plot, step_px);
@@ -98,14 +98,14 @@ fn bars(painter: &Painter, plot: &Plot, histogram: &Histogram) {
         let (left, right) = (plot.x_of(place as f64), plot.x_of(place as f64 + 1.0));
         let bar =
             Rect::from_min_max(pos2(left + 0.5, plot.y_of(bin.count as f64)), pos2(right - 0.5, plot.area.bottom()));
-        painter.rect_filled(bar, 0.0, if place == last { theme::CAUTION } else { theme::ACCENT });
+        painter.rect_filled(bar, 0.0, if place == last { painter.palette().caution } else { painter.palette().accent });
     }
     let step = |(place, count): (usize, &f64)| {
         let y = plot.y_of(*count);
         [pos2(plot.x_of(place as f64), y), pos2(plot.x_of(place as f64 + 1.0), y)]
     };
     let steps = histogram.expected.iter().take(last).enumerate().flat_map(step).collect();
-    painter.add(Shape::line(steps, Stroke::new(1.0, theme::GOOD)));
+    painter.add(Shape::line(steps, Stroke::new(1.0, painter.palette().good)));
 }
 
 /// Numbers below the bars.

@@ -6,7 +6,7 @@ use crate::app::{Action, Command};
 use crate::calibrate::OwnNoise;
 use crate::document::{ClickNoise, Target};
 use crate::ui::bar::Bar;
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Label, RichText, Ui, vec2};
 
 /// More landmarks than this are not listed.
@@ -39,7 +39,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
                     let label = app.label(&Target::Landmark(repeat.landmark.clone()));
                     let number = app.open().map_or(repeat.frame as u64, |open| open.frame_number(repeat.frame));
                     let text = format!("Frame {number}: {label}, {:.1} px", repeat.offset_px.norm());
-                    ui.label(RichText::new(text).color(theme::STRONG));
+                    ui.label(RichText::new(text).color(ui.palette().strong));
                     if clicked {
                         panel.actions.push(Action::LookAt { frame: repeat.frame, click: repeat.click });
                     }
@@ -74,7 +74,7 @@ fn beside(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     let gold = app.gold().frames;
     let plural = if gold == 1 { "" } else { "s" };
-    ui.label(RichText::new(format!("{gold} gold frame{plural}")).small().color(theme::WEAK));
+    ui.label(RichText::new(format!("{gold} gold frame{plural}")).small().color(ui.palette().weak));
 }
 
 fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
@@ -85,7 +85,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         }
         None => "Too few blind clicks to estimate your click noise".to_owned(),
     };
-    ui.add(Label::new(RichText::new(said).color(theme::STRONG)).wrap()).on_hover_text(
+    ui.add(Label::new(RichText::new(said).color(ui.palette().strong)).wrap()).on_hover_text(
         "1-σ of a single click at 1920 px width. The rings are one and two σ of the distance between two clicks.",
     );
     let [right, down] = own.noise_by_axis.map(|noise| noise.map(|noise| format!("{:.2} px", noise.sigma)));
@@ -97,7 +97,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     };
     let frames = if own.frames == 1 { "1 frame".to_owned() } else { format!("{} frames", own.frames) };
     let text = format!("{} blind clicks in {frames}:{axes}{aside}", own.repeats).replace(":.", ".");
-    ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(theme::TEXT)).wrap());
+    ui.add(Label::new(RichText::new(text.trim_end_matches(':')).color(ui.palette().text)).wrap());
     let used = panel.app.open().and_then(|open| open.document.click_noise_in_use());
     let text = match (&used, &own.click_noise) {
         (None, None) => format!("After {} more it can weight your points.", own.missing().max(1)),
@@ -110,7 +110,7 @@ fn describe(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
     };
     let tip = "Half of the variance that a field template states for a landmark comes from clicking, half from the place: paint \
                is wide, and no field is painted to the centimetre. Your blind clicks replace the first half.";
-    ui.add(Label::new(RichText::new(text).color(theme::TEXT)).wrap()).on_hover_text(tip);
+    ui.add(Label::new(RichText::new(text).color(ui.palette().text)).wrap()).on_hover_text(tip);
 }
 
 /// An annotator's click noise compared with the usual one, in a sentence.
@@ -144,6 +144,6 @@ fn landmarks(panel: &Panel<'_>, ui: &mut Ui, own: &OwnNoise) {
         response.on_hover_text(tip);
     }
     if let Some(more) = sorted.len().checked_sub(LANDMARKS_SHOWN).filter(|more| *more > 0) {
-        ui.label(RichText::new(format!("{more} more landmarks")).small().color(theme::WEAK));
+        ui.label(RichText::new(format!("{more} more landmarks")).small().color(ui.palette().weak));
     }
 }

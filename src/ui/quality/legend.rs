@@ -1,7 +1,7 @@
 //! How the frames of each kind are marked on the page.
 
 use crate::app::quality::PointKind;
-use crate::ui::theme;
+use crate::ui::theme::{Palette, Themed as _};
 use egui::{
     Color32, CornerRadius, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui,
     WidgetInfo, pos2, vec2,
@@ -12,13 +12,13 @@ const ROW: f32 = 16.0;
 const MARK: f32 = 14.0;
 
 /// The colour of a kind.
-pub fn colour(kind: PointKind) -> Color32 {
-    theme::status_look(kind.status()).colour
+pub const fn colour(palette: &Palette, kind: PointKind) -> Color32 {
+    palette.status(kind.status())
 }
 
 /// Marks a frame: a disc for a reference, a diamond for a suggestion, a square for a draft.
 pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
-    let stroke = Stroke::new(1.2, colour(kind));
+    let stroke = Stroke::new(1.2, colour(painter.palette(), kind));
     match kind {
         PointKind::Reference => {
             painter.circle_filled(at, 2.8, stroke.color);
@@ -36,18 +36,18 @@ pub fn mark(painter: &Painter, at: Pos2, kind: PointKind) {
 
 /// Rings a frame that disagrees with its neighbours.
 pub fn ring(painter: &Painter, at: Pos2) {
-    painter.circle_stroke(at, 5.5, Stroke::new(1.5, theme::BAD));
+    painter.circle_stroke(at, 5.5, Stroke::new(1.5, painter.palette().bad));
 }
 
 /// A mark with its text, kept together on one line.
 pub fn entry(ui: &mut Ui, words: &str, paint: impl FnOnce(&Painter, Pos2)) -> Response {
     let font = TextStyle::Small.resolve(ui.style());
-    let galley = ui.painter().layout_no_wrap(words.to_owned(), font, theme::TEXT);
+    let galley = ui.painter().layout_no_wrap(words.to_owned(), font, ui.palette().text);
     let (place, response) = ui.allocate_exact_size(vec2(MARK + galley.size().x, ROW), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, words));
     paint(ui.painter(), place.left_center() + vec2(MARK / 2.0 - 2.0, 0.0));
     let text = pos2(place.left() + MARK, place.center().y - galley.size().y / 2.0);
-    ui.painter().galley(text, galley, theme::TEXT);
+    ui.painter().galley(text, galley, ui.palette().text);
     response
 }
 

@@ -13,7 +13,10 @@ mod targets;
 mod time;
 
 use super::symbol::{self, Symbol};
-use super::{Panel, theme};
+use super::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use crate::app::{Action, Command};
 use egui::layers::ShapeIdx;
 use egui::{Align, CornerRadius, Frame, Label, Layout, Margin, RichText, ScrollArea, Shape, Ui, vec2};
@@ -26,7 +29,7 @@ const CORNER: CornerRadius = CornerRadius::same(6);
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let area = ui.available_rect_before_wrap();
-    ui.painter().rect_filled(area, 0.0, theme::PANEL);
+    ui.painter().rect_filled(area, 0.0, ui.palette().panel);
     heading(panel, ui);
     let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 0, bottom: 8 });
     ScrollArea::vertical().id_salt("quality page").auto_shrink(false).show(ui, |ui| {
@@ -44,10 +47,11 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Quality").heading().color(theme::STRONG));
+            ui.label(RichText::new("Quality").heading().color(ui.palette().strong));
             cameras(panel, ui);
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let close = symbol::button(ui, Symbol::Cross, "Close the quality page", theme::WEAK);
+                let palette = ui.palette();
+                let close = symbol::button(ui, Symbol::Cross, "Close the quality page", palette.weak);
                 let key = panel.app.settings.keys.shown(Command::QualityPage);
                 if close.on_hover_text(format!("Back to the picture. ({key})")).clicked() {
                     panel.actions.push(Action::Command(Command::QualityPage));
@@ -85,7 +89,7 @@ fn row<const N: usize>(panel: &mut Panel<'_>, ui: &mut Ui, sections: [fn(&mut Pa
         for (column, ground) in columns.iter().zip(grounds) {
             let mut rect = column.min_rect();
             rect.set_bottom(bottom);
-            column.painter().set(ground, Shape::rect_filled(rect, CORNER, theme::RAISED));
+            column.painter().set(ground, Shape::rect_filled(rect, CORNER, column.palette().raised));
         }
     });
 }
@@ -98,7 +102,7 @@ fn card(
     beside: impl FnOnce(&mut Panel<'_>, &mut Ui),
     inside: impl FnOnce(&mut Panel<'_>, &mut Ui),
 ) {
-    let ground = Frame::new().fill(theme::RAISED).corner_radius(CORNER).inner_margin(Margin::same(10));
+    let ground = Frame::new().fill(ui.palette().raised).corner_radius(CORNER).inner_margin(Margin::same(10));
     ground.show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(2.0 * theme::SPACE, theme::SPACE);
         ui.set_width(ui.available_width());
@@ -112,5 +116,5 @@ fn card(
 
 /// The text of an empty section: what will appear, and what to do for it.
 fn nothing_yet(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }

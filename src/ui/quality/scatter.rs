@@ -1,7 +1,7 @@
 //! Offsets between two clicks on the same spots, as dots around the centre. The nearest dot can be pointed at and clicked.
 
 use crate::geometry::Vec2;
-use crate::ui::theme;
+use crate::ui::theme::Themed as _;
 use egui::{Align2, FontId, Role, Sense, Stroke, Ui, WidgetInfo, vec2};
 
 /// The side of the plot, points.
@@ -32,13 +32,13 @@ impl Scatter<'_> {
             centre + vec2((offset.x * points_per_px) as f32, (offset.y * points_per_px) as f32)
         };
         let painter = ui.painter_at(rect);
-        painter.rect_filled(rect, 4.0, theme::PANEL);
-        painter.hline(rect.x_range(), centre.y, Stroke::new(1.0, theme::LINE));
-        painter.vline(centre.x, rect.y_range(), Stroke::new(1.0, theme::LINE));
+        painter.rect_filled(rect, 4.0, ui.palette().panel);
+        painter.hline(rect.x_range(), centre.y, Stroke::new(1.0, ui.palette().line));
+        painter.vline(centre.x, rect.y_range(), Stroke::new(1.0, ui.palette().line));
         for times in [1.0, 2.0] {
             if let Some(sigma_px) = self.sigma_px {
                 let radius = (times * sigma_px * points_per_px) as f32;
-                painter.circle_stroke(centre, radius, Stroke::new(1.0, theme::WEAK));
+                painter.circle_stroke(centre, radius, Stroke::new(1.0, ui.palette().weak));
             }
         }
         let dots: Vec<_> = self.offsets.iter().map(place).collect();
@@ -48,13 +48,13 @@ impl Scatter<'_> {
         });
         for (index, dot) in dots.iter().enumerate() {
             let pointed = under == Some(index);
-            let (radius, colour) = if pointed { (4.0, theme::STRONG) } else { (2.4, theme::ACCENT) };
+            let (radius, colour) = if pointed { (4.0, ui.palette().strong) } else { (2.4, ui.palette().accent) };
             let beyond = self.offsets[index].norm() > reach_px;
-            painter.circle_filled(*dot, radius, if beyond && !pointed { theme::CAUTION } else { colour });
+            painter.circle_filled(*dot, radius, if beyond && !pointed { ui.palette().caution } else { colour });
         }
         let corner = rect.right_bottom() - vec2(4.0, 2.0);
         let text = format!("±{reach_px:.1} px");
-        painter.text(corner, Align2::RIGHT_BOTTOM, text, FontId::proportional(10.0), theme::WEAK);
+        painter.text(corner, Align2::RIGHT_BOTTOM, text, FontId::proportional(10.0), ui.palette().weak);
         if under.is_some() {
             ui.ctx().set_cursor_icon(egui::CursorIcon::PointingHand);
         }

@@ -5,7 +5,7 @@ use crate::app::Action;
 use crate::app::quality::TargetErrors;
 use crate::ui::bar::Bar;
 use crate::ui::menu::file_name;
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Button, Id, RichText, Ui};
 
 /// More landmarks than this are shown when asked for.
@@ -20,7 +20,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let legend = |_: &mut Panel<'_>, ui: &mut Ui| {
         let tip = "The stroke marks the median expected of correct clicks, from how precisely people hit this landmark. A landmark that is off in every frame may be named wrongly, or the field's size is wrong.";
         let words = if targets.is_empty() { "" } else { "median; | expected" };
-        ui.label(RichText::new(words).small().color(theme::WEAK)).on_hover_text(tip);
+        ui.label(RichText::new(words).small().color(ui.palette().weak)).on_hover_text(tip);
     };
     card(panel, ui, "ERRORS BY LANDMARK", legend, |panel, ui| {
         if targets.is_empty() {
@@ -50,9 +50,9 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
     let label = panel.app.label(&errors.target);
     let clicks = if errors.clicks == 1 { "1 click".to_owned() } else { format!("{} clicks", errors.clicks) };
     let colour = match (errors.is_known(), errors.is_bad()) {
-        (true, true) => theme::CAUTION,
-        (true, false) => theme::ACCENT,
-        (false, _) => theme::WEAK,
+        (true, true) => Some(ui.palette().caution),
+        (true, false) => None,
+        (false, _) => Some(ui.palette().weak),
     };
     let median = if errors.median_px.is_finite() { format!("{:.1} px", errors.median_px) } else { "unseen".to_owned() };
     let bar = Bar {
@@ -69,7 +69,7 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, errors: &TargetErrors, largest_px: f6
     let name =
         panel.app.open().and_then(|open| open.frame(frame)).map(|frame| file_name(&frame.name())).unwrap_or_default();
     let tip = format!(
-        "{label}: {clicks}, median {median}, nine of ten below {:.1} px; correct ones would have a median of {:.1} px. The worst, {worst_px:.1} px, is in {name}: click to go there.",
+        "{label}: {clicks}, median {median}, 90 % below {:.1} px; correct ones would have a median of {:.1} px. The worst, {worst_px:.1} px, is in {name}: click to go there.",
         errors.most_px, errors.expected_px
     );
     if response.on_hover_text(tip).clicked() {

@@ -1,11 +1,14 @@
 //! The list of suggestions: a thumbnail with the proposed lines, the confidence, the deviation from its neighbours. Only
 //! visible rows are laid out. While the pointer is over the list no row moves; otherwise the shown frame's row keeps its place.
 
-use crate::app::Action;
 use crate::app::review::{ReviewOrder, ReviewRow, percent};
 use crate::app::session::status_label;
-use crate::ui::menu::file_name;
-use crate::ui::{Panel, miniature, theme};
+use crate::app::{Action, Command};
+use crate::ui::menu::{self, file_name};
+use crate::ui::{
+    Panel, miniature,
+    theme::{self, Themed as _},
+};
 use egui::text::{LayoutJob, TextWrapping};
 use egui::{
     Align2, Color32, CornerRadius, FontId, Id, Painter, Rect, Role, ScrollArea, Sense, Stroke, Ui, WidgetInfo, pos2,
@@ -20,6 +23,18 @@ const PICTURE: egui::Vec2 = vec2(64.0, 36.0);
 const BAR: f32 = 64.0;
 /// The height of the separator above rows that arrived while the pointer was over the list, points.
 const LATE: f32 = 22.0;
+
+/// What can be done with the suggestion of a row, which its menu shows first.
+const MENU: [Command; 8] = [
+    Command::AcceptAndStay,
+    Command::Reject,
+    Command::RejectShot,
+    Command::Snap,
+    Command::Comment,
+    Command::AcceptAllAbove,
+    Command::SelectShot,
+    Command::AssignToCamera,
+];
 
 /// Shows the list.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -112,17 +127,17 @@ fn late_line(ui: &Ui, first: Rect, count: usize) {
     let response = ui.interact(line, Id::unique("review late"), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Label, true, &text));
     let painter = ui.painter();
-    painter.hline(line.x_range(), line.top() + 1.0, Stroke::new(1.0, theme::LINE));
-    painter.text(line.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), theme::WEAK);
+    painter.hline(line.x_range(), line.top() + 1.0, Stroke::new(1.0, ui.palette().line));
+    painter.text(line.center(), Align2::CENTER_CENTER, text, FontId::proportional(11.0), ui.palette().weak);
 }
 
 /// The line that separates the rows above the threshold from the rest.
 fn threshold_line(painter: &Painter, row: Rect, threshold: f64) {
-    painter.hline(row.x_range(), row.top(), Stroke::new(1.0, theme::ACCENT));
-    let said = painter.layout_no_wrap(percent(threshold), FontId::proportional(10.0), theme::ACCENT);
+    painter.hline(row.x_range(), row.top(), Stroke::new(1.0, painter.palette().accent));
+    let said = painter.layout_no_wrap(percent(threshold), FontId::proportional(10.0), painter.palette().accent);
     let place = Align2::CENTER_CENTER.anchor_size(row.center_top(), said.size());
-    painter.rect_filled(place.expand2(vec2(4.0, 0.0)), CornerRadius::ZERO, theme::PANEL);
-    painter.galley(place.min, said, theme::ACCENT);
+    painter.rect_filled(place.expand2(vec2(4.0, 0.0)), CornerRadius::ZERO, painter.palette().panel);
+    painter.galley(place.min, said, painter.palette().accent);
 }
 
 fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
@@ -150,7 +165,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     });
     let painter = ui.painter();
     if current || response.hovered() {
-        let ground = if current { theme::ACCENT_GROUND } else { theme::RAISED };
+        let ground = if current { ui.palette().accent_ground } else { ui.palette().raised };
         painter.rect_filled(place.shrink2(vec2(4.0, 1.0)), CornerRadius::same(4), ground);
     }
     let picture = Rect::from_min_size(place.min + vec2(8.0, (ROW - PICTURE.y) / 2.0), PICTURE);
@@ -160,13 +175,14 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         theme::paint_line_mark(painter, corner, says.verdict);
     }
     if response.has_focus() {
-        painter.rect_stroke(place.shrink(2.0), 4.0, Stroke::new(1.0, theme::ACCENT), egui::StrokeKind::Inside);
+        painter.rect_stroke(place.shrink(2.0), 4.0, Stroke::new(1.0, ui.palette().accent), egui::StrokeKind::Inside);
     }
     let left = picture.right() + 8.0;
     let right = place.right() - 14.0;
     let bar = Rect::from_min_size(pos2(right - BAR, place.top() + 27.0), vec2(BAR, 6.0));
     let first_line = place.top() + 14.0;
-    let (strong, plain) = if row.gone { (theme::WEAK, theme::WEAK) } else { (theme::STRONG, theme::TEXT) };
+    let (strong, plain) =
+        if row.gone { (ui.palette().weak, ui.palette().weak) } else { (ui.palette().strong, ui.palette().text) };
     let said =
         painter.text(pos2(right, first_line), Align2::RIGHT_CENTER, &confidence, FontId::proportional(12.0), strong);
     text_within(
@@ -180,7 +196,7 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
         confidence_bar(painter, bar, row.confidence);
     }
     if let Some(text) = &neighbours {
-        let colour = if row.disagrees() || row.is_still() { theme::CAUTION } else { theme::WEAK };
+        let colour = if row.disagrees() || row.is_still() { ui.palette().caution } else { ui.palette().weak };
         text_within(painter, pos2(left, bar.center().y), bar.left() - 6.0 - left, text.clone(), colour);
     }
     let neighbours = neighbours.map(|text| format!(", {text}")).unwrap_or_default();
@@ -188,16 +204,18 @@ fn show_row(panel: &mut Panel<'_>, ui: &Ui, row: ReviewRow, place: Rect) {
     let paint = paint.map(|says| format!(", {}", says.describe())).unwrap_or_default();
     let still = if row.is_still() && !row.gone { " Check that the picture stands still as well." } else { "" };
     let tip = format!("{}: {is}{confidence}{neighbours}{paint}.{still} Click to look at it.", frame.name());
-    if response.on_hover_text(tip).clicked() {
+    if response.clicked() || response.secondary_clicked() {
         panel.actions.push(Action::GoTo(row.frame));
     }
+    response.context_menu(|ui| menu::entries(panel, ui, &MENU));
+    response.on_hover_text(tip);
 }
 
 fn confidence_bar(painter: &Painter, track: Rect, confidence: Option<f64>) {
-    painter.rect_filled(track, CornerRadius::same(2), theme::LINE);
+    painter.rect_filled(track, CornerRadius::same(2), painter.palette().line);
     let share = confidence.unwrap_or(0.0).clamp(0.0, 1.0) as f32;
     let filled = Rect::from_min_size(track.min, vec2(track.width() * share, track.height()));
-    painter.rect_filled(filled, CornerRadius::same(2), theme::ACCENT);
+    painter.rect_filled(filled, CornerRadius::same(2), painter.palette().accent);
 }
 
 /// A line of text that ends in an ellipsis where there is no more room.

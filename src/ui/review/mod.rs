@@ -3,7 +3,10 @@
 mod list;
 
 use super::symbol::{self, Symbol};
-use super::{Panel, inspector, theme};
+use super::{
+    Panel, inspector,
+    theme::{self, Themed as _},
+};
 use crate::app::review::{ReviewOrder, percent};
 use crate::app::{Action, Command};
 use egui::{Align, Button, DragValue, Frame, Label, Layout, Margin, RichText, Role, Sense, Ui, WidgetInfo, vec2};
@@ -22,7 +25,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             } else {
                 "There are no proposals yet. The forest proposes cameras once it has been trained on a few references."
             };
-            ui.add(Label::new(RichText::new(none).color(theme::WEAK)).wrap());
+            ui.add(Label::new(RichText::new(none).color(ui.palette().weak)).wrap());
         });
         return;
     }
@@ -33,12 +36,13 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Review").heading().color(theme::STRONG));
+            ui.label(RichText::new("Review").heading().color(ui.palette().strong));
             let count = panel.app.review().count();
             let said = if count == 1 { "1 suggestion".to_owned() } else { format!("{count} suggestions") };
-            ui.label(RichText::new(said).color(theme::WEAK));
+            ui.label(RichText::new(said).color(ui.palette().weak));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let close = symbol::button(ui, Symbol::Cross, "Close the review panel", theme::WEAK);
+                let palette = ui.palette();
+                let close = symbol::button(ui, Symbol::Cross, "Close the review panel", palette.weak);
                 let key = panel.app.settings.keys.shown(Command::ReviewPanel);
                 if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
                     panel.actions.push(Action::Command(Command::ReviewPanel));
@@ -99,9 +103,9 @@ fn label_next(panel: &mut Panel<'_>, ui: &mut Ui) {
     response.widget_info(|| WidgetInfo::labeled(if leads { Role::Button } else { Role::Label }, true, &text));
     let lit = leads && (response.hovered() || response.has_focus());
     let sign = egui::Rect::from_min_size(row.min, vec2(16.0, row.height()));
-    symbol::paint(ui.painter(), Symbol::Info, sign, theme::ACCENT);
+    symbol::paint(ui.painter(), Symbol::Info, sign, ui.palette().accent);
     let left = row.left_center() + vec2(22.0, -galley.size().y / 2.0);
-    ui.painter().galley(left, galley, if lit { theme::STRONG } else { theme::TEXT });
+    ui.painter().galley(left, galley, if lit { ui.palette().strong } else { ui.palette().text });
     if leads && response.on_hover_text(panel.app.settings.keys.tooltip(Command::NextUnanswered)).clicked() {
         panel.actions.push(Action::Command(Command::NextUnanswered));
     }
@@ -120,7 +124,7 @@ fn together(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
         threshold(panel, ui);
         if left_out > 0 {
-            ui.label(RichText::new(format!("{left_out} disagree")).small().color(theme::CAUTION))
+            ui.label(RichText::new(format!("{left_out} disagree")).small().color(ui.palette().caution))
                 .on_hover_text("Confident, but out of line with the frames before and after. Check each one.");
         }
     });

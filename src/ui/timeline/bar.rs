@@ -5,7 +5,7 @@ use crate::app::session::status_label;
 use crate::app::{Action, App, Command, OpenProject, VideoAction};
 use crate::document::{FrameStatus, ShotKind};
 use crate::scene::timeline::{Timeline, TimelineCut};
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
     vec2,
@@ -126,7 +126,7 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
     let cut = bar.cut_near(at);
     response.on_hover_ui_at_pointer(|ui| {
         let time = frame.video.as_ref().and_then(|video| video.pts_s).map(time_code).unwrap_or_default();
-        ui.label(egui::RichText::new(format!("Frame {position} · {time}")).color(theme::STRONG));
+        ui.label(egui::RichText::new(format!("Frame {position} · {time}")).color(ui.palette().strong));
         let shot = frame.clip.as_ref().map(|clip| format!(" · shot {clip}")).unwrap_or_default();
         ui.label(format!("{}{shot}", status_label(frame.status)));
         let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
@@ -134,10 +134,10 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
             ui.label(format!("Confidence {:.0} %", 100.0 * confidence));
         }
         if let Some(cut) = cut {
-            ui.label(egui::RichText::new(described(cut.kind)).color(theme::WEAK));
+            ui.label(egui::RichText::new(described(cut.kind)).color(ui.palette().weak));
         }
         if app.shots().is_none() && app.session.video.search.is_none() {
-            ui.label(egui::RichText::new("Right-click: cuts").color(theme::WEAK));
+            ui.label(egui::RichText::new("Right-click: cuts").color(ui.palette().weak));
         }
     });
 }
@@ -178,7 +178,7 @@ impl Bar<'_> {
     fn paint(&self, panel: &Panel<'_>, ui: &Ui, held: Option<Held>) {
         let painter = ui.painter_at(self.area.expand2(vec2(4.0, 0.0)));
         let line = Rect::from_min_max(self.area.min + vec2(0.0, HANDLES), self.area.max);
-        painter.rect_filled(line, 2.0, theme::RAISED);
+        painter.rect_filled(line, 2.0, ui.palette().raised);
         self.paint_shots(&painter, line);
         self.paint_frames(&painter, line);
         for place in panel.pictures.decoded() {
@@ -186,20 +186,25 @@ impl Bar<'_> {
                 (self.x(self.timeline.beginning_of(place)), self.x(self.timeline.beginning_of(place + 1)));
             let decoded =
                 Rect::from_min_max(pos2(left, line.bottom() - DECODED), pos2(right.max(left + 1.0), line.bottom()));
-            painter.rect_filled(decoded, 0.0, theme::ACCENT);
+            painter.rect_filled(decoded, 0.0, ui.palette().accent);
         }
         for cut in &self.timeline.cuts {
             let is_held = held.is_some_and(|held| held.cut.position == cut.position);
-            self.paint_cut(&painter, cut.position, cut.kind, if is_held { theme::LINE } else { theme::TEXT });
+            self.paint_cut(
+                &painter,
+                cut.position,
+                cut.kind,
+                if is_held { ui.palette().line } else { ui.palette().text },
+            );
         }
         if let Some(held) = held {
-            self.paint_cut(&painter, held.over, ShotKind::ByHand, theme::ACCENT);
+            self.paint_cut(&painter, held.over, ShotKind::ByHand, ui.palette().accent);
         }
         let x = self.x(self.timeline.share_of(panel.app.session.frame));
-        painter.vline(x, line.y_range(), Stroke::new(2.0, theme::STRONG));
+        painter.vline(x, line.y_range(), Stroke::new(2.0, ui.palette().strong));
         let head =
             vec![pos2(x - 4.0, self.area.top() + 1.0), pos2(x + 4.0, self.area.top() + 1.0), pos2(x, line.top() + 1.0)];
-        painter.add(Shape::convex_polygon(head, theme::STRONG, Stroke::NONE));
+        painter.add(Shape::convex_polygon(head, ui.palette().strong, Stroke::NONE));
     }
 
     /// Every other shot on a lighter ground.
@@ -211,14 +216,14 @@ impl Bar<'_> {
                 painter.rect_filled(
                     Rect::from_x_y_ranges(*from..=*to, line.y_range()),
                     0.0,
-                    theme::LINE.gamma_multiply(0.6),
+                    painter.palette().line.gamma_multiply(0.6),
                 );
             }
         }
     }
 
     fn paint_frames(&self, painter: &Painter, line: Rect) {
-        let colour = |status| theme::status_look(status).colour;
+        let colour = |status| painter.palette().status(status);
         let marks = |top: f32, bottom: f32| line.top() + top..=line.bottom() - bottom;
         for (at, part) in self.timeline.parts.iter().enumerate() {
             let [from, to] = self.timeline.span_of_part(at).map(|share| self.x(share));
@@ -236,7 +241,10 @@ impl Bar<'_> {
             }
             if part.doubt > 0.0 {
                 let height = DOUBT * part.doubt as f32;
-                fill(line.bottom() - DECODED - height..=line.bottom() - DECODED, theme::BAD.gamma_multiply(0.55));
+                fill(
+                    line.bottom() - DECODED - height..=line.bottom() - DECODED,
+                    painter.palette().bad.gamma_multiply(0.55),
+                );
             }
             if part.references > 0 {
                 fill(marks(0.0, DECODED), colour(FrameStatus::Reference));

@@ -4,7 +4,10 @@ mod bar;
 mod playback;
 
 use super::symbol::{self, Symbol};
-use super::{Panel, theme};
+use super::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use crate::app::place::time_code;
 use crate::app::playing::SPEEDS;
 use crate::app::video::PlaySpeed;
@@ -32,7 +35,8 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let playing = panel.app.session.video.playing;
     let (symbol, name) = if playing { (Symbol::Pause, "Pause") } else { (Symbol::Play, "Play") };
-    let button = symbol::button(ui, symbol, name, theme::TEXT);
+    let palette = ui.palette();
+    let button = symbol::button(ui, symbol, name, palette.text);
     if button.on_hover_text(panel.app.settings.keys.tooltip(Command::PlayPause)).clicked() {
         panel.actions.push(Action::Command(Command::PlayPause));
     }
@@ -55,7 +59,7 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     // The width does not change from frame to frame.
     let digits = last.to_string().len();
     let text = format!("{time:>8}  {:>digits$}", panel.app.session.frame);
-    let place = Button::new(RichText::new(text).monospace().color(theme::STRONG)).frame(false);
+    let place = Button::new(RichText::new(text).monospace().color(ui.palette().strong)).frame(false);
     let tip = format!(
         "The time, and the number of the frame: from 0 to {last}, as in the document.\n{}",
         panel.app.settings.keys.tooltip(Command::GoToPlace)

@@ -4,7 +4,10 @@ use super::place_and_name;
 use crate::app::Action;
 use crate::app::where_to_label::whole_degrees;
 use crate::proposals::{LeftOut, LeftOutBy, Quality, WRONG_PX};
-use crate::ui::{Panel, theme};
+use crate::ui::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use egui::{Color32, Label, RichText, Sense, Ui, WidgetInfo, vec2};
 
 /// How many of the worst are listed.
@@ -43,15 +46,15 @@ fn error_px(asked: &LeftOut) -> f64 {
 fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     let Some((place, name)) = place_and_name(panel, &asked.frame) else { return };
     let (says, colour): (String, Color32) = match asked.found {
-        Some(found) if found.error_px <= WRONG_PX => (format!("{:.1} px", found.error_px), theme::TEXT),
-        Some(found) if found.error_px.is_finite() => (format!("{:.0} px", found.error_px), theme::BAD),
-        Some(_) => ("elsewhere".to_owned(), theme::BAD),
-        None => ("not found".to_owned(), theme::CAUTION),
+        Some(found) if found.error_px <= WRONG_PX => (format!("{:.1} px", found.error_px), ui.palette().text),
+        Some(found) if found.error_px.is_finite() => (format!("{:.0} px", found.error_px), ui.palette().bad),
+        Some(_) => ("elsewhere".to_owned(), ui.palette().bad),
+        None => ("not found".to_owned(), ui.palette().caution),
     };
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::LIST_ROW), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Button, true, format!("{name}: {says}")));
     if response.hovered() || response.has_focus() || panel.app.session.frame == place {
-        ui.painter().rect_filled(rect, 4.0, theme::RAISED);
+        ui.painter().rect_filled(rect, 4.0, ui.palette().raised);
     }
     let write = |text: &str, colour: Color32, width: f32| {
         egui::WidgetText::from(RichText::new(text).color(colour)).into_galley(
@@ -64,14 +67,14 @@ fn row(panel: &mut Panel<'_>, ui: &mut Ui, asked: &LeftOut) {
     let number = write(&says, colour, 90.0);
     let left = write(
         &format!("{name}  pan {}", whole_degrees(asked.pan_deg)),
-        theme::TEXT,
+        ui.palette().text,
         rect.width() - number.size().x - 16.0,
     );
     let middle = |height: f32| rect.center().y - height / 2.0;
     let number_at = egui::pos2(rect.right() - 4.0 - number.size().x, middle(number.size().y));
     ui.painter().galley(number_at, number, colour);
     let left_at = egui::pos2(rect.left() + 4.0, middle(left.size().y));
-    ui.painter().galley(left_at, left, theme::TEXT);
+    ui.painter().galley(left_at, left, ui.palette().text);
     let confidence = asked.found.map(|found| format!(" Its confidence was {:.0} %.", 100.0 * found.confidence));
     let tip = format!("Go to this reference.{}", confidence.unwrap_or_default());
     if response.on_hover_text(tip).clicked() {

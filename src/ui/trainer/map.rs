@@ -2,7 +2,7 @@
 
 use crate::proposals::{Coverage, LeftOut, Quality, WRONG_PX};
 use crate::ui::coverage_map::{CoverageMap, label_next, missing};
-use crate::ui::{Panel, theme};
+use crate::ui::{Panel, theme::Themed as _};
 use egui::{Label, Sense, Stroke, Ui};
 
 /// The map's height, points.
@@ -39,8 +39,8 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
 fn dot(map: &CoverageMap<'_>, asked: &LeftOut) {
     let at = map.at(asked.pan_deg, asked.tilt_deg);
     match asked.found {
-        Some(found) if found.error_px <= WRONG_PX => map.painter.circle_filled(at, 3.0, theme::GOOD),
-        Some(_) => map.painter.circle_filled(at, 3.5, theme::BAD),
-        None => map.painter.circle_stroke(at, 3.0, Stroke::new(1.5, theme::CAUTION)),
+        Some(found) if found.error_px <= WRONG_PX => map.painter.circle_filled(at, 3.0, map.painter.palette().good),
+        Some(_) => map.painter.circle_filled(at, 3.5, map.painter.palette().bad),
+        None => map.painter.circle_stroke(at, 3.0, Stroke::new(1.5, map.painter.palette().caution)),
     };
 }

@@ -5,7 +5,10 @@ mod map;
 
 use super::menu::file_name;
 use super::symbol::{self, Symbol};
-use super::{Panel, theme};
+use super::{
+    Panel,
+    theme::{self, Themed as _},
+};
 use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference};
 use crate::document::FrameId;
 use crate::geometry::thousands;
@@ -22,7 +25,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     heading(panel, ui);
     let inside = Frame::new().inner_margin(Margin { left: 8, right: 12, top: 4, bottom: 12 });
     if let Some(reason) = panel.app.no_trainer() {
-        inside.show(ui, |ui| ui.add(Label::new(RichText::new(reason).color(theme::WEAK)).wrap()));
+        inside.show(ui, |ui| ui.add(Label::new(RichText::new(reason).color(ui.palette().weak)).wrap()));
         return;
     }
     let status = panel.app.session.trainer.status.clone();
@@ -54,9 +57,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
 fn heading(panel: &mut Panel<'_>, ui: &mut Ui) {
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Trainer").heading().color(theme::STRONG));
+            ui.label(RichText::new("Trainer").heading().color(ui.palette().strong));
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let close = symbol::button(ui, Symbol::Cross, "Close the trainer panel", theme::WEAK);
+                let palette = ui.palette();
+                let close = symbol::button(ui, Symbol::Cross, "Close the trainer panel", palette.weak);
                 let key = panel.app.settings.keys.shown(Command::TrainerPanel);
                 if close.on_hover_text(format!("Back to the frame. ({key})")).clicked() {
                     panel.actions.push(Action::Command(Command::TrainerPanel));
@@ -84,11 +88,13 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
         panel.actions.push(Action::Command(Command::PauseTrainer));
     }
     if let Some(trouble) = &status.trouble {
-        remark(ui, Symbol::Warning, theme::CAUTION, trouble);
+        let palette = ui.palette();
+        remark(ui, Symbol::Warning, palette.caution, trouble);
     }
     if let Some(reason) = &status.not_kept {
         let text = format!("Forest and features are only kept in memory: {reason}");
-        remark(ui, Symbol::Info, theme::WEAK, &text);
+        let palette = ui.palette();
+        remark(ui, Symbol::Info, palette.weak, &text);
     }
 }
 
@@ -101,11 +107,11 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let waiting = status.references.saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
         let text = count(waiting, "reference waits for its camera's base.", "references wait for their camera's base.");
-        ui.add(Label::new(RichText::new(text).color(theme::CAUTION)).wrap());
+        ui.add(Label::new(RichText::new(text).color(ui.palette().caution)).wrap());
     }
     if status.withheld > 0 {
         let text = count(status.withheld, "reference not used for training.", "references not used for training.");
-        ui.label(RichText::new(text).color(theme::WEAK)).on_hover_text(
+        ui.label(RichText::new(text).color(ui.palette().weak)).on_hover_text(
             "Training with the forest's own proposals would add nothing new and repeat its mistakes; so would a frame whose \
              verdict is Wrong. The switch of a frame overrides this.",
         );
@@ -126,7 +132,8 @@ fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     }
     for UnusableReference { frame, error } in status.failed.iter().take(FAILED_SHOWN) {
         let Some((place, name)) = place_and_name(panel, frame) else { continue };
-        remark(ui, Symbol::Warning, theme::CAUTION, &format!("{name} cannot be used: {error}"));
+        let palette = ui.palette();
+        remark(ui, Symbol::Warning, palette.caution, &format!("{name} cannot be used: {error}"));
         if ui.add(Button::new("Go there").small()).clicked() {
             panel.actions.push(Action::GoTo(place));
         }
@@ -148,7 +155,8 @@ fn contradicting(panel: &mut Panel<'_>, ui: &mut Ui, suspect: &Suspect) {
         _ => "all of the picture".to_owned(),
     };
     let text = format!("{name} contradicts {others} by {off}: look at its points.");
-    remark(ui, Symbol::Warning, theme::CAUTION, &text);
+    let palette = ui.palette();
+    remark(ui, Symbol::Warning, palette.caution, &text);
     if ui.add(Button::new("Look").small()).clicked() {
         panel.actions.push(Action::GoTo(place));
     }
@@ -176,7 +184,7 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
     ]);
     Grid::new("forest").num_columns(2).spacing([12.0, 2.0]).show(ui, |ui| {
         for (name, value) in rows {
-            ui.label(RichText::new(name).color(theme::WEAK));
+            ui.label(RichText::new(name).color(ui.palette().weak));
             ui.label(value);
             ui.end_row();
         }
@@ -223,7 +231,7 @@ fn remark(ui: &mut Ui, sign: Symbol, colour: Color32, text: &str) {
 }
 
 fn weak(ui: &mut Ui, text: &str) {
-    ui.add(Label::new(RichText::new(text).color(theme::WEAK)).wrap());
+    ui.add(Label::new(RichText::new(text).color(ui.palette().weak)).wrap());
 }
 
 /// A title with room above it.

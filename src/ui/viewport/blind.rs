@@ -34,7 +34,7 @@ pub fn show(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, hold: &Hold
     );
     if let Some(held) = round.held {
         cross(&painter, placement, held);
-        loupe::show(ui, placement, held, picture, |_| Overlay::default());
+        loupe::show(ui, panel.app.settings.loupe, placement, held, picture, |_| Overlay::default());
     } else {
         loupe::rest(ui);
         let pointer = ui.input(|input| input.pointer.hover_pos()).filter(|at| rect.contains(*at));

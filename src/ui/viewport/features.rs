@@ -26,8 +26,8 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
         }
         match used {
             FeatureUse::Kept => painter.circle_filled(at, RADIUS - 1.0, Color32::from_white_alpha(110)),
-            FeatureUse::Matched => painter.circle_stroke(at, RADIUS, Stroke::new(1.2, theme::CAUTION)),
-            FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::GOOD),
+            FeatureUse::Matched => painter.circle_stroke(at, RADIUS, Stroke::new(1.2, theme::ON_PICTURE.caution)),
+            FeatureUse::Agrees => painter.circle_filled(at, RADIUS, theme::ON_PICTURE.good),
         };
     }
     // Notices stand below.
@@ -38,7 +38,7 @@ pub fn show(app: &App, painter: &Painter, placement: &Placement) {
         at,
         Align2::LEFT_CENTER,
         &legend(used),
-        PlateStyle::new(FontId::proportional(12.0), theme::STRONG, behind),
+        PlateStyle::new(FontId::proportional(12.0), theme::ON_PICTURE.strong, behind),
     );
 }
 

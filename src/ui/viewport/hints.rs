@@ -137,7 +137,7 @@ fn just_snapped(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter
     }
     for click in session.just_snapped.iter().filter_map(|click| clicks.get(*click)) {
         let at = placement.screen_from_image(click.image) + vec2(0.0, -26.0);
-        let style = PlateStyle::new(FontId::proportional(11.0), theme::TEXT, PLATE);
+        let style = PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE);
         plate(painter, at, Align2::CENTER_CENTER, "snapped", style);
     }
 }
@@ -152,7 +152,7 @@ pub fn beside(painter: &Painter, bounds: Rect, at: Pos2, name: &str, hint: &str)
     let written = plate(painter, first, align, name, PlateStyle::new(FontId::proportional(13.0), colour(CLICK), PLATE));
     if !hint.is_empty() {
         let second = first + vec2(0.0, down * written.height());
-        plate(painter, second, align, hint, PlateStyle::new(FontId::proportional(11.0), theme::TEXT, PLATE));
+        plate(painter, second, align, hint, PlateStyle::new(FontId::proportional(11.0), theme::ON_PICTURE.text, PLATE));
     }
 }
 
@@ -178,8 +178,8 @@ fn recently(ui: &egui::Ui, done: &str, click: Option<usize>) -> bool {
 pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
     let wrap = (rect.width() - 80.0).clamp(120.0, 560.0);
     let lay_out = |text: &str, size, colour| painter.layout(text.to_owned(), FontId::proportional(size), colour, wrap);
-    let title = lay_out("This picture cannot be shown", 17.0, theme::STRONG);
-    let text = lay_out(reason, 13.0, theme::TEXT);
+    let title = lay_out("This picture cannot be shown", 17.0, theme::ON_PICTURE.strong);
+    let text = lay_out(reason, 13.0, theme::ON_PICTURE.text);
     let height = title.size().y + 8.0 + text.size().y;
     let top = (rect.center() - vec2(text.size().x.max(title.size().x) / 2.0, height / 2.0)).round();
     let below = top + vec2(0.0, title.size().y + 8.0);
@@ -190,5 +190,5 @@ pub fn failed(painter: &Painter, rect: Rect, reason: &str) {
 /// A project without frames.
 pub fn no_frames(painter: &Painter, rect: Rect) {
     let text = "This project has no frames.";
-    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), theme::WEAK);
+    painter.text(rect.center(), Align2::CENTER_CENTER, text, FontId::proportional(14.0), theme::ON_PICTURE.weak);
 }

@@ -110,7 +110,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     ui.advance_cursor_after_rect(rect);
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Canvas, true, "Picture"));
     let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 0.0, theme::BACKDROP);
+    painter.rect_filled(rect, 0.0, theme::ON_PICTURE.backdrop);
     let Some(frame) = panel.app.frame() else {
         hints::no_frames(&painter, rect);
         return;
@@ -185,7 +185,8 @@ fn show_frame(
     masks::show(panel, ui, placement);
     if let Mode::Dragging { click, .. } = panel.app.session.mode {
         if let Some(held) = panel.app.frame().and_then(|frame| frame.clicks.get(click)) {
-            loupe::show(ui, placement, held.image, &picture, |zoom| Overlay::around(panel.app, click, zoom));
+            let look = panel.app.settings.loupe;
+            loupe::show(ui, look, placement, held.image, &picture, |zoom| Overlay::around(panel.app, click, zoom));
         }
     } else {
         loupe::rest(ui);

@@ -40,7 +40,7 @@ impl Overlay {
             };
             let compared = app.current().alternative().filter(|_| app.session.held.compare);
             let preview = compared.as_ref().or(app.current().preview.as_ref()).filter(|_| proposal.is_none());
-            let style = app.settings.overlay;
+            let style = app.overlay_style();
             let behind = OverlayStyle { opacity: style.opacity * BEHIND_PREVIEW, landmarks: false, ..style };
             let scene = OverlayScene {
                 field,

@@ -34,7 +34,7 @@ pub fn layer(app: &App) -> Option<Layer> {
         UncertaintyView::Off => None,
         UncertaintyView::Band => {
             let field = app.current().field()?;
-            let style = &app.settings.overlay;
+            let style = &app.overlay_style();
             Some(Layer::Drawing(Arc::new(band(&solved.uncertainty, field, camera, image_size, style))))
         }
         UncertaintyView::Heat => {
@@ -63,7 +63,7 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
     let font = FontId::proportional(12.0);
     let Some((solved, camera)) = known(app) else {
         let text = "Uncertainty: place points first";
-        painter.text(inside.left_center(), Align2::LEFT_CENTER, text, font, theme::WEAK);
+        painter.text(inside.left_center(), Align2::LEFT_CENTER, text, font, theme::ON_PICTURE.weak);
         return;
     };
     let sigma_at = |at: ImagePoint| solved.uncertainty.overlay_sigma_px(camera, at);
@@ -73,10 +73,16 @@ pub fn legend(panel: &Panel<'_>, painter: &Painter, placement: &Placement) {
         |px| format!("here ±{px:.1} px"),
     );
     let title = format!("1-σ of the lines: {value}");
-    painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::STRONG);
+    painter.text(inside.left_top(), Align2::LEFT_TOP, title, font, theme::ON_PICTURE.strong);
     if app.session.uncertainty == UncertaintyView::Band {
         let text = "The band contains the true line in 68 of 100 cases.";
-        painter.text(inside.left_bottom(), Align2::LEFT_BOTTOM, text, FontId::proportional(11.0), theme::TEXT);
+        painter.text(
+            inside.left_bottom(),
+            Align2::LEFT_BOTTOM,
+            text,
+            FontId::proportional(11.0),
+            theme::ON_PICTURE.text,
+        );
     } else {
         scale(painter, Rect::from_min_max(pos2(inside.left(), inside.top() + 18.0), inside.max), placement);
     }
@@ -104,7 +110,7 @@ fn scale(painter: &Painter, rect: Rect, placement: &Placement) {
         let text = if px < 9.95 { format!("{px:.1}") } else { format!("{px:.0}") };
         let text = if index == 0 { format!("{text} px") } else { text };
         let text = text.replace(".0", "");
-        painter.text(pos2(x, rect.bottom()), align, text, FontId::proportional(11.0), theme::TEXT);
+        painter.text(pos2(x, rect.bottom()), align, text, FontId::proportional(11.0), theme::ON_PICTURE.text);
     }
     painter.add(Shape::mesh(mesh));
 }
@@ -154,7 +160,7 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
     let pulsing = now - since < PULSING_S;
     for (rank, next) in apart(&app.current().next_clicks, placement).into_iter().enumerate() {
         let phase = if pulsing { ((now - since) * 3.0 - rank as f64 * 0.7).sin() as f32 } else { 0.0 };
-        let ring = theme::CAUTION.gamma_multiply(0.65 + 0.25 * phase);
+        let ring = theme::ON_PICTURE.caution.gamma_multiply(0.65 + 0.25 * phase);
         let at = placement.screen_from_image(next.at);
         painter.circle_stroke(at, 13.0 + 2.5 * phase, Stroke::new(if rank == 0 { 2.0 } else { 1.25 }, ring));
         let text = FontId::proportional(11.0);
@@ -164,7 +170,7 @@ pub fn propose(panel: &Panel<'_>, ui: &Ui, painter: &Painter, placement: &Placem
             at + vec2(0.0, 24.0),
             Align2::CENTER_CENTER,
             &description,
-            crate::ui::labels::PlateStyle::new(text, theme::CAUTION, Color32::from_black_alpha(150)),
+            crate::ui::labels::PlateStyle::new(text, theme::ON_PICTURE.caution, Color32::from_black_alpha(150)),
         );
     }
     if pulsing {

@@ -1,0 +1,82 @@
+//! Marks that are drawn: the bar of a status, and what the painted lines say.
+
+use super::palette::Themed as _;
+use crate::document::FrameStatus;
+use crate::paint::LineVerdict;
+use egui::{CornerRadius, Painter, Pos2, Rect, Stroke, Vec2, pos2};
+
+/// The letter of a status.
+pub const fn status_letter(status: FrameStatus) -> char {
+    match status {
+        FrameStatus::New => 'N',
+        FrameStatus::Draft => 'D',
+        FrameStatus::Suggested => 'S',
+        FrameStatus::Reference => 'R',
+        FrameStatus::Rejected => 'X',
+    }
+}
+
+/// Paints the bar of a status: empty, half, dashed, full or crossed out. The bar of a suggestion is filled up to its
+/// confidence.
+pub fn paint_status_bar(painter: &Painter, bar: Rect, status: FrameStatus, confidence: Option<f64>) {
+    let colour = painter.palette().status(status);
+    let fill = |from: f32, to: f32| {
+        let part =
+            Rect::from_x_y_ranges(bar.left() + from * bar.width()..=bar.left() + to * bar.width(), bar.y_range());
+        painter.rect_filled(part, CornerRadius::same(1), colour);
+    };
+    match status {
+        FrameStatus::New => {
+            painter.rect_stroke(bar, CornerRadius::same(1), Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+        }
+        FrameStatus::Draft => {
+            painter.rect_stroke(bar, CornerRadius::same(1), Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+            fill(0.0, 0.5);
+        }
+        FrameStatus::Suggested => {
+            let certain = confidence.unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+            for dash in 0..5 {
+                let (from, to) = (dash as f32 * 0.21, dash as f32 * 0.21 + 0.15);
+                let outline = Rect::from_x_y_ranges(
+                    bar.left() + from * bar.width()..=bar.left() + to * bar.width(),
+                    bar.y_range(),
+                );
+                painter.rect_stroke(outline, 1.0, Stroke::new(1.0, colour), egui::StrokeKind::Inside);
+                if certain > from {
+                    fill(from, to.min(certain));
+                }
+            }
+        }
+        FrameStatus::Reference => fill(0.0, 1.0),
+        FrameStatus::Rejected => {
+            let step = 2.0 * bar.height();
+            let mut x = bar.left();
+            while x + bar.height() <= bar.right() {
+                painter
+                    .line_segment([pos2(x, bar.bottom()), pos2(x + bar.height(), bar.top())], Stroke::new(1.5, colour));
+                x += step * 0.5 + 1.0;
+            }
+        }
+    }
+}
+
+/// The mark of what the painted lines say about a camera: a disc where they support it, a cross where they contradict it, a
+/// ring where they do not decide.
+pub fn paint_line_mark(painter: &Painter, centre: Pos2, verdict: LineVerdict) {
+    let palette = painter.palette();
+    painter.circle_filled(centre, 6.0, palette.backdrop);
+    match verdict {
+        LineVerdict::Supports => {
+            painter.circle_filled(centre, 4.0, palette.good);
+        }
+        LineVerdict::Contradicts => {
+            let arm = Rect::from_center_size(centre, Vec2::splat(6.0));
+            let stroke = Stroke::new(2.0, palette.bad);
+            painter.line_segment([arm.left_top(), arm.right_bottom()], stroke);
+            painter.line_segment([arm.right_top(), arm.left_bottom()], stroke);
+        }
+        LineVerdict::CannotSay => {
+            painter.circle_stroke(centre, 3.5, Stroke::new(1.0, palette.weak));
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Spacing, type and colours of the window. Everything is aligned to a grid of 4 points.
+
+mod marks;
+mod palette;
+
+pub use marks::{paint_line_mark, paint_status_bar, status_letter};
+pub use palette::{ON_PICTURE, Palette, Themed};
+
+use crate::app::settings::ThemeChoice;
+use egui::{
+    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, ThemePreference, Vec2, vec2,
+};
+use palette::DARK;
+
+/// The grid, points.
+pub const SPACE: f32 = 4.0;
+
+// The export dialog is always dark and names its colours itself: see `in_dark`.
+/// Ordinary text.
+pub const TEXT: Color32 = DARK.text;
+/// Titles and values.
+pub const STRONG: Color32 = DARK.strong;
+/// Secondary text.
+pub const WEAK: Color32 = DARK.weak;
+/// The accent as a background.
+pub const ACCENT_GROUND: Color32 = DARK.accent_ground;
+/// Good.
+pub const GOOD: Color32 = DARK.good;
+/// To be checked.
+pub const CAUTION: Color32 = DARK.caution;
+/// Wrong.
+pub const BAD: Color32 = DARK.bad;
+
+/// The size of the verdict's word.
+pub const VERDICT: f32 = 20.0;
+
+/// A small title above a group.
+pub fn title(ui: &mut egui::Ui, text: &str) {
+    ui.label(egui::RichText::new(text).small().color(ui.palette().weak).strong());
+}
+
+/// What is painted below marks in the colours that they have over pictures: nothing where the ground is dark already.
+pub fn under_colours_of_pictures(ui: &egui::Ui) -> Color32 {
+    if ui.visuals().dark_mode { Color32::TRANSPARENT } else { ON_PICTURE.control }
+}
+
+/// Gives both themes to a window.
+pub fn apply(ctx: &egui::Context) {
+    follow(ctx, ThemeChoice::default());
+    for theme in [Theme::Dark, Theme::Light] {
+        let mut style = (*ctx.style_of(theme)).clone();
+        give(&mut style);
+        colour(&mut style.visuals, theme);
+        ctx.set_style_of(theme, style);
+    }
+}
+
+/// Shows the theme that the user chose.
+pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
+    let wanted = match choice {
+        ThemeChoice::Dark => ThemePreference::Dark,
+        ThemeChoice::Light => ThemePreference::Light,
+        ThemeChoice::System => ThemePreference::System,
+    };
+    if ctx.options(|options| options.theme_preference) != wanted {
+        ctx.set_theme(wanted);
+    }
+}
+
+/// Shows something in the dark theme, whichever the window has.
+pub fn in_dark(ctx: &egui::Context, show: impl FnOnce()) {
+    let before = ctx.options(|options| options.theme_preference);
+    ctx.set_theme(ThemePreference::Dark);
+    show();
+    ctx.set_theme(before);
+}
+
+/// Sizes and behaviour, the same in both themes.
+fn give(style: &mut egui::Style) {
+    style.text_styles = [
+        (TextStyle::Small, 11.0, FontFamily::Proportional),
+        (TextStyle::Body, 13.0, FontFamily::Proportional),
+        (TextStyle::Button, 13.0, FontFamily::Proportional),
+        (TextStyle::Heading, 16.0, FontFamily::Proportional),
+        (TextStyle::Monospace, 12.0, FontFamily::Monospace),
+    ]
+    .into_iter()
+    .map(|(name, size, family)| (name, FontId::new(size, family)))
+    .collect();
+    style.drag_value_text_style = TextStyle::Body;
+    style.always_scroll_the_only_direction = true;
+    style.explanation_tooltips = false;
+    style.animation_time = 0.08;
+    style.interaction.selectable_labels = false;
+    style.interaction.tooltip_delay = 0.4;
+    space(&mut style.spacing);
+}
+
+fn space(spacing: &mut egui::Spacing) {
+    spacing.item_spacing = vec2(2.0 * SPACE, SPACE);
+    spacing.button_padding = vec2(2.0 * SPACE, 2.0);
+    spacing.interact_size = vec2(36.0, 20.0);
+    spacing.menu_margin = Margin::same(SPACE as i8);
+    spacing.window_margin = Margin::same(3 * SPACE as i8);
+    spacing.indent = 3.0 * SPACE;
+    spacing.icon_width = 14.0;
+    spacing.icon_width_inner = 8.0;
+    spacing.tooltip_width = 360.0;
+    spacing.slider_width = 140.0;
+    spacing.combo_width = 96.0;
+    spacing.scroll = egui::style::ScrollStyle::thin();
+}
+
+fn colour(visuals: &mut egui::Visuals, theme: Theme) {
+    *visuals = theme.default_visuals();
+    let palette = Palette::of(theme);
+    let corner = CornerRadius::same(4);
+    visuals.panel_fill = palette.panel;
+    visuals.window_fill = palette.window;
+    visuals.window_stroke = Stroke::new(1.0, palette.window_line);
+    visuals.window_corner_radius = CornerRadius::same(8);
+    visuals.menu_corner_radius = CornerRadius::same(6);
+    visuals.extreme_bg_color = palette.backdrop;
+    visuals.faint_bg_color = palette.window;
+    visuals.code_bg_color = palette.raised;
+    visuals.hyperlink_color = palette.accent;
+    visuals.warn_fg_color = palette.caution;
+    visuals.error_fg_color = palette.bad;
+    visuals.weak_text_color = Some(palette.weak);
+    visuals.selection.bg_fill = palette.accent_ground;
+    visuals.selection.stroke = Stroke::new(1.0, palette.strong);
+    visuals.window_shadow = Shadow { offset: [0, 6], blur: 24, spread: 0, color: Color32::from_black_alpha(120) };
+    visuals.popup_shadow = Shadow { offset: [0, 4], blur: 12, spread: 0, color: Color32::from_black_alpha(100) };
+    visuals.slider_trailing_fill = true;
+    visuals.disabled_alpha = 0.45;
+    let widgets = &mut visuals.widgets;
+    for (widget, ground, border, text) in [
+        (&mut widgets.noninteractive, palette.panel, palette.line, palette.text),
+        (&mut widgets.inactive, palette.control, palette.control, palette.text),
+        (&mut widgets.hovered, palette.hovered, palette.hovered_line, palette.strong),
+        (&mut widgets.active, palette.accent_ground, palette.accent, palette.strong),
+        (&mut widgets.open, palette.control, palette.line, palette.strong),
+    ] {
+        widget.bg_fill = ground;
+        widget.weak_bg_fill = ground;
+        widget.bg_stroke = Stroke::new(1.0, border);
+        widget.fg_stroke = Stroke::new(1.0, text);
+        widget.corner_radius = corner;
+        widget.expansion = 0.0;
+    }
+}
+
+/// The height of a row of the lists.
+pub const LIST_ROW: f32 = 22.0;
+
+/// The size of a button that is only a symbol.
+pub const SYMBOL: Vec2 = vec2(20.0, 20.0);
