@@ -58,6 +58,7 @@ mod shaders;
 mod shots_in_app;
 mod snapped_points_in_app;
 mod snapped_suggestions;
+mod strings;
 mod suggestions_in_app;
 mod synth_command;
 mod synthetic;
