@@ -54,7 +54,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &Ui) {
         Some(Dialog::AssignToCamera(scope)) => assign::show(panel, ctx, scope),
         Some(Dialog::Path(question)) => path::show(panel, ctx, question),
         Some(Dialog::ChangedOutside) => changed_outside::show(panel, ctx),
-        Some(Dialog::Transfer) => theme::in_dark(ctx, || transfer::show(panel, ctx)),
+        Some(Dialog::Transfer) => transfer::show(panel, ctx),
         Some(Dialog::Orphans) => orphans::show(panel, ctx),
         Some(Dialog::NotSaved(leaving)) => not_saved::show(panel, ctx, &leaving),
     }

@@ -10,26 +10,9 @@ use crate::app::settings::ThemeChoice;
 use egui::{
     Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, TextStyle, Theme, ThemePreference, Vec2, vec2,
 };
-use palette::DARK;
 
 /// The grid, points.
 pub const SPACE: f32 = 4.0;
-
-// The export dialog is always dark and names its colours itself: see `in_dark`.
-/// Ordinary text.
-pub const TEXT: Color32 = DARK.text;
-/// Titles and values.
-pub const STRONG: Color32 = DARK.strong;
-/// Secondary text.
-pub const WEAK: Color32 = DARK.weak;
-/// The accent as a background.
-pub const ACCENT_GROUND: Color32 = DARK.accent_ground;
-/// Good.
-pub const GOOD: Color32 = DARK.good;
-/// To be checked.
-pub const CAUTION: Color32 = DARK.caution;
-/// Wrong.
-pub const BAD: Color32 = DARK.bad;
 
 /// The size of the verdict's word.
 pub const VERDICT: f32 = 20.0;
@@ -65,14 +48,6 @@ pub fn follow(ctx: &egui::Context, choice: ThemeChoice) {
     if ctx.options(|options| options.theme_preference) != wanted {
         ctx.set_theme(wanted);
     }
-}
-
-/// Shows something in the dark theme, whichever the window has.
-pub fn in_dark(ctx: &egui::Context, show: impl FnOnce()) {
-    let before = ctx.options(|options| options.theme_preference);
-    ctx.set_theme(ThemePreference::Dark);
-    show();
-    ctx.set_theme(before);
 }
 
 /// Sizes and behaviour, the same in both themes.

@@ -5,11 +5,13 @@ use super::parts::{cameras_of, left_out, line, notes};
 use crate::app::Action;
 use crate::app::transfer::{Look, TransferAction, describe_bytes};
 use crate::exchange::{DatasetOptions, DatasetPlan, PictureFormat, Pictures, Split, SplitBy, Splitting};
-use crate::ui::{Panel, theme};
+use crate::ui::Panel;
+use crate::ui::theme::Themed as _;
 use egui::{ComboBox, DragValue, Grid, RichText, ScrollArea, TextEdit, Ui};
 
 /// Shows the page.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let palette = ui.palette();
     let transfer = &panel.app.session.transfer;
     let mut options = transfer.dataset.clone();
     frames(ui, &mut options.frames, &cameras_of(panel.app));
@@ -35,7 +37,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(found) = &transfer.found else { return };
     ScrollArea::vertical().id_salt("dataset").auto_shrink(false).show(ui, |ui| match &found.look {
         Look::Dataset(Ok(plan)) => planned(ui, plan, &transfer.dataset),
-        Look::Dataset(Err(why)) => line(ui, why, theme::BAD),
+        Look::Dataset(Err(why)) => line(ui, why, palette.bad),
         Look::Export(_) | Look::Import(_) => {}
     });
 }
@@ -91,6 +93,7 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
 
 /// What the dataset will hold.
 fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
+    let palette = ui.palette();
     let size = describe_bytes(plan.picture_bytes);
     let pictures = match plan.pictures() {
         0 => "no pictures".to_owned(),
@@ -99,18 +102,18 @@ fn planned(ui: &mut Ui, plan: &DatasetPlan, options: &DatasetOptions) {
     line(
         ui,
         format!("{} frames, {pictures}; with card, schema, table, loader and manifest.", plan.frames.len()),
-        theme::STRONG,
+        palette.strong,
     );
     Grid::new("planned").num_columns(2).spacing([24.0, 2.0]).show(ui, |ui| {
         if options.splitting.is_some() {
             for (split, count) in Split::ALL.into_iter().zip(plan.counts()) {
-                ui.label(RichText::new(split.as_str()).color(theme::WEAK));
+                ui.label(RichText::new(split.as_str()).color(palette.weak));
                 ui.label(count.to_string());
                 ui.end_row();
             }
         }
         for (origin, count) in plan.origins() {
-            ui.label(RichText::new(origin.as_str().replace('_', " ")).color(theme::WEAK));
+            ui.label(RichText::new(origin.as_str().replace('_', " ")).color(palette.weak));
             ui.label(count.to_string());
             ui.end_row();
         }

@@ -6,7 +6,8 @@ use super::parts::{cameras_of, fact, left_out, line, notes};
 use crate::app::transfer::{Look, TransferAction, in_dialog};
 use crate::app::{Action, sentence};
 use crate::exchange::{About, Format};
-use crate::ui::{Panel, theme};
+use crate::ui::Panel;
+use crate::ui::theme::{self, Themed as _};
 use egui::{Align, Button, Layout, RichText, ScrollArea, Ui, vec2};
 
 /// The width of the list of formats, points.
@@ -79,8 +80,9 @@ fn list(ui: &mut Ui, chosen: Format, goes: fn(Format) -> bool) -> Option<Format>
 
 /// What a format is.
 fn about(ui: &mut Ui, format: Format) {
+    let palette = ui.palette();
     let About { conventions, users } = format.about();
-    ui.add(egui::Label::new(RichText::new(sentence(format.title())).color(theme::STRONG)).wrap());
+    ui.add(egui::Label::new(RichText::new(sentence(format.title())).color(palette.strong)).wrap());
     fact(ui, "Conventions", &in_dialog(conventions));
     fact(ui, "Who reads it", &in_dialog(users));
     if format.exports() {
@@ -90,6 +92,7 @@ fn about(ui: &mut Ui, format: Format) {
 
 /// What the export would be.
 fn exported(panel: &Panel<'_>, ui: &mut Ui) {
+    let palette = ui.palette();
     let Some(found) = &panel.app.session.transfer.found else { return };
     match &found.look {
         Look::Export(Ok(made)) => {
@@ -101,23 +104,24 @@ fn exported(panel: &Panel<'_>, ui: &mut Ui) {
             } else {
                 String::new()
             };
-            line(ui, format!("{frames} in {files}.{proof}"), theme::STRONG);
+            line(ui, format!("{frames} in {files}.{proof}"), palette.strong);
             match &made.loss {
-                Some(loss) => line(ui, sentence(&loss.to_string()), theme::CAUTION),
-                None => line(ui, "Nothing that can be measured is lost.", theme::GOOD),
+                Some(loss) => line(ui, sentence(&loss.to_string()), palette.caution),
+                None => line(ui, "Nothing that can be measured is lost.", palette.good),
             }
             notes(ui, &made.notes);
             left_out(ui, &made.left_out);
         }
-        Look::Export(Err(why)) => line(ui, why, theme::BAD),
+        Look::Export(Err(why)) => line(ui, why, palette.bad),
         Look::Dataset(_) | Look::Import(_) => {}
     }
 }
 
 /// What the import brings.
 fn imported(panel: &Panel<'_>, ui: &mut Ui) {
+    let palette = ui.palette();
     let Some(found) = &panel.app.session.transfer.found else {
-        line(ui, "Choose the files; what they bring is shown here before anything changes.", theme::WEAK);
+        line(ui, "Choose the files; what they bring is shown here before anything changes.", palette.weak);
         return;
     };
     match &found.look {
@@ -126,17 +130,17 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
                 "{} frames of this document get labels, {} are new: {} clicks, {} new cameras.",
                 joined.matched, joined.added, joined.clicks, joined.cameras
             );
-            line(ui, text, theme::STRONG);
+            line(ui, text, palette.strong);
             if joined.kept > 0 {
-                line(ui, format!("{} frames have labels of their own, which stay.", joined.kept), theme::TEXT);
+                line(ui, format!("{} frames have labels of their own, which stay.", joined.kept), palette.text);
             }
             if joined.other_size > 0 {
                 let text = format!("{} frames are left: their pictures have another size here.", joined.other_size);
-                line(ui, text, theme::CAUTION);
+                line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);
         }
-        Look::Import(Err(why)) => line(ui, why, theme::BAD),
+        Look::Import(Err(why)) => line(ui, why, palette.bad),
         Look::Export(_) | Look::Dataset(_) => {}
     }
 }

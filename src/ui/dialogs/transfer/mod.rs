@@ -10,7 +10,8 @@ mod typed;
 use super::{has_just_opened, sheet};
 use crate::app::transfer::{TransferAction, TransferTab, UnderWay};
 use crate::app::{Action, Command};
-use crate::ui::{Panel, theme};
+use crate::ui::Panel;
+use crate::ui::theme::Themed as _;
 use egui::{Align, Button, Context, Layout, ProgressBar, RichText, Spinner, Ui, vec2};
 
 /// The sheet's size, points.
@@ -63,6 +64,7 @@ fn tabs(panel: &mut Panel<'_>, ui: &mut Ui) {
 
 /// The buttons, and what is under way.
 fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let palette = ui.palette();
     let transfer = &panel.app.session.transfer;
     let (tab, under_way) = (transfer.tab, transfer.under_way);
     let is_ready = parts::is_ready(transfer);
@@ -82,7 +84,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         TransferTab::Import => ("Choose files…", "Read them and show what they bring; nothing is changed yet."),
     };
     if tab == TransferTab::Import {
-        let take = ui.add_enabled(is_ready, Button::new("Import").fill(theme::ACCENT_GROUND));
+        let take = ui.add_enabled(is_ready, Button::new("Import").fill(palette.accent_ground));
         let take = take.on_hover_text("Take it over. One step of undo.").on_disabled_hover_text("Choose files first.");
         if take.clicked() {
             push(TransferAction::TakeOver);
@@ -91,7 +93,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
             push(TransferAction::Choose);
         }
     } else {
-        let write = ui.add_enabled(is_ready, Button::new(label).fill(theme::ACCENT_GROUND));
+        let write = ui.add_enabled(is_ready, Button::new(label).fill(palette.accent_ground));
         if write.on_hover_text(tip).on_disabled_hover_text("There is nothing to write.").clicked() {
             push(TransferAction::Choose);
         }
@@ -101,7 +103,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
     if under_way.is_some() {
         ui.add(Spinner::new().size(14.0));
-        ui.label(RichText::new("Looking…").color(theme::WEAK));
+        ui.label(RichText::new("Looking…").color(palette.weak));
     }
 }
 

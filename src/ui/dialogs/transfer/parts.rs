@@ -3,7 +3,7 @@
 use crate::app::App;
 use crate::app::transfer::{Look, Transfer, in_dialog};
 use crate::document::CameraId;
-use crate::ui::theme;
+use crate::ui::theme::{self, Themed as _};
 use egui::{Color32, RichText, Ui};
 
 /// Whether there is something to write or to take over.
@@ -28,27 +28,30 @@ pub fn line(ui: &mut Ui, text: impl Into<String>, colour: Color32) {
 
 /// A name and what it is.
 pub fn fact(ui: &mut Ui, name: &str, value: &str) {
+    let palette = ui.palette();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
-        ui.label(RichText::new(format!("{name}:")).color(theme::WEAK));
-        ui.label(RichText::new(value).color(theme::TEXT));
+        ui.label(RichText::new(format!("{name}:")).color(palette.weak));
+        ui.label(RichText::new(value).color(palette.text));
     });
 }
 
 /// Frames that are left out, the first by name.
 pub fn left_out(ui: &mut Ui, frames: &[(String, String)]) {
     const SHOWN: usize = 3;
+    let palette = ui.palette();
     for (frame, why) in frames.iter().take(SHOWN) {
-        line(ui, format!("Left out: {frame}: {why}."), theme::CAUTION);
+        line(ui, format!("Left out: {frame}: {why}."), palette.caution);
     }
     if frames.len() > SHOWN {
-        line(ui, format!("Left out: {} more frames.", frames.len() - SHOWN), theme::CAUTION);
+        line(ui, format!("Left out: {} more frames.", frames.len() - SHOWN), palette.caution);
     }
 }
 
 /// What a user should know.
 pub fn notes(ui: &mut Ui, notes: &[String]) {
+    let palette = ui.palette();
     for note in notes {
-        line(ui, in_dialog(note), theme::CAUTION);
+        line(ui, in_dialog(note), palette.caution);
     }
 }

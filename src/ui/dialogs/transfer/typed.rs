@@ -1,6 +1,6 @@
 //! A value that may be left open and is typed: what cannot be read stays in its field, with an example below.
 
-use crate::ui::theme;
+use crate::ui::theme::Themed as _;
 use egui::{Id, RichText, TextEdit, Ui};
 
 /// A field for a typed value.
@@ -22,6 +22,7 @@ pub struct Typed<'a, T> {
 impl<T> Typed<'_, T> {
     /// Shows the field with its name; an empty one leaves the value open.
     pub fn show(self, ui: &mut Ui, value: &mut Option<T>) {
+        let palette = ui.palette();
         let id = Id::unique(("typed", self.name));
         ui.label(self.name);
         let kept = ui.data(|data| data.get_temp::<String>(id));
@@ -31,7 +32,7 @@ impl<T> Typed<'_, T> {
         let read = (self.read)(text.trim());
         let is_open = text.trim().is_empty();
         if !is_open && read.is_none() {
-            ui.label(RichText::new(format!("such as {}", self.example)).color(theme::CAUTION));
+            ui.label(RichText::new(format!("such as {}", self.example)).color(palette.caution));
         }
         // Half a value is none.
         let is_whole = is_open || read.is_some();
