@@ -132,7 +132,9 @@ impl Search<'_> {
         if snapped_share(&best) >= OVER_REFUTED && snapped_share(&other) <= REFUTED {
             return self.found(best, neighbours, looked_at, picture);
         }
-        let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(few_snapped).collect();
+        // Two that are left to a person to choose from have to be as good as one that refutes another.
+        let is_few = |found| few_snapped(found, OVER_REFUTED);
+        let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(is_few).collect();
         if is_doubted || !few.is_empty() {
             few.insert(0, Doubt::Rival);
             return Err(Abstention::Uncertain { doubts: few, best: Some(Box::new(best)) }.into());
@@ -153,7 +155,7 @@ impl Search<'_> {
         let uncertain = |doubt, found: UnclickedCamera| {
             Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(found)) }.into())
         };
-        if let Some(doubt) = few_snapped(&found) {
+        if let Some(doubt) = few_snapped(&found, MIN_SNAPPED) {
             return uncertain(doubt, found);
         }
         self.told(UnclickedProgress::Refining)?;
@@ -168,7 +170,7 @@ impl Search<'_> {
             (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
         };
         let contradicted = || self.contradicted(&found);
-        match few_snapped(&found).or_else(missing).or_else(contradicted) {
+        match few_snapped(&found, MIN_SNAPPED).or_else(missing).or_else(contradicted) {
             Some(doubt) => uncertain(doubt, found),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
@@ -306,10 +308,10 @@ fn snapped_share(found: &UnclickedCamera) -> f64 {
     found.snapped_count() as f64 / found.evidence.frames.max(1) as f64
 }
 
-/// The doubt about a camera with which few frames agree.
-fn few_snapped(found: &UnclickedCamera) -> Option<Doubt> {
+/// The doubt about a camera with which fewer than a share of its frames agree.
+fn few_snapped(found: &UnclickedCamera, least: f64) -> Option<Doubt> {
     let (snapped, frames) = (found.snapped_count(), found.evidence.frames);
-    (snapped_share(found) < MIN_SNAPPED).then_some(Doubt::FewSnapped { snapped, frames })
+    (snapped_share(found) < least).then_some(Doubt::FewSnapped { snapped, frames })
 }
 
 /// Some frames' pictures with their places; those that cannot be read are left out.
