@@ -30,7 +30,7 @@ run: run-packages ## build and open the demo match (a copy of it in target/demo)
 test: run-packages test-packages ## run every test; those that miss a part of the machine are ignored and say why
 	@.ci/test
 
-test-formats: build-packages ## exports read by each consumer's own reader, in a Python environment of its own
+test-formats: build-packages ## exports read by each consumer's own reader, each in a Python environment of its own
 	@.ci/formats
 
 check: build-packages ## formatting, lints and documentation, warnings refused
