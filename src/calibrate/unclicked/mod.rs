@@ -4,7 +4,7 @@
 //! rotation and zoom ([`crate::track`]); paint that many of them show in one direction is drawn on the ground
 //! ([`crate::paint::persistent_paint`]); a field of nearly known size fits what is drawn in one way only. Places are tried, the best are adjusted
 //! with all frames to the paint in the pictures, and the answer is given where it explains the paint, is seen where it
-//! should be, and leaves its rivals behind.
+//! should be, and leaves its rivals behind. Where two landmarks are clicked, they say where it stands in place of the search.
 
 mod answer;
 mod camera;
