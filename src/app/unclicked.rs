@@ -16,9 +16,6 @@ use thiserror::Error;
 /// Frames that are looked at, spread over all of the camera.
 const LOOKED_AT: usize = 40;
 
-/// With this many clicked landmarks a camera is looked for where they say.
-const FEWEST_CLICKS: usize = 2;
-
 /// Fewer frames hardly show what is painted on the ground and what moves over it.
 pub(super) const FEWEST: usize = 3;
 
@@ -70,20 +67,12 @@ impl UnclickedOrder {
     ) -> Result<UnclickedAnswer, UnclickedFailure> {
         let mut picture = |index: usize| read_picture(reader, &self.document.frames[index], &self.folder).ok();
         let at = self.document.at(&self.folder);
-        // Two clicks save the search, and find cameras that it does not.
-        if self.clicked_landmarks() >= FEWEST_CLICKS {
-            let answer = camera_from_few_clicks(at, &self.camera, LOOKED_AT, &mut picture, watch)?;
-            if !matches!(answer, UnclickedAnswer::Abstained(_)) {
-                return Ok(answer);
-            }
+        // Two clicks save the search; with fewer nothing is looked at here.
+        let by_clicks = camera_from_few_clicks(at, &self.camera, LOOKED_AT, &mut picture, watch)?;
+        if !matches!(by_clicks, UnclickedAnswer::Abstained(_)) {
+            return Ok(by_clicks);
         }
         Ok(camera_without_clicks(at, &self.camera, LOOKED_AT, &mut picture, watch)?)
-    }
-
-    /// How many landmarks are clicked in the camera's frames.
-    fn clicked_landmarks(&self) -> usize {
-        let frames = self.document.frames.iter().filter(|frame| frame.camera == self.camera);
-        frames.flat_map(|frame| &frame.clicks).filter(|click| matches!(click.target, Some(Target::Landmark(_)))).count()
     }
 
     /// A camera that was found, with its frames by their ids.

@@ -32,6 +32,9 @@ const MIN_SNAPPED: f64 = 0.75;
 const OVER_REFUTED: f64 = 0.85;
 const REFUTED: f64 = 0.65;
 
+/// Landmarks of the ground without which no place is named.
+const FEWEST_CLICKS: usize = 2;
+
 /// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
 const CONTRADICTING_PX: f64 = 25.0;
 
@@ -51,9 +54,7 @@ pub fn camera_without_clicks(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    let venue = Venue::of(document, camera)?;
-    let search = Search { document, camera, venue: &venue, by_clicks: false, watch };
-    search.answered(look_at, picture)
+    answered((document, camera), false, look_at, picture, watch)
 }
 
 /// The same where a person has clicked two landmarks of the ground or more, in one frame or in several: they say where the camera
@@ -69,9 +70,23 @@ pub fn camera_from_few_clicks(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
+    answered((document, camera), true, look_at, picture, watch)
+}
+
+/// The answer of a search, by clicks or without.
+fn answered(
+    (document, camera): (DocumentAt<'_>, &CameraId),
+    by_clicks: bool,
+    look_at: usize,
+    picture: PictureOfFrame<'_>,
+    watch: WatchUnclicked<'_>,
+) -> Result<UnclickedAnswer, UnclickedError> {
     let venue = Venue::of(document, camera)?;
-    let search = Search { document, camera, venue: &venue, by_clicks: true, watch };
-    search.answered(look_at, picture)
+    match (Search { document, camera, venue: &venue, by_clicks, watch }).answer(look_at, picture) {
+        Ok(answer) => Ok(answer),
+        Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
+        Err(Stop::Failed(error)) => Err(error),
+    }
 }
 
 struct Search<'a> {
@@ -84,25 +99,22 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn answered(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, UnclickedError> {
-        match self.answer(look_at, picture) {
-            Ok(answer) => Ok(answer),
-            Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
-            Err(Stop::Failed(error)) => Err(error),
-        }
-    }
-
     fn told(&self, progress: UnclickedProgress) -> Result<(), Stop> {
         if (self.watch)(progress).is_break() { Err(UnclickedError::Stopped.into()) } else { Ok(()) }
     }
 
     fn answer(&self, look_at: usize, picture: PictureOfFrame<'_>) -> Result<UnclickedAnswer, Stop> {
-        let (frames, traces) = self.look(&self.spread(look_at), picture)?;
+        let spread = self.spread(look_at);
+        // Fewer clicks name no place: no picture need be looked at.
+        if self.by_clicks && self.clicks(&spread).len() < FEWEST_CLICKS {
+            return Err(Abstention::NothingFits.into());
+        }
+        let (frames, traces) = self.look(&spread, picture)?;
         let tied = TiedFrames::of(&traces, self.watch)?;
-        let clicks = self.clicks(&frames);
         let of_group: Option<Vec<GroundClick>> = self.by_clicks.then(|| {
             let place = |click: &GroundClick| tied.group.iter().position(|place| frames[*place] == click.frame);
-            clicks.iter().filter_map(|click| Some(GroundClick { frame: place(click)?, ..click.clone() })).collect()
+            let in_group = |click: GroundClick| Some(GroundClick { frame: place(&click)?, ..click });
+            self.clicks(&frames).into_iter().filter_map(in_group).collect()
         });
         let found = candidates(frames.len(), &tied, of_group.as_deref(), self.venue, self.watch)?;
         let mut places = found.into_iter();

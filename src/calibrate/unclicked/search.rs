@@ -198,7 +198,7 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
     looked.par_iter().map(fitted).collect()
 }
 
-fn sort(hypotheses: &mut [Hypothesis]) {
+pub(super) fn sort(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 

@@ -5,7 +5,7 @@ use super::error::Stop;
 use super::joint::FramePaint;
 use super::pitch_map::PitchMap;
 use super::pose::{RigPose, fitted};
-use super::search::{Hypothesis, PLACES, Panorama, judged, search};
+use super::search::{Hypothesis, PLACES, Panorama, judged, search, sort};
 use super::tied::TiedFrames;
 use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
 use crate::camera::{BaseAngles, CameraBase};
@@ -55,13 +55,12 @@ pub(super) fn named(
     watch: WatchUnclicked<'_>,
 ) -> Result<Vec<Start>, Stop> {
     begun(tied, &FINE_FOCAL_PERCENT, fields.len(), watch, |turns, panorama| {
-        let on_field = |(field, map): (usize, &PitchMap)| {
+        let mut found = Vec::new();
+        for (field, map) in maps.iter().enumerate() {
             let poses = poses(turns, clicks, &fields[field]).into_iter().take(PAIRS);
-            poses.map(|pose| judged(fitted(pose, &panorama.directions, map), panorama, (field, map))).collect()
-        };
-        let mut found: Vec<Hypothesis> =
-            maps.iter().enumerate().map(on_field).flat_map(|of_field: Vec<Hypothesis>| of_field).collect();
-        found.sort_by(|a, b| b.score().total_cmp(&a.score()));
+            found.extend(poses.map(|pose| judged(fitted(pose, &panorama.directions, map), panorama, (field, map))));
+        }
+        sort(&mut found);
         found
     })
 }
