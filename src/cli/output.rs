@@ -1,6 +1,7 @@
 //! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
+use crate::files::{remove_stray_files, temporary_file_in};
 use crate::store::{write_new, write_output};
 use anyhow::{Context as _, bail};
 use std::io::Write as _;
@@ -22,8 +23,8 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
     // Folders that are missing are made; what holds them must take them.
     let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else { return Ok(()) };
-    let tried = tempfile::Builder::new().prefix(".touchline-").suffix(".tmp").tempfile_in(folder);
-    tried
+    remove_stray_files(folder);
+    temporary_file_in(folder)
         .map(drop)
         .with_context(|| format!("cannot write {}: nothing can be made in {}", path.display(), folder.display()))
 }

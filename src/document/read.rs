@@ -292,7 +292,9 @@ fn descend(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>)
                     map.insert(key.clone(), inner.clone());
                     fails(&Value::Object(map))
                 };
-                return descend(inner, &format!("{place}.{key}"), &with);
+                // What is wrong may be the value as a whole: a list that is too long.
+                let within = format!("{place}.{key}");
+                return descend(inner, &within, &with).or(Some((within, message)));
             }
         }
         Value::Array(items) if items.iter().all(Value::is_object) => {
@@ -303,7 +305,7 @@ fn descend(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>)
                     continue;
                 }
                 let with = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
-                return descend(inner, &format!("{place}[{index}]"), &with);
+                return descend(inner, &format!("{place}[{index}]"), &with).or(Some((place.to_owned(), message)));
             }
         }
         _ => {}

@@ -1,7 +1,7 @@
 //! The files of an export or import in memory: written whole or not at all, read with limits.
 
 use super::error::{ExchangeError, Problem};
-use crate::files::{NotReadable, read_named};
+use crate::files::{NotReadable, read_named, temporary_file_in, temporary_folder_in};
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write as _};
@@ -110,14 +110,14 @@ impl Files {
         if fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
             return OpenOptions::new().write(true).open(path)?.write_all(bytes);
         }
-        let mut file = temporary().tempfile_in(parent(path))?;
-        file.write_all(bytes)?;
+        let mut file = temporary_file_in(parent(path))?;
+        file.as_file_mut().write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path).map(drop).map_err(|error| error.error)
     }
 
     fn write_folder(&self, path: &Path) -> io::Result<()> {
-        let new = temporary().tempdir_in(parent(path))?;
+        let new = temporary_folder_in(parent(path))?;
         for (name, bytes) in &self.0 {
             let file = new.path().join(name);
             fs::create_dir_all(parent(&file))?;
@@ -140,7 +140,7 @@ pub(super) fn put_folder(new: tempfile::TempDir, path: &Path) -> io::Result<()> 
         return Ok(());
     }
     // What was there goes only when the new one stands in its place.
-    let old = temporary().tempdir_in(parent(path))?;
+    let old = temporary_folder_in(parent(path))?;
     let kept = old.path().join("old");
     fs::rename(path, &kept)?;
     if let Err(error) = fs::rename(new.path(), path) {
@@ -149,13 +149,6 @@ pub(super) fn put_folder(new: tempfile::TempDir, path: &Path) -> io::Result<()> 
     }
     let _ = new.keep();
     if kept.is_dir() { fs::remove_dir_all(kept) } else { fs::remove_file(kept) }
-}
-
-/// How temporary files and folders are called.
-pub(super) fn temporary() -> tempfile::Builder<'static, 'static> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".touchline-").suffix(".tmp");
-    builder
 }
 
 /// The folder that a path lies in.

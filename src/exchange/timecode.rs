@@ -41,6 +41,8 @@ impl Timecode {
         if let Some(dropped) = dropped {
             let minute = 60 * nominal - dropped;
             let ten_minutes = 10 * minute + dropped;
+            // A day has 144 times ten minutes; what lies before the last day cannot be seen.
+            number %= 144 * ten_minutes;
             let (tens, rest) = (number / ten_minutes, number % ten_minutes);
             number += 9 * dropped * tens + if rest >= dropped { dropped * ((rest - dropped) / minute) } else { 0 };
         }
@@ -107,6 +109,16 @@ mod tests {
         assert_eq!(at(107_892, NTSC), "01:00:00;00");
         assert_eq!(at(3600, Rate::new(60_000, 1001)), "00:01:00;04");
         assert_eq!(at(1440, Rate::new(24_000, 1001)), "00:01:00:00");
+    }
+
+    #[test]
+    fn any_frame_number_has_a_timecode() {
+        for rate in [NTSC, Rate::new(25, 1), Rate::new(u32::MAX, 1001)] {
+            for start in [None, Timecode::parse("23:59:59;29"), Timecode::parse("23:59:59:29")] {
+                let code = Timecode::from_start(start, u64::MAX, rate);
+                assert!(code.hours < 24 && code.frames < nominal(rate), "{code}");
+            }
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! another version counts as absent. It is limited in size; the oldest files are deleted first.
 
 use super::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions, Features, Keypoint};
-use crate::files::read_regular;
+use crate::files::{read_regular, remove_stray_files, temporary_file_in};
 use crate::geometry::{ImagePoint, ImageSize, PixelBox, hex};
 use sha2::{Digest, Sha256};
 use std::io::{self, Write as _};
@@ -74,8 +74,8 @@ impl FeatureCache {
         let bytes = encode(features);
         std::fs::create_dir_all(&self.folder)?;
         self.make_room_if_needed(bytes.len() as u64)?;
-        let mut file = tempfile::NamedTempFile::new_in(&self.folder)?;
-        file.write_all(&bytes)?;
+        let mut file = temporary_file_in(&self.folder)?;
+        file.as_file_mut().write_all(&bytes)?;
         file.persist(self.file(key)).map_err(|error| error.error)?;
         Ok(())
     }
@@ -97,6 +97,7 @@ impl FeatureCache {
 
     /// Deletes the oldest files until `more` bytes fit; what is left.
     fn make_room(&self, more: u64) -> io::Result<u64> {
+        remove_stray_files(&self.folder);
         let mut files: Vec<(SystemTime, PathBuf, u64)> = Vec::new();
         for entry in std::fs::read_dir(&self.folder)? {
             let path = entry?.path();

@@ -4,11 +4,15 @@
 //! |---|---|
 //! | [`read_named`], [`open_named`] | files that a person names; links are followed |
 //! | [`read_regular`], [`open_regular`] | the program's own files in a folder that is not trusted; links are refused |
+//!
+//! Temporary files are made here too, so that all have one name and go when they are left behind.
 
 mod named_file;
 mod not_readable;
 mod regular_file;
+mod temporary;
 
 pub use named_file::{open_named, read_named, read_named_text};
 pub use not_readable::NotReadable;
 pub use regular_file::{WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder};
+pub(crate) use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};

@@ -1,9 +1,9 @@
 //! Files that are either the old one or the new one, never half of one.
 
-use std::fs::{self, File, OpenOptions};
+use super::calls;
+use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Writes a file so that a crash or a full disk at any moment leaves the old content or the new one: a temporary file in
 /// the same folder, flushed, renamed, and the folder flushed. The permissions of a file that is replaced are kept.
@@ -24,53 +24,14 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
 
 fn write_whole(path: &Path, bytes: &[u8], replace: bool) -> io::Result<()> {
     let folder = folder_of(path);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut file = builder.tempfile_in(folder)?;
-    file.write_all(bytes)?;
+    let mut file = calls::temporary_in(folder)?;
+    calls::write_all(file.as_file_mut(), bytes)?;
     if let Ok(old) = fs::metadata(path) {
         file.as_file().set_permissions(old.permissions())?;
     }
-    file.as_file().sync_all()?;
-    let persisted = if replace {
-        file.persist(path)
-    } else {
-        // Some file systems cannot rename without replacing.
-        file.persist_noclobber(path).or_else(|refused| match refused.error.kind() {
-            io::ErrorKind::AlreadyExists => Err(refused),
-            _ => refused.file.persist(path),
-        })
-    };
-    persisted.map_err(|error| error.error)?;
-    sync_folder(folder)
-}
-
-/// What temporary files are called.
-const TEMPORARY: (&str, &str) = (".touchline-", ".tmp");
-/// Temporary files older than this belong to no program that still runs.
-const STRAY: Duration = Duration::from_hours(24);
-
-/// Takes away temporary files that a program left in a folder when it was killed. What cannot be looked at stays.
-pub(super) fn remove_stray_files(folder: &Path) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let name = name.to_string_lossy();
-        let is_ours = name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1);
-        let is_stray = |metadata: &fs::Metadata| {
-            let age = metadata.modified().ok().and_then(|modified| modified.elapsed().ok());
-            metadata.is_file() && age.is_some_and(|age| age > STRAY)
-        };
-        // Of a link this is the link itself, which is no file.
-        if is_ours && fs::symlink_metadata(entry.path()).is_ok_and(|metadata| is_stray(&metadata)) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
+    calls::flush(file.as_file(), file.path())?;
+    calls::persist(file, path, replace)?;
+    calls::flush_folder(folder)
 }
 
 /// Writes a result to the place that a user named. A regular file is replaced as by [`write_atomically`], one behind a link
@@ -98,19 +59,19 @@ pub(super) fn keep_backup(path: &Path, backup: &Path) -> io::Result<()> {
     if !path.exists() {
         return Ok(());
     }
-    match fs::remove_file(backup) {
+    match calls::remove(backup) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
     // Not every file system knows hard links.
-    fs::hard_link(path, backup).or_else(|_| copy_new(path, backup))
+    calls::link(path, backup).or_else(|_| copy_new(path, backup))
 }
 
 /// Moves a file to the first free name of `path.WORD-1`, `path.WORD-2`, …, so that nothing is lost.
 pub(super) fn set_aside(path: &Path, file: &Path, word: &str) -> io::Result<PathBuf> {
     let free = free_name(path, word, "");
-    fs::rename(file, &free)?;
-    sync_folder(folder_of(path))?;
+    calls::rename(file, &free)?;
+    calls::flush_folder(folder_of(path))?;
     Ok(free)
 }
 
@@ -123,10 +84,10 @@ pub(super) fn copy_aside(path: &Path, word: &str) -> io::Result<PathBuf> {
 
 /// Copies a file to a name that is free; a link that somebody put there meanwhile is not followed.
 fn copy_new(path: &Path, to: &Path) -> io::Result<()> {
-    let mut source = File::open(path)?;
-    let mut copy = OpenOptions::new().write(true).create_new(true).open(to)?;
-    io::copy(&mut source, &mut copy)?;
-    copy.sync_all()
+    let bytes = fs::read(path)?;
+    let mut copy = calls::make_new(to)?;
+    calls::write_all(&mut copy, &bytes)?;
+    calls::flush(&copy, to)
 }
 
 /// Writes a new file under the first free name of `path.WORD-1.json`, …, which is a document's for whoever opens it.
@@ -162,30 +123,9 @@ pub(super) fn folder_of(path: &Path) -> &Path {
     }
 }
 
-/// Flushes a folder's entries; only Unix can.
-pub(super) fn sync_folder(folder: &Path) -> io::Result<()> {
-    if cfg!(unix) { File::open(folder)?.sync_all() } else { Ok(()) }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn stray_files_go_after_a_day_and_others_stay() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        let old = std::time::SystemTime::now() - 2 * STRAY;
-        for (name, is_old) in [(".touchline-a.tmp", true), (".touchline-b.tmp", false), ("touchline-c.tmp", true)] {
-            fs::write(at(name), "x").unwrap();
-            if is_old {
-                File::options().write(true).open(at(name)).unwrap().set_modified(old).unwrap();
-            }
-        }
-        remove_stray_files(folder.path());
-        let left = [".touchline-a.tmp", ".touchline-b.tmp", "touchline-c.tmp"].map(|name| at(name).exists());
-        assert_eq!(left, [false, true, true]);
-    }
 
     #[test]
     fn a_new_file_replaces_none() {

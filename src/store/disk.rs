@@ -1,16 +1,14 @@
 //! A document on disk: opened with what its journal holds, journaled edit by edit, written whole and atomically.
 
-use super::atomic::{
-    copy_aside, is_pipe_or_device, keep_backup, remove_stray_files, set_aside, write_atomically, write_new,
-    write_output,
-};
+use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output};
+use super::calls;
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
 use super::journal::{DocumentHash, Journal, JournalContent, Pending};
 use super::lock::{Lock, lock};
 use super::replay::Replay;
 use super::{DocumentStore, Location, Others, Outside, ReadOnly, StoreError};
 use crate::document::{Document, Edit, History, document_from_bytes, document_to_string};
-use crate::files::{read_regular, read_regular_within};
+use crate::files::{read_regular, read_regular_within, remove_stray_files};
 use crate::geometry::hex;
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
@@ -114,8 +112,12 @@ pub struct Store {
     journal: Journal,
     /// The document's file as it was last read or written; none where there was no file.
     written: Option<(Document, DocumentHash)>,
+    /// The document that was to be written last. Where that failed at the very end, it is there already.
+    announced: Option<DocumentHash>,
     /// The journal holds edits that the document's file lacks.
     behind: bool,
+    /// The journal was lost with the edits in it: nothing is journaled before the document is written whole.
+    needs_whole: bool,
     lock: Lock,
 }
 
@@ -145,7 +147,15 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     }
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
     let written = Some((written, hash.clone()));
-    let mut store = Store { location: location.clone(), journal, written, behind: false, lock };
+    let mut store = Store {
+        location: location.clone(),
+        journal,
+        written,
+        announced: None,
+        behind: false,
+        needs_whole: false,
+        lock,
+    };
     if damage == Damage::Misfit {
         store.write(&document, Some(&history))?;
     } else if recovery.edits.is_empty() {
@@ -335,7 +345,15 @@ impl Store {
         let io = |source| StoreError::from_io("write", &path, source);
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
-        let mut store = Self { location: location.clone(), journal, written: None, behind: false, lock };
+        let mut store = Self {
+            location: location.clone(),
+            journal,
+            written: None,
+            announced: None,
+            behind: false,
+            needs_whole: false,
+            lock,
+        };
         store.write(document, None)?;
         Ok(store)
     }
@@ -381,7 +399,10 @@ impl Store {
     fn changed_outside(&self) -> Result<bool, StoreError> {
         let path = self.location.file();
         match read_regular(path) {
-            Ok(bytes) => Ok(!self.has_written(&hash_of(&bytes))),
+            Ok(bytes) => {
+                let hash = hash_of(&bytes);
+                Ok(!self.has_written(&hash) && self.announced.as_ref() != Some(&hash))
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
             Err(source) => Err(StoreError::from_io("read", path, source)),
         }
@@ -401,8 +422,13 @@ impl Store {
             document_to_string(document).map_err(|source| StoreError::Write { path: path.to_path_buf(), source })?;
         let hash = hash_of(text.as_bytes());
         let changes = !self.has_written(&hash) || !path.exists();
+        // Where writing failed at its very end, the document is there, and the version before it is the backup.
+        let is_there = changes
+            && self.announced.as_ref() == Some(&hash)
+            && read_regular(path).is_ok_and(|bytes| hash_of(&bytes) == hash);
         if changes {
             self.journal.announce(&hash).map_err(|source| self.journal_error(source))?;
+            self.announced = Some(hash.clone());
         }
         if let Some(history) = history {
             let path = self.location.history();
@@ -410,13 +436,15 @@ impl Store {
                 log::warn!("{}: {error}; after closing, these steps cannot be undone", path.display());
             }
         }
-        if changes {
+        if is_there {
+            calls::flush_folder(self.location.folder()).map_err(|source| StoreError::from_io("write", path, source))?;
+        } else if changes {
             let backup = self.location.backup();
             keep_backup(path, &backup).map_err(|source| StoreError::from_io("write", &backup, source))?;
             self.write_text(&text).map_err(|source| StoreError::from_io("write", path, source))?;
         }
         self.written = Some((document.clone(), hash.clone()));
-        self.behind = false;
+        (self.behind, self.needs_whole) = (false, false);
         // The document holds everything now. A journal that cannot be restarted still says so by the announcement.
         self.journal.restart(&hash).map_err(|source| self.journal_error(source))
     }
@@ -449,6 +477,7 @@ impl Store {
         }
         let path = self.location.journal();
         set_orphan_aside(&path)?;
+        self.needs_whole = true;
         self.journal = Journal::open(&path, 0).map_err(|source| StoreError::from_io("write", &path, source))?;
         Ok(())
     }
@@ -469,6 +498,9 @@ impl DocumentStore for Store {
     }
 
     fn append(&mut self, edits: &[Edit]) -> Result<(), StoreError> {
+        if self.needs_whole {
+            return Err(StoreError::Gone { path: self.location.journal() });
+        }
         self.journal.append(edits).map_err(|source| self.journal_error(source))?;
         self.behind = true;
         Ok(())

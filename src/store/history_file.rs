@@ -8,12 +8,13 @@
 //! be written keeps no document from being saved.
 
 use super::atomic::write_atomically;
+use super::calls;
 use super::journal::DocumentHash;
 use super::lines::{first_line, line, line_within};
 use crate::document::{Document, History, SplitDocument, StepEdit, StepMisfit};
 use crate::files::open_regular;
 use serde::{Deserialize, Serialize};
-use std::fs::{self, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::{self, Read as _};
 use std::path::Path;
 use thiserror::Error;
@@ -171,7 +172,7 @@ pub(super) fn write(
 
 /// Takes the file away, if there is one.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
+    match calls::remove(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
         _ => Ok(()),
     }

@@ -4,14 +4,14 @@
 //! document is replaced, a line names the one to come. Whatever happens between the two, a reader finds the edits that are not
 //! yet in the document it sees. A journal that breaks off in a line is read up to that line.
 
-use super::atomic::{folder_of, sync_folder};
+use super::atomic::folder_of;
+use super::calls;
 use super::file_id::is_at;
 use super::lines::{first_line, line};
 use crate::document::Edit;
-use crate::files::open_regular;
 use serde::{Deserialize, Serialize};
-use std::fs::{File, OpenOptions};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// The version of the journal that this program writes and reads.
@@ -148,14 +148,16 @@ pub(super) struct Journal {
     file: File,
     /// Up to here the file holds whole lines; a line that failed half-way is cut off before the next one.
     whole_bytes: u64,
+    /// The document that it is to start from, until its first line is written.
+    start: Option<DocumentHash>,
 }
 
 impl Journal {
     /// Opens a journal of which `whole_bytes` are to be kept, or creates it.
     pub fn open(path: &Path, whole_bytes: u64) -> io::Result<Self> {
-        let file = open_regular(path, OpenOptions::new().read(true).write(true).create(true))?;
-        sync_folder(folder_of(path))?;
-        Ok(Self { path: path.to_path_buf(), file, whole_bytes })
+        let file = calls::open(path)?;
+        calls::flush_folder(folder_of(path))?;
+        Ok(Self { path: path.to_path_buf(), file, whole_bytes, start: None })
     }
 
     /// Whether the journal is where a reader looks for it: neither it nor its folder was moved or deleted.
@@ -163,10 +165,11 @@ impl Journal {
         is_at(&self.file, &self.path)
     }
 
-    /// Starts anew from a document that holds everything.
+    /// Starts anew from a document that holds everything. Where the disk refuses it now, the next edit begins with it.
     pub fn restart(&mut self, document: &DocumentHash) -> io::Result<()> {
         self.whole_bytes = 0;
-        self.write(&line(&Record::Journal { version: JOURNAL_VERSION, document_sha256: document.clone() })?)
+        self.start = Some(document.clone());
+        self.write("")
     }
 
     /// Appends edits; they are on disk when this returns.
@@ -181,15 +184,18 @@ impl Journal {
     }
 
     fn write(&mut self, lines: &str) -> io::Result<()> {
-        self.file.set_len(self.whole_bytes)?;
-        self.file.seek(SeekFrom::Start(self.whole_bytes))?;
-        self.file.write_all(lines.as_bytes())?;
-        self.file.sync_data()?;
+        let start =
+            self.start.clone().map(|document_sha256| Record::Journal { version: JOURNAL_VERSION, document_sha256 });
+        let lines = start.map_or(Ok(String::new()), |start| line(&start))? + lines;
+        calls::truncate(&mut self.file, self.whole_bytes)?;
+        calls::write_all(&mut self.file, lines.as_bytes())?;
+        calls::flush_data(&self.file, &self.path)?;
         // A damaged tail cannot be recovered; the next line overwrites it.
         if !self.is_in_place() {
             return Err(io::ErrorKind::NotFound.into());
         }
         self.whole_bytes += lines.len() as u64;
+        self.start = None;
         Ok(())
     }
 }
@@ -241,7 +247,7 @@ mod tests {
         let mut journal = Journal::open(&path, 0).unwrap();
         journal.restart(&"a".to_owned()).unwrap();
         journal.append(&[edit("1")]).unwrap();
-        journal.file.write_all(b"0000ffff 0000").unwrap();
+        std::io::Write::write_all(&mut journal.file, b"0000ffff 0000").unwrap();
         journal.append(&[edit("2")]).unwrap();
         let bytes = std::fs::read(&path).unwrap();
         assert_eq!(names(&bytes, "a"), ["1", "2"]);

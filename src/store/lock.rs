@@ -1,10 +1,9 @@
 //! Locks a document for writing; a second program opens it read-only.
 
 use super::ReadOnly;
-use super::{Location, file_id::is_at};
-use crate::files::open_regular;
-use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use super::{Location, calls, file_id::is_at};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read};
 use std::path::PathBuf;
 
 /// How often the lock is tried again when its holder takes the file away in between.
@@ -47,7 +46,7 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
     }
     let path = location.lock();
     for _ in 0..ATTEMPTS {
-        let opened = open_regular(&path, OpenOptions::new().read(true).write(true).create(true));
+        let opened = calls::open(&path);
         let mut file = opened.map_err(|error| not_writable(&error))?;
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => {
@@ -64,9 +63,8 @@ pub(super) fn lock(location: &Location) -> Result<Lock, ReadOnly> {
 }
 
 fn write_holder(file: &mut File) -> io::Result<()> {
-    file.set_len(0)?;
-    file.seek(SeekFrom::Start(0))?;
-    write!(file, "process {}", std::process::id())
+    calls::truncate(file, 0)?;
+    calls::write_all(file, format!("process {}", std::process::id()).as_bytes())
 }
 
 fn read_holder(file: &mut File) -> String {

@@ -2,9 +2,12 @@
 //! atomically.
 
 mod atomic;
+mod calls;
 mod disk;
 mod document_store;
 mod error;
+#[cfg(test)]
+mod faults;
 mod file_id;
 mod history_file;
 mod journal;

@@ -14,7 +14,8 @@ use crate::document::{
     Document, DocumentAt, Frame, FrameId, Shot, ShotEnd, document_from_bytes, document_to_string, resolved,
 };
 use crate::exchange::error::ExchangeError;
-use crate::exchange::files::{parent, put_folder, temporary};
+use crate::exchange::files::{parent, put_folder};
+use crate::files::temporary_folder_in;
 use crate::media::{Picture, ReadFrames};
 use std::collections::BTreeMap;
 use std::fs;
@@ -44,7 +45,7 @@ pub fn write_dataset(
 ) -> Result<DatasetDone, ExchangeError> {
     refuse_existing(folder, force)?;
     let failed = |source| ExchangeError::Write { path: folder.to_path_buf(), source };
-    let temporary = temporary().tempdir_in(parent(folder)).map_err(failed)?;
+    let temporary = temporary_folder_in(parent(folder)).map_err(failed)?;
     let mut files = Folder::new(temporary.path());
     let mut written = Written { of_frame: BTreeMap::new(), left_out: plan.left_out.clone(), pictures: 0 };
     for frame in &plan.frames {
