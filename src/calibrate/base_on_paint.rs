@@ -47,7 +47,7 @@ pub enum BaseOnPaintError {
     Base(#[from] BaseEstimationError),
     /// Hardly any paint is seen where the cameras predict it.
     #[error(
-        "painted lines are seen in {frames} frames, {lines} different ones ({FEWEST_FRAMES} frames and {FEWEST_LINES} lines are \
+        "painted lines are seen in {frames} frames, {lines} different lines in all ({FEWEST_FRAMES} frames and {FEWEST_LINES} lines are \
          needed): refine the base from clicks alone, or click frames that show more of the lines"
     )]
     TooFewLines {

@@ -44,7 +44,7 @@ impl PaintSeen {
         let Some(after) = self.after.paint else { return String::new() };
         let before =
             self.before.paint.map_or_else(String::new, |before| format!(" ({:.2} px before)", before.median_px));
-        format!(" Painted lines not used lie {:.2} px off{before}.", after.median_px)
+        format!(" Painted lines that were not used are {:.2} px off{before}.", after.median_px)
     }
 }
 

@@ -31,7 +31,7 @@ pub enum SnapFrameError {
     Unsolved,
     /// Its own k₁ is asked for, but its camera has a lens.
     #[error(
-        "its camera has a lens, which holds for all its frames: refine-base --markings finds it from them together"
+        "its camera has lens distortion, which all its frames share: refine-base --markings estimates it from all of them"
     )]
     HasLens,
     /// A click names something that the field lacks.
@@ -247,7 +247,7 @@ pub fn record_line_check(frame: &mut Frame, check: &LineCheck) {
 /// What a person reads where the paint speaks against a camera.
 fn against(check: &LineCheck) -> String {
     format!(
-        "the painted lines are not where this camera puts them: paint at {} of {} open places",
+        "the painted lines are not where this camera projects them: paint at {} of {} open places",
         check.found,
         check.found + check.bare
     )

@@ -40,7 +40,7 @@ fn tell(frame: &mut Frame, off_px: f64) {
     solution.warnings.retain(|warning| warning.code != CODE);
     if off_px > TOLERATED_PX * frame.image_size.scale_from_1920() {
         let message = format!(
-            "The base moved after this frame was accepted: its lines moved by up to {off_px:.0} px. Look again."
+            "The base changed after this frame was accepted: its lines moved by up to {off_px:.0} px. Check it again."
         );
         solution.warnings.push(SolutionWarning::new(CODE, message));
     }
@@ -122,7 +122,7 @@ mod tests {
         after.refit(0, &before);
         let warnings = &after.frames[0].solution.as_ref().unwrap().warnings;
         assert_eq!(warnings[0].code, "base_moved");
-        assert!(warnings[0].message.starts_with("The base moved after this frame was accepted"), "{warnings:?}");
+        assert!(warnings[0].message.starts_with("The base changed after this frame was accepted"), "{warnings:?}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub enum AssignError {
     },
     /// A frame's picture is of another size.
     #[error(
-        "{frame} is {} × {} px, the pictures of {camera:?} are {} × {} px: give it to a camera of its size",
+        "{frame} is {} × {} px, the pictures of {camera:?} are {} × {} px: assign it to a camera of its size",
         .size.width, .size.height, .of_camera.width, .of_camera.height
     )]
     OtherSize {
@@ -32,7 +32,7 @@ pub enum AssignError {
         of_camera: ImageSize,
     },
     /// Two cameras would share a name.
-    #[error("there is a camera {camera:?} already: choose another name, or give the frames to that one")]
+    #[error("a camera {camera:?} exists already: choose another name, or assign the frames to that one")]
     NameTaken {
         /// The name.
         camera: String,

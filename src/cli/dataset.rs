@@ -32,7 +32,7 @@ pub struct DatasetArgs {
     /// What a split never divides.
     #[arg(long, default_value = "clip", value_parser = named(&SplitBy::ALL.map(SplitBy::name)), requires = "split")]
     split_by: String,
-    /// Another seed divides otherwise.
+    /// Another seed gives another split.
     #[arg(long, default_value_t = 0, requires = "split")]
     seed: u64,
     /// The licence of labels and pictures, for the card.

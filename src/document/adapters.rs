@@ -291,7 +291,7 @@ pub(super) mod optional_rotation {
         let distance = distance_from_rotation(&rotation);
         if distance > ROTATION_TOLERANCE {
             return Err(D::Error::custom(format!(
-                "the matrix is no rotation: its rows are off by {distance:.2e}, allowed is {ROTATION_TOLERANCE:.0e}"
+                "the matrix is not a rotation: its rows are off by {distance:.2e}, allowed is {ROTATION_TOLERANCE:.0e}"
             )));
         }
         Ok(matrix)

@@ -18,7 +18,7 @@ const fn about(conventions: &'static str, users: &'static str) -> About {
 
 const SOCCERNET_WORLD: &str = "x right, y toward the main camera, z down, m; angles ZXZ in degrees, tilt 0 looks down";
 const YARDS: &str =
-    "image → template in yards from the far-left corner, y toward the camera; pixels from the first one's centre";
+    "image → template in yards from the far-left corner, y toward the camera; pixel centres at whole numbers";
 
 impl Format {
     /// What its file is usually called; for a folder the folder.
@@ -45,25 +45,26 @@ impl Format {
     pub const fn about(self) -> About {
         match self {
             Self::Json => about(
-                "ours: field centre, x right, y away, z up, m; degrees; pixels from the corner",
+                "world: origin at the field's centre, x right, y away, z up, m; degrees; pixels from the corner",
                 "this program, touchline_dataset.py (numpy)",
             ),
             Self::SoccerNet => {
                 about(SOCCERNET_WORLD, "SoccerNet challenges, sn-calibration, tracklab, TVCalib, PnLCalib, sportlight")
             }
             Self::SoccerNetLines => about(
-                "points from 0 to 1 of width and height, by class of line",
+                "points as fractions of width and height, by class of line",
                 "SoccerNet calibration, game state (--variant gamestate)",
             ),
             Self::Csv => about(
-                "ours; R is cam_from_world, H takes undistorted pixels to metres on the pitch",
+                "touchline's world; R is cam_from_world, H takes undistorted pixels to metres on the pitch",
                 "pandas, polars, spreadsheets, analysts",
             ),
-            Self::YoloPose => {
-                about("points from 0 to 1 of width and height; one box a picture", "Ultralytics pose models, Roboflow")
-            }
+            Self::YoloPose => about(
+                "points as fractions of width and height; one box per picture",
+                "Ultralytics pose models, Roboflow",
+            ),
             Self::Coco => {
-                about("pixels from the first one's centre (ours − 0.5)", "mmpose, Detectron2, FiftyOne, pycocotools")
+                about("pixel centres at whole numbers (touchline's − 0.5)", "mmpose, Detectron2, FiftyOne, pycocotools")
             }
             Self::Cvat => about("pixels from the corner", "CVAT"),
             Self::LabelStudio => about("percent of width and height", "Label Studio"),
@@ -73,20 +74,21 @@ impl Format {
             Self::Homography => about("pitch ← image in metres, pixels from the corner; each line says so", "scripts"),
             Self::BroadTrack => about(SOCCERNET_WORLD, "BroadTrack, pipelines with cached calibrations"),
             Self::Colmap => about(
-                "ours, world → camera, quaternion; pixels from the corner; a camera a frame",
+                "touchline's world → camera, quaternion; pixels from the corner; one camera per frame",
                 "COLMAP, pycolmap, NeRF, 3D Gaussian splats",
             ),
             Self::OpenCv => about(
-                "ours, world → camera, rvec and tvec; pixels from the first one's centre",
+                "touchline's world → camera, rvec and tvec; pixel centres at whole numbers",
                 "OpenCV FileStorage, robotics",
             ),
             Self::Usda => about(
-                "y up, centimetres, mm; a frame of the stage is a frame of the video; a gap begins a new camera",
+                "y up, centimetres, mm; one stage frame per video frame; a gap starts a new camera",
                 "Blender, Houdini, Unreal, usdview",
             ),
-            Self::OpenTrackIo => {
-                about("ours; pan left positive, order Z X Y; mm on the sensor", "Unreal 5.6, disguise, Mo-Sys, stYpe")
-            }
+            Self::OpenTrackIo => about(
+                "touchline's world; pan left positive, order Z X Y; mm on the sensor",
+                "Unreal 5.6, disguise, Mo-Sys, stYpe",
+            ),
             Self::FreeD => about(
                 "pan right positive, 1/32768°, 1/64 mm; zoom in raw steps",
                 "virtual studios, Unreal LiveLink, Vizrt",
@@ -96,7 +98,9 @@ impl Format {
             Self::Chan => {
                 about("y up, m, rotation order ZXY, vertical field of view in degrees", "Nuke, Blender, Natron")
             }
-            Self::Cdf => about("ours; where the camera stands, metres", "the Common Data Format and its validator"),
+            Self::Cdf => {
+                about("touchline's world; the camera's position, m", "the Common Data Format and its validator")
+            }
             Self::PnlCalib => about(SOCCERNET_WORLD, "PnLCalib, No Bells Just Whistles, TVCalib"),
             Self::AuthorsMat => {
                 about("corner of the field, yards and metres, Rodrigues", "the two-point method's authors")

@@ -155,8 +155,8 @@ mod tests {
         let good = text_of(&exported(&reference(), Format::BroadTrack).files, "broadtrack.json");
         let swap = |from: &str, to: &str| good.replacen(from, to, 1);
         for (text, wanted) in [
-            ("[]".to_owned(), "the file: an object is wanted, found a list of 0"),
-            (swap("0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" leads out of the folder"),
+            ("[]".to_owned(), "the file: an object is expected, found a list of 0"),
+            (swap("0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" points outside the folder"),
             (swap("\"score\"", "\"scores\""), "[\"0001.jpg\"].score is missing"),
             (swap("\"cp\"", "\"camera\""), "[\"0001.jpg\"].cp is missing"),
             (
@@ -171,7 +171,10 @@ mod tests {
                 swap("43.43", "243.43"),
                 "[\"0001.jpg\"].cp.horizontalFieldOfViewDegrees is 243.43876531380934, which must be below 179",
             ),
-            (swap("60.0", "\"far\""), "[\"0001.jpg\"].cp.positionYMeters: a number is wanted, found the text \"far\""),
+            (
+                swap("60.0", "\"far\""),
+                "[\"0001.jpg\"].cp.positionYMeters: a number is expected, found the text \"far\"",
+            ),
         ] {
             let files = Files::one("a.json", text.into_bytes());
             let error = BroadTrack.read(&files, &ImportOptions::default()).unwrap_err().to_string();

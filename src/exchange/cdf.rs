@@ -31,7 +31,7 @@ impl CameraFormat for Cdf {
     }
 
     fn notes(&self, _frames: &[FrameCamera], _context: &WriteContext<'_>) -> Vec<String> {
-        let said = "it holds the camera's place, the picture's size and the rate only: no angles, focal length, lens or frames";
+        let said = "it holds only the camera's position, the picture size and the frame rate: no angles, focal length, lens or frames";
         vec![said.to_owned(), "the list of whistles is empty; fill it in where it is known".to_owned()]
     }
 
@@ -52,12 +52,13 @@ impl CameraFormat for Cdf {
         for frame in frames {
             let (other, other_size) = parts(frame).map_err(|why| cannot(frame, why))?;
             if other_size != size || (other.position_m - pinhole.position_m).amax() > SAME_PLACE_M {
-                let why = "a sheet is of one camera; choose one with --camera";
+                let why = "a sheet describes one camera; choose one with --camera";
                 return Err(cannot(frame, why.to_owned()));
             }
         }
         if rate.frames % rate.seconds != 0 {
-            let why = format!("rates are whole numbers in it, and {:.2} frames a second is none", rate.per_second());
+            let why =
+                format!("its frame rates are whole numbers, and {:.2} frames per second is not", rate.per_second());
             return Err(cannot(first, why));
         }
         let operation = if recording.is_automated { "automated" } else { "manual" };

@@ -112,7 +112,7 @@ impl CameraFormat for Chan {
 
     fn read(&self, files: &Files, options: &ImportOptions) -> Result<Vec<FrameCamera>, ExchangeError> {
         if options.size.is_none() {
-            let (what, option) = ("how large its pictures are", "--size WIDTHxHEIGHT");
+            let (what, option) = ("the size of its pictures", "--size WIDTHxHEIGHT");
             return Err(ExchangeError::OptionNeeded { format: super::format::Format::Chan, what, option });
         }
         files.read_all(|_, bytes| {
@@ -153,9 +153,9 @@ mod tests {
         let options = ImportOptions { size: Some(SIZE), ..ImportOptions::default() };
         for (text, wanted) in [
             ("", "the file is empty"),
-            ("412 0 18 60 -11 -12 0\n", "line 1: columns: 8 are wanted, found 7"),
-            ("412 0 18 60 -11 -12 0 25 1\n", "line 1: columns: 8 are wanted, found 9"),
-            ("frame tx ty\n", "line 1: a column: a number is wanted, found \"frame\""),
+            ("412 0 18 60 -11 -12 0\n", "line 1: columns: 8 are expected, found 7"),
+            ("412 0 18 60 -11 -12 0 25 1\n", "line 1: columns: 8 are expected, found 9"),
+            ("frame tx ty\n", "line 1: a column: a number is expected, found \"frame\""),
             ("412 0 18 60 -11 -12 0 25\n413 0 18 nan -11 -12 0 25\n", "line 2: a column is not a finite number"),
             ("412 0 18 60 -11 -12 0 0\n", "line 1: the field of view is 0, which must be between 0 and 179 degrees"),
             (
@@ -174,6 +174,6 @@ mod tests {
         }
         let files = Files::one("a.chan", b"1 0 0 0 0 0 0 25".to_vec());
         let error = Chan.read(&files, &ImportOptions::default()).unwrap_err().to_string();
-        assert_eq!(error, "chan does not say how large its pictures are; give --size WIDTHxHEIGHT");
+        assert_eq!(error, "chan does not say the size of its pictures; give --size WIDTHxHEIGHT");
     }
 }

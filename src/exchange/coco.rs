@@ -221,22 +221,22 @@ mod tests {
         for (text, wanted) in [
             ("{}".to_owned(), "categories is missing"),
             ("{\"categories\":[]}".to_owned(), "images is missing"),
-            (with("/images", json!({})), "images: a list is wanted, found an object"),
+            (with("/images", json!({})), "images: a list is expected, found an object"),
             (with("/images/0/width", json!(0)), "images[0].width is 0, which must be a whole number from 1 to 65535"),
-            (with("/images/0/file_name", json!("../../a.jpg")), "the path \"../../a.jpg\" leads out of the folder"),
+            (with("/images/0/file_name", json!("../../a.jpg")), "the path \"../../a.jpg\" points outside the folder"),
             (with("/images/0/id", json!(1.5)), "images[0].id is 1.5, which must be a whole number"),
             (repeated("images"), "the image id \"1\" occurs twice"),
             (with("/annotations/0/image_id", json!(99)), "the image of an annotation, \"99\" is not in the file"),
             (with("/annotations/0/category_id", json!(9)), "the category of an annotation, \"9\" is not in the file"),
             (
                 with("/annotations/0/keypoints", json!([1.0, 2.0, 2])),
-                "annotations[0].keypoints (numbers): 141 are wanted, found 3",
+                "annotations[0].keypoints (numbers): 141 are expected, found 3",
             ),
             (
                 with("/annotations/0/keypoints/0", json!("x")),
-                "annotations[0].keypoints[0]: a number is wanted, found the text \"x\"",
+                "annotations[0].keypoints[0]: a number is expected, found the text \"x\"",
             ),
-            (with("/categories/0/keypoints/0", json!(7)), "categories[0].keypoints[0]: a text is wanted, found 7"),
+            (with("/categories/0/keypoints/0", json!(7)), "categories[0].keypoints[0]: a text is expected, found 7"),
         ] {
             let files = Files::one("a.json", text.into_bytes());
             let error = Coco.read(&files, &ImportOptions::default(), &|_| None).unwrap_err().to_string();

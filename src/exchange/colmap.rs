@@ -194,7 +194,7 @@ impl CameraFormat for Colmap {
     fn hold(&self, frame: &FrameCamera, _index: usize, _context: &WriteContext<'_>) -> Result<FrameCamera, String> {
         let name = relative_name(frame);
         if name.contains(char::is_whitespace) {
-            return Err(format!("names must hold no blanks, and {name:?} does; rename the image"));
+            return Err(format!("names must not contain spaces, and {name:?} does; rename the image"));
         }
         Ok(FrameCamera { name, ..frame.clone() })
     }
@@ -307,12 +307,12 @@ mod tests {
             (
                 swap(&cameras, " 0.0661 0", " 0.0661"),
                 images.clone(),
-                "cameras.txt: line 2: parameters of RADIAL: 5 are wanted, found 4",
+                "cameras.txt: line 2: parameters of RADIAL: 5 are expected, found 4",
             ),
             (
                 swap(&cameras, "1920", "-1920"),
                 images.clone(),
-                "cameras.txt: line 2: the size of the picture: a whole number from 1 to 65535 is wanted, found \"-1920\"",
+                "cameras.txt: line 2: the size of the picture: a whole number from 1 to 65535 is expected, found \"-1920\"",
             ),
             (
                 swap(&cameras, "2410", "nan"),
@@ -333,7 +333,7 @@ mod tests {
             (
                 cameras.clone(),
                 swap(&images, "\n\n", "\n1 2 3 4\n"),
-                "images.txt: line 5: the line of points behind an image (numbers, by three): 6 are wanted, found 4",
+                "images.txt: line 5: the line of points behind an image (numbers, by three): 6 are expected, found 4",
             ),
             (
                 cameras.clone(),
@@ -343,14 +343,18 @@ mod tests {
             (
                 cameras.clone(),
                 swap(&images, "images/0001", "../0001"),
-                "images.txt: line 4: the path \"../0001.jpg\" leads out of the folder",
+                "images.txt: line 4: the path \"../0001.jpg\" points outside the folder",
             ),
             (
                 cameras.clone(),
                 swap(&images, " 0.76", " 5.76"),
                 "images.txt: line 4: the length of the quaternion is 5.803568476801342, which must be 1",
             ),
-            (cameras.clone(), "1 2 3\n\n".to_owned(), "images.txt: line 1: fields of an image: 10 are wanted, found 3"),
+            (
+                cameras.clone(),
+                "1 2 3\n\n".to_owned(),
+                "images.txt: line 1: fields of an image: 10 are expected, found 3",
+            ),
         ];
         for (cameras, images, wanted) in cases {
             let mut files = Files::one(CAMERAS, cameras.into_bytes());

@@ -248,16 +248,16 @@ mod tests {
             ("a,b\n1,2\n".to_owned(), "the column focal_px is missing"),
             (
                 swap("images/0001.jpg", "../../etc/passwd"),
-                "line 2: the path \"../../etc/passwd\" leads out of the folder",
+                "line 2: the path \"../../etc/passwd\" points outside the folder",
             ),
             (swap(",1920,", ",0,"), "line 2: width_px is 0, which must be a whole number from 1 to 65535"),
-            (swap(",1920,", ",wide,"), "line 2: width_px: a number is wanted, found \"wide\""),
+            (swap(",1920,", ",wide,"), "line 2: width_px: a number is expected, found \"wide\""),
             (swap(",2410,", ",-2410,"), "line 2: the focal length of the camera is -2410, which must be above 0"),
             (swap(",2410,", ",NaN,"), "line 2: focal_px is not a finite number"),
             (swap(",2410,", ",,"), "line 2: a value for focal_px is missing"),
             (swap(",960,", ",inf,"), "line 2: cx_px is not a finite number"),
             (swap("r11", "r12"), "the column \"r12\" occurs twice"),
-            (good.trim_end().rsplit_once(',').unwrap().0.to_owned(), "line 2: fields: 47 are wanted, found 46"),
+            (good.trim_end().rsplit_once(',').unwrap().0.to_owned(), "line 2: fields: 47 are expected, found 46"),
             (swap("412,", "\"412,"), "not a table: a quote is never closed"),
         ] {
             let files = Files::one("a.csv", text.into_bytes());

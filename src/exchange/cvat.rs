@@ -216,10 +216,10 @@ mod tests {
             ("<html></html>".to_owned(), "not CVAT's XML: it begins with <html>"),
             (swap("width=\"1920\"", ""), "width of <image> is missing"),
             (swap("width=\"1920\"", "width=\"0\""), "width is 0, which must be a whole number from 1 to 65535"),
-            (swap("clip/0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" leads out of the folder"),
-            (swap("444.68,789.18", "444.68"), "coordinates of a point: 2 are wanted, found 1"),
+            (swap("clip/0001.jpg", "../0001.jpg"), "the path \"../0001.jpg\" points outside the folder"),
+            (swap("444.68,789.18", "444.68"), "coordinates of a point: 2 are expected, found 1"),
             (swap("444.68,789.18", "nan,789.18"), "points is not a finite number"),
-            (swap("444.68,789.18", ""), "points: a number is wanted, found \"\""),
+            (swap("444.68,789.18", ""), "points: a number is expected, found \"\""),
             (swap(" label=\"centre_mark\"", ""), "label of <points> is missing"),
         ] {
             let error = read(&text).unwrap_err();

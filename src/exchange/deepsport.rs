@@ -114,17 +114,17 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         for (key, value, wanted) in [
-            ("KK", json!([1, 2, 3]), "calibration.KK (numbers): 9 are wanted, found 3"),
-            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R (numbers): 9 are wanted, found 3"),
+            ("KK", json!([1, 2, 3]), "calibration.KK (numbers): 9 are expected, found 3"),
+            ("R", json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), "calibration.R (numbers): 9 are expected, found 3"),
             (
                 "R",
                 json!([2, 0, 0, 0, 2, 0, 0, 0, 2]),
-                "the rotation of the camera is no rotation: its rows are off by 3.0e0",
+                "the rotation of the camera is not a rotation: its rows are off by 3.0e0",
             ),
             (
                 "R",
                 json!([1, 0, 0, 0, 1, 0, 0, 0, -1]),
-                "the rotation of the camera is no rotation: it is mirrored, or has no numbers",
+                "the rotation of the camera is not a rotation: it is mirrored, or not made of numbers",
             ),
             (
                 "kc",
@@ -132,7 +132,7 @@ mod tests {
                 "a distortion coefficient of 0.01 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
             ),
             ("T", json!([1e9, 0, 0]), "a coordinate of the position of the camera is"),
-            ("img_width", json!("wide"), "calibration.img_width: a number is wanted, found the text \"wide\""),
+            ("img_width", json!("wide"), "calibration.img_width: a number is expected, found the text \"wide\""),
         ] {
             let mut damaged = published();
             damaged["calibration"][key] = value;

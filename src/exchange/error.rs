@@ -57,7 +57,7 @@ pub enum ExchangeError {
         name: String,
     },
     /// A point lies nowhere near a picture.
-    #[error("{}: {label:?} of {frame:?} is at ({}, {}) px, which is no place in a picture", path.display(), number_text(*x), number_text(*y))]
+    #[error("{}: {label:?} of {frame:?} is at ({}, {}) px, which is not a position in a picture", path.display(), number_text(*x), number_text(*y))]
     NoPlace {
         /// The file or folder.
         path: PathBuf,
@@ -84,7 +84,7 @@ pub enum ExchangeError {
     },
     /// No camera shows the ground as a homography does.
     #[error(
-        "{}: the homography of {frame:?} is no picture that a camera takes ({source}); look at its direction, unit and picture size",
+        "{}: no camera gives the homography of {frame:?} ({source}); check its direction, unit and picture size",
         path.display()
     )]
     NoCamera {
@@ -96,7 +96,7 @@ pub enum ExchangeError {
         source: crate::solve::PlanePoseError,
     },
     /// There are too many files, or they are too large together.
-    #[error("{} holds more than {limit}; import a part of it", path.display())]
+    #[error("{} contains more than {limit}; import a part of it", path.display())]
     TooMuch {
         /// The folder.
         path: PathBuf,
@@ -135,7 +135,7 @@ pub enum ExchangeError {
         why: String,
     },
     /// Something other than a dataset is where one should go.
-    #[error("{} holds something that is no dataset of this program; give another folder", path.display())]
+    #[error("{} contains something other than a dataset of this program; give another folder", path.display())]
     NoDatasetThere {
         /// Where.
         path: PathBuf,
@@ -233,7 +233,7 @@ pub enum ExchangeError {
         option: &'static str,
     },
     /// Labels that nothing of the field is known for.
-    #[error("no meaning is known for {labels}; give a --map file with them, or --skip-unmapped")]
+    #[error("unknown labels {labels}; give a --map file with them, or --skip-unmapped")]
     Unmapped {
         /// The labels with how often each occurs.
         labels: String,
@@ -248,7 +248,7 @@ pub enum Problem {
     #[error("the file is empty")]
     Empty,
     /// It is larger than anything of the format.
-    #[error("it has {} MiB, and at most {} MiB are read", bytes.div_ceil(1 << 20), limit >> 20)]
+    #[error("it is {} MiB, at most {} MiB are read", bytes.div_ceil(1 << 20), limit >> 20)]
     TooLarge {
         /// Its size.
         bytes: u64,
@@ -256,7 +256,7 @@ pub enum Problem {
         limit: u64,
     },
     /// Its content is packed.
-    #[error("a {0} archive; unpack it and name what was in it")]
+    #[error("a {0} archive; unpack it and give the unpacked files")]
     Archive(&'static str),
     /// It is no text.
     #[error("not UTF-8 text (byte {offset})")]
@@ -282,7 +282,7 @@ pub enum Problem {
     #[error("{0} is missing")]
     Missing(String),
     /// A value is of another kind.
-    #[error("{what}: {wanted} is wanted, found {found}")]
+    #[error("{what}: {wanted} is expected, found {found}")]
     Kind {
         /// Which.
         what: String,
@@ -292,7 +292,7 @@ pub enum Problem {
         found: String,
     },
     /// There are too few or too many values.
-    #[error("{what}: {wanted} are wanted, found {found}")]
+    #[error("{what}: {wanted} are expected, found {found}")]
     Count {
         /// Of what.
         what: String,
@@ -315,7 +315,7 @@ pub enum Problem {
         wanted: &'static str,
     },
     /// A matrix is no rotation.
-    #[error("{what} is no rotation: {}", if distance.is_finite() { format!("its rows are off by {distance:.1e}") } else { "it is mirrored, or has no numbers".to_owned() })]
+    #[error("{what} is not a rotation: {}", if distance.is_finite() { format!("its rows are off by {distance:.1e}") } else { "it is mirrored, or not made of numbers".to_owned() })]
     NotRotation {
         /// Which.
         what: String,
@@ -341,8 +341,8 @@ pub enum Problem {
         /// The name.
         name: String,
     },
-    /// A path leads out of the folder.
-    #[error("the path {0:?} leads out of the folder")]
+    /// A path points outside the folder.
+    #[error("the path {0:?} points outside the folder")]
     LeavesFolder(String),
     /// Something that the file does not say and an option does.
     #[error("{what} is not known; give {option}")]

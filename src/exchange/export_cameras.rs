@@ -95,8 +95,10 @@ pub fn export_cameras(
         }
         let field = fields.of_frame(document, frame);
         if of_field.as_ref().is_some_and(|known| **known != **field) {
-            left_out
-                .push((frame.name(), "it shows another field than the frames before it; choose a camera".to_owned()));
+            left_out.push((
+                frame.name(),
+                "it shows a different field from the frames before it; choose a camera".to_owned(),
+            ));
             continue;
         }
         of_field.get_or_insert_with(|| Arc::clone(field));

@@ -146,7 +146,7 @@ impl Dropped {
         [
             (self.kind, format!("clicks are on something that {format} has no name for; they are left out")),
             (self.outside, "clicks outside of their pictures are left out (--outside keep)".to_owned()),
-            (self.checks, format!("check clicks are written like all others; {format} does not tell them apart")),
+            (self.checks, format!("check clicks are written like all others; {format} cannot mark them")),
         ]
         .into_iter()
         .filter(|(count, _)| *count > 0)

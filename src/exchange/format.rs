@@ -102,26 +102,26 @@ impl Format {
     const fn facts(self) -> Facts {
         match self {
             Self::Json => facts("json", "a dataset: one file of the document's own schema", false, true, true),
-            Self::SoccerNet => facts("soccernet", "SoccerNet camera files, one a frame", true, true, true),
+            Self::SoccerNet => facts("soccernet", "SoccerNet camera files, one per frame", true, true, true),
             Self::SoccerNetLines => {
-                facts("soccernet-lines", "SoccerNet line annotations, one file a frame", true, true, true)
+                facts("soccernet-lines", "SoccerNet line annotations, one file per frame", true, true, true)
             }
-            Self::Csv => facts("csv", "a table, one row a frame, with R, t and H", false, true, true),
+            Self::Csv => facts("csv", "a table, one row per frame, with R, t and H", false, true, true),
             Self::YoloPose => facts("yolo-pose", "keypoints for Ultralytics' pose models", true, true, true),
             Self::Coco => facts("coco", "COCO keypoints", false, true, true),
             Self::Cvat => facts("cvat", "CVAT for images, XML 1.1", false, true, false),
             Self::LabelStudio => facts("label-studio", "Label Studio keypoints", false, true, true),
-            Self::Labelme => facts("labelme", "labelme, one file an image", true, true, true),
-            Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file a frame", true, true, true),
-            Self::TsWorldCup => facts("tsworldcup", "TS-WorldCup homographies, one .npy a frame", true, true, true),
+            Self::Labelme => facts("labelme", "labelme, one file per image", true, true, true),
+            Self::Wc14 => facts("wc14", "World Cup 2014 homographies, one file per frame", true, true, true),
+            Self::TsWorldCup => facts("tsworldcup", "TS-WorldCup homographies, one .npy per frame", true, true, true),
             Self::Homography => facts("homography", "homographies that state their direction", false, true, true),
             Self::BroadTrack => facts("broadtrack", "BroadTrack cameras, one JSON file", false, true, true),
             Self::Colmap => facts("colmap", "COLMAP text: cameras, images, points3D", true, true, true),
-            Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file a frame", true, true, true),
+            Self::OpenCv => facts("opencv", "OpenCV FileStorage YAML, one file per frame", true, true, true),
             Self::Usda => facts("usda", "a USD stage with an animated camera", false, false, true),
-            Self::OpenTrackIo => facts("opentrackio", "OpenTrackIO 1.0.1, one sample a line", false, true, true),
+            Self::OpenTrackIo => facts("opentrackio", "OpenTrackIO 1.0.1, one sample per line", false, true, true),
             Self::FreeD => facts("freed", "FreeD D1 packets, back to back", false, true, true),
-            Self::FreeDCsv => facts("freed-csv", "what FreeD holds as a table, with times", false, true, true),
+            Self::FreeDCsv => facts("freed-csv", "FreeD data as a table, with times", false, true, true),
             Self::DeepSport => facts("deepsport", "DeepSport basketball cameras", true, true, false),
             Self::Chan => facts("chan", "a Nuke camera track", false, true, true),
             Self::Cdf => facts("cdf", "Common Data Format: the sheet of a video", false, false, true),
@@ -154,14 +154,14 @@ impl Format {
             Self::Coco => "points on lines, cameras",
             Self::LabelStudio | Self::Labelme => "check points, cameras",
             Self::Wc14 | Self::TsWorldCup | Self::Homography => "lens, points off the ground, time, uncertainty",
-            Self::BroadTrack => "a principal point off the middle, time, uncertainty",
+            Self::BroadTrack => "an off-centre principal point, time, uncertainty",
             Self::Colmap | Self::OpenCv => "time, uncertainty",
             Self::Usda => "lens, size of the picture, uncertainty",
             Self::OpenTrackIo => "uncertainty",
             Self::FreeD => "lens, principal point, size, time; steps of 1/32768° and 1/64 mm, whole zoom values",
             Self::FreeDCsv => "lens, principal point, size; whole zoom values",
             Self::Chan => "lens, principal point, size, rate, uncertainty",
-            Self::Cdf => "everything but the camera's place, the size and the rate",
+            Self::Cdf => "everything but the camera's position, the picture size and the frame rate",
             Self::Cvat | Self::DeepSport | Self::PnlCalib | Self::AuthorsMat => "it is read only",
         }
     }

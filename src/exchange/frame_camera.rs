@@ -154,7 +154,7 @@ impl Pinhole {
         }
         if self.curve().is_none_or(|curve| !curve.is_finite()) {
             let what = format!("k1 = {:e} with k2 = {:e} of {what}", self.lens.k1, self.lens.k2);
-            return Err(Problem::Unsupported { what, why: "no lens bends so" });
+            return Err(Problem::Unsupported { what, why: "no real lens distorts like that" });
         }
         let distance = distance_from_rotation(&self.cam_from_world);
         if !(distance <= ROTATION_TOLERANCE) {

@@ -98,7 +98,7 @@ struct Reading<'a> {
 impl<'a> Reading<'a> {
     fn of(options: &'a ImportOptions, format: Format) -> Result<Self, ExchangeError> {
         let needed = |what, option| ExchangeError::OptionNeeded { format, what, option };
-        let size = options.size.ok_or_else(|| needed("how large its pictures are", "--size WIDTHxHEIGHT"))?;
+        let size = options.size.ok_or_else(|| needed("the size of its pictures", "--size WIDTHxHEIGHT"))?;
         let zoom = options.zoom.as_ref().ok_or_else(|| needed("what its zoom value means", "--zoom"))?;
         if *zoom == Zoom::FocalMmX100 && options.sensor_width_mm.is_none() {
             return Err(needed("how wide the sensor is", "--sensor-mm"));
@@ -193,7 +193,7 @@ fn samples(held: &[FrameCamera], context: &WriteContext<'_>, format: Format) -> 
     let one = |frame: &FrameCamera| {
         let sample = parts(frame).and_then(|(pinhole, size)| {
             if Some(size) != held.first().and_then(|first| first.size) {
-                return Err("its picture has another size than the first one; export a camera at a time".to_owned());
+                return Err("its picture size differs from the first one's; export one camera at a time".to_owned());
             }
             Sample::of(&pinhole, size, &context.options.zoom, context.options.sensor_width_mm)
         });
@@ -408,7 +408,7 @@ mod tests {
         let silent = ImportOptions { zoom: None, ..options.clone() };
         assert_eq!(read(good.clone(), &silent), "freed does not say what its zoom value means; give --zoom");
         let silent = ImportOptions { size: None, ..options };
-        assert_eq!(read(good, &silent), "freed does not say how large its pictures are; give --size WIDTHxHEIGHT");
+        assert_eq!(read(good, &silent), "freed does not say the size of its pictures; give --size WIDTHxHEIGHT");
     }
 
     #[test]

@@ -91,7 +91,7 @@ fn hold(frame: &FrameCamera, name: String, context: &WriteContext<'_>) -> Result
         nearest(&pinhole, size, half).ok_or("it shows too little of the pitch for a homography")?
     };
     if shown.try_inverse().is_none() {
-        return Err("the ground is seen from its edge".to_owned());
+        return Err("the ground is seen edge-on".to_owned());
     }
     Ok(FrameCamera { name, shown: Shown::Ground(shown), ..frame.clone() })
 }
@@ -400,8 +400,8 @@ mod tests {
     fn damaged_files_are_named_in_one_line() {
         for (text, wanted) in [
             ("", "the file is empty"),
-            ("1 2 3\n4 5 6\n", "the homography (numbers): 9 are wanted, found 6"),
-            ("1 2 3\n4 5 6\n7 8 nine\n", "the homography: a number is wanted, found \"nine\""),
+            ("1 2 3\n4 5 6\n", "the homography (numbers): 9 are expected, found 6"),
+            ("1 2 3\n4 5 6\n7 8 nine\n", "the homography: a number is expected, found \"nine\""),
             ("1 2 3\n4 5 6\n7 8 nan\n", "the homography is not a finite number"),
             ("0 0 0\n0 0 0\n0 0 0\n", "the homography is singular"),
             ("1 2 3\n2 4 6\n0 0 1\n", "the homography is singular"),
@@ -422,14 +422,14 @@ mod tests {
             (silent.to_string(), "direction is missing"),
             (
                 with("direction", json!("both")),
-                "direction: pitch_from_image or image_from_pitch is wanted, found \"both\"",
+                "direction: pitch_from_image or image_from_pitch is expected, found \"both\"",
             ),
-            (with("unit", json!("ft")), "unit: one of m, yd, cm is wanted, found \"ft\""),
-            (with("pixels", json!("middle")), "pixels: corner or centre is wanted, found \"middle\""),
-            (with("h", json!([[1.0, 0.0], [0.0, 1.0]])), "h (rows): 3 are wanted, found 2"),
+            (with("unit", json!("ft")), "unit: one of m, yd, cm is expected, found \"ft\""),
+            (with("pixels", json!("middle")), "pixels: corner or centre is expected, found \"middle\""),
+            (with("h", json!([[1.0, 0.0], [0.0, 1.0]])), "h (rows): 3 are expected, found 2"),
             (with("h", json!([[0.0, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]])), "h is singular"),
-            (with("image", json!("../a.jpg")), "the path \"../a.jpg\" leads out of the folder"),
-            (with("image", json!("/a.jpg")), "the path \"/a.jpg\" leads out of the folder"),
+            (with("image", json!("../a.jpg")), "the path \"../a.jpg\" points outside the folder"),
+            (with("image", json!("/a.jpg")), "the path \"/a.jpg\" points outside the folder"),
         ] {
             let files = Files::one("a.jsonl", line.into_bytes());
             let error = HomographyLines.read(&files, &ImportOptions::default()).unwrap_err().to_string();

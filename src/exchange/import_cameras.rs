@@ -46,7 +46,7 @@ pub fn import_cameras(
         let size = sizes_by.choose(known, options.size, frame.size);
         let size = size.ok_or(ExchangeError::OptionNeeded {
             format,
-            what: "how large its pictures are",
+            what: "the size of its pictures",
             option: "--size WIDTHxHEIGHT or --images FOLDER",
         })?;
         if frame.image.is_some() || frame.frame_index.is_none() {
@@ -98,7 +98,7 @@ impl SizesBy {
     }
 
     fn notes(&self) -> Vec<String> {
-        let said = [(self.option, "given by --size"), (self.format, "what the files say (their images are not there)")];
+        let said = [(self.option, "given by --size"), (self.format, "what the files say (their images are missing)")];
         let said = said.into_iter().filter(|(count, _)| *count > 0);
         said.map(|(count, by)| format!("the picture size of {count} frames is {by}")).collect()
     }

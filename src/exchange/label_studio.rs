@@ -116,7 +116,7 @@ fn read_task(task: &Node<'_>, options: &ImportOptions, sizes: &Sizes<'_>) -> Res
         let Some(labels) = KINDS.iter().find_map(|kind| value.find(kind)) else { continue };
         if result.find("image_rotation").is_some_and(|turn| turn.value().as_f64() != Some(0.0)) {
             let what = format!("{}.image_rotation", result.path());
-            return Err(Problem::Unsupported { what, why: "turn the picture itself" });
+            return Err(Problem::Unsupported { what, why: "rotate the picture itself" });
         }
         if let Some(of_result) = size_of(&result, "original_width", "original_height")? {
             size = Some(of_result);
@@ -210,24 +210,24 @@ mod tests {
             task(result)
         };
         for (text, wanted) in [
-            ("{}".to_owned(), "the file: a list is wanted, found an object"),
+            ("{}".to_owned(), "the file: a list is expected, found an object"),
             ("[{}]".to_owned(), "[0].image is missing"),
-            ("[{\"image\": \"..\"}]".to_owned(), "the path \"..\" leads out of the folder"),
+            ("[{\"image\": \"..\"}]".to_owned(), "the path \"..\" points outside the folder"),
             (
                 "[{\"image\": \"a.jpg\"}]".to_owned(),
                 "the size of \"a.jpg\" is not known; give --size WIDTHxHEIGHT or --images FOLDER",
             ),
             (
                 with("/image_rotation", json!(90)),
-                "[0].annotations[0].result[0].image_rotation cannot be read: turn the picture itself",
+                "[0].annotations[0].result[0].image_rotation cannot be read: rotate the picture itself",
             ),
             (
                 with("/value/x", json!("left")),
-                "[0].annotations[0].result[0].value.x: a number is wanted, found the text \"left\"",
+                "[0].annotations[0].result[0].value.x: a number is expected, found the text \"left\"",
             ),
             (
                 with("/value/keypointlabels", json!("a")),
-                "[0].annotations[0].result[0].value.keypointlabels: a list is wanted, found the text \"a\"",
+                "[0].annotations[0].result[0].value.keypointlabels: a list is expected, found the text \"a\"",
             ),
             (
                 with("/original_width", json!(-1)),

@@ -58,7 +58,10 @@ fn read_file(bytes: &[u8], shift: f64, sizes: &Sizes<'_>) -> Result<LabelledFram
             "a file of {} × {} px for a picture of {} × {}",
             stated.width, stated.height, there.width, there.height
         );
-        return Err(Problem::Unsupported { what, why: "labelme turns pictures as their EXIF says; save it turned" });
+        return Err(Problem::Unsupported {
+            what,
+            why: "labelme rotates pictures by their EXIF orientation; save it rotated",
+        });
     }
     let size = stated.or(there).ok_or_else(|| size_needed(&image))?;
     let mut marks = Vec::new();
@@ -138,8 +141,8 @@ mod tests {
         };
         for (text, size, wanted) in [
             ("{}".to_owned(), None, "imagePath is missing"),
-            (with("/imagePath", json!("..\\a.jpg")), None, "the path \"../a.jpg\" leads out of the folder"),
-            (with("/imagePath", json!(7)), None, "imagePath: a text is wanted, found 7"),
+            (with("/imagePath", json!("..\\a.jpg")), None, "the path \"../a.jpg\" points outside the folder"),
+            (with("/imagePath", json!(7)), None, "imagePath: a text is expected, found 7"),
             (
                 with("/imageWidth", Value::Null),
                 None,
@@ -153,15 +156,15 @@ mod tests {
             (
                 with("/imageWidth", json!(1080)),
                 Some(SIZE),
-                "a file of 1080 × 1080 px for a picture of 1920 × 1080 cannot be read: labelme turns pictures as their EXIF says; save it turned",
+                "a file of 1080 × 1080 px for a picture of 1920 × 1080 cannot be read: labelme rotates pictures by their EXIF orientation; save it rotated",
             ),
-            (with("/shapes", json!(1)), None, "shapes: a list is wanted, found 1"),
-            (with("/shapes/0/label", Value::Null), None, "shapes[0].label: a text is wanted, found null"),
-            (with("/shapes/0/points", json!([[1.0]])), None, "shapes[0].points[0] (numbers): 2 are wanted, found 1"),
+            (with("/shapes", json!(1)), None, "shapes: a list is expected, found 1"),
+            (with("/shapes/0/label", Value::Null), None, "shapes[0].label: a text is expected, found null"),
+            (with("/shapes/0/points", json!([[1.0]])), None, "shapes[0].points[0] (numbers): 2 are expected, found 1"),
             (
                 with("/shapes/0/points/0/0", json!("x")),
                 None,
-                "shapes[0].points[0][0]: a number is wanted, found the text \"x\"",
+                "shapes[0].points[0][0]: a number is expected, found the text \"x\"",
             ),
         ] {
             let files = Files::one("a.json", text.into_bytes());

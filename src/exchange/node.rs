@@ -165,14 +165,14 @@ mod tests {
         let node = Node::root(&value);
         let cp = node.key("cp").unwrap();
         let said = |result: Result<(), Problem>| result.unwrap_err().to_string();
-        assert_eq!(said(cp.key("at").unwrap().numbers::<2>().map(drop)), "cp.at[1]: a number is wanted, found null");
-        assert_eq!(said(cp.key("name").unwrap().text().map(drop)), "cp.name: a text is wanted, found 7");
+        assert_eq!(said(cp.key("at").unwrap().numbers::<2>().map(drop)), "cp.at[1]: a number is expected, found null");
+        assert_eq!(said(cp.key("name").unwrap().text().map(drop)), "cp.name: a text is expected, found 7");
         assert_eq!(said(cp.key("pan").map(drop)), "cp.pan is missing");
         assert_eq!(
             said(cp.key("size").unwrap().side_px().map(drop)),
             "cp.size is 0, which must be a whole number from 1 to 65535"
         );
-        assert_eq!(said(node.key("cp").unwrap().items().map(drop)), "cp: a list is wanted, found an object");
+        assert_eq!(said(node.key("cp").unwrap().items().map(drop)), "cp: a list is expected, found an object");
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub fn matrix(bytes: &[u8]) -> Result<Mat3, Problem> {
         return Err(wrong(format!("a header of {length} bytes")));
     }
     let header = rest.get(..length).ok_or_else(short)?;
-    let header = std::str::from_utf8(header).map_err(|_| wrong("a header that is no text".to_owned()))?;
+    let header = std::str::from_utf8(header).map_err(|_| wrong("a header that is not text".to_owned()))?;
     let header: String = header.chars().filter(|letter| !letter.is_whitespace()).collect();
     if header.contains("'descr':'|O'") || header.contains("'descr':\"|O\"") {
         let why = "reading it would run code; save the matrix as float64";
@@ -113,7 +113,7 @@ mod tests {
         let not = "not a 3 x 3 matrix as numpy.save writes it: ";
         for (bytes, wanted) in [
             (Vec::new(), "the file is empty".to_owned()),
-            (b"PK\x03\x04".to_vec(), "a zip archive; unpack it and name what was in it".to_owned()),
+            (b"PK\x03\x04".to_vec(), "a zip archive; unpack it and give the unpacked files".to_owned()),
             (b"\x93NUMPX".to_vec(), format!("{not}the magic bytes are missing")),
             (good[..8].to_vec(), format!("{not}it ends after 8 bytes")),
             (good[..60].to_vec(), format!("{not}it ends after 60 bytes")),

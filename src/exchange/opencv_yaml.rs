@@ -205,20 +205,23 @@ mod tests {
                 swap("image_width: 1920", "image_width: 0"),
                 "image_width is 0, which must be a whole number from 1 to 65535",
             ),
-            (swap("image_width: 1920", "image_width: many"), "image_width: a number is wanted, found a text"),
+            (swap("image_width: 1920", "image_width: many"), "image_width: a number is expected, found a text"),
             (
                 swap("2410.0, 0.0, 959.5, 0.0, 2410.0", "2410.0, 0.0, 959.5, 0.0, 2400.0"),
                 "focal lengths 2410 and 2400 px, skew 0 cannot be read: pixels must be square",
             ),
-            (swap("959.5, ", ""), "camera_matrix (numbers): 9 are wanted, found 8"),
-            (swap("959.5", ".nan"), "line 6: camera_matrix: a number is wanted, found \".nan\""),
+            (swap("959.5, ", ""), "camera_matrix (numbers): 9 are expected, found 8"),
+            (swap("959.5", ".nan"), "line 6: camera_matrix: a number is expected, found \".nan\""),
             (swap("959.5", "nan"), "line 6: camera_matrix is not a finite number"),
             (
                 swap("0.0661, 0.0, 0.0", "0.0661, 0.0, 0.2"),
                 "a distortion coefficient of 0.2 beyond k1 and k2 cannot be read: the document's lens has k1 and k2 only",
             ),
             (good.replace("tvec", "rvec"), "line 21: the key \"rvec\" occurs twice"),
-            (good[..good.len() - 3].to_owned(), "line 21: tvec: data: [ … ] is wanted, found a list that does not end"),
+            (
+                good[..good.len() - 3].to_owned(),
+                "line 21: tvec: data: [ … ] is expected, found a list that does not end",
+            ),
         ] {
             let files = Files::one("a.yml", text.into_bytes());
             let error = OpenCvYaml.read(&files, &ImportOptions::default()).unwrap_err().to_string();

@@ -69,7 +69,7 @@ pub struct Recording {
     pub start: Option<String>,
     /// Which of a stadium's cameras it is: `camera_1`, `tactical_wide`, `broadcast`, ….
     pub perspective: Option<String>,
-    /// No person turned the camera.
+    /// The camera is not operated by a person.
     pub is_automated: bool,
 }
 

@@ -182,7 +182,7 @@ impl CameraFormat for SoccerNet {
         let centre = off.first().and_then(|frame| Some((frame.pinhole()?.principal_point, frame.size?)));
         let centre = centre.map(|(point, size)| {
             format!(
-                "the principal point of {} frames is off the middle ({}, {} in a picture of {} × {}); readers that rescale take \
+                "the principal point of {} frames is off-centre ({}, {} in a picture of {} × {}); readers that rescale take \
                  twice the principal point for the size",
                 off.len(),
                 point.x,
@@ -347,17 +347,17 @@ mod tests {
         let cases: &[(String, &str)] = &[
             (String::new(), "the file is empty"),
             ("{".to_owned(), "not valid JSON: it ends within an object at line 1 column 1"),
-            (deep, "not valid JSON: lists and objects lie more than 127 deep within each other at line 1 column 128"),
-            ("[]".to_owned(), "the file: an object is wanted, found a list of 0"),
-            ("7".to_owned(), "the file: an object is wanted, found 7"),
+            (deep, "not valid JSON: lists and objects are nested more than 127 deep at line 1 column 128"),
+            ("[]".to_owned(), "the file: an object is expected, found a list of 0"),
+            ("7".to_owned(), "the file: an object is expected, found 7"),
             (without("pan_degrees"), "pan_degrees is missing"),
             (without("radial_distortion"), "radial_distortion is missing"),
-            (with("tilt_degrees", json!("steep")), "tilt_degrees: a number is wanted, found the text \"steep\""),
-            (with("tilt_degrees", Value::Null), "tilt_degrees: a number is wanted, found null"),
-            (with("position_meters", json!([0.0, 60.0])), "position_meters (numbers): 3 are wanted, found 2"),
+            (with("tilt_degrees", json!("steep")), "tilt_degrees: a number is expected, found the text \"steep\""),
+            (with("tilt_degrees", Value::Null), "tilt_degrees: a number is expected, found null"),
+            (with("position_meters", json!([0.0, 60.0])), "position_meters (numbers): 3 are expected, found 2"),
             (
                 with("position_meters", json!([0.0, "a", 1.0])),
-                "position_meters[1]: a number is wanted, found the text \"a\"",
+                "position_meters[1]: a number is expected, found the text \"a\"",
             ),
             (
                 with("position_meters", json!([0.0, 6e6, 1.0])),
@@ -378,7 +378,7 @@ mod tests {
             ),
             (
                 with("pan_degrees", json!(0)).replace(":0,", ":NaN,"),
-                "not valid JSON: a value is wanted (JSON has no NaN and no Infinity) at line 1 column ",
+                "not valid JSON: a value is expected (JSON has no NaN and no Infinity) at line 1 column ",
             ),
             (
                 with("pan_degrees", json!(0)).replace(":0,", ":1e999,"),

@@ -147,17 +147,17 @@ mod tests {
     #[test]
     fn damaged_files_are_named_in_one_line() {
         for (text, wanted) in [
-            ("[]", "the file: an object is wanted, found a list of 0"),
-            ("{\"Middle line\": {}}", "[\"Middle line\"]: a list is wanted, found an object"),
+            ("[]", "the file: an object is expected, found a list of 0"),
+            ("{\"Middle line\": {}}", "[\"Middle line\"]: a list is expected, found an object"),
             ("{\"Middle line\": [{\"x\": 0.5}]}", "[\"Middle line\"][0].y is missing"),
-            ("{\"Middle line\": [[0.5, 0.5]]}", "[\"Middle line\"][0]: an object is wanted, found a list of 2"),
+            ("{\"Middle line\": [[0.5, 0.5]]}", "[\"Middle line\"][0]: an object is expected, found a list of 2"),
             (
                 "{\"Middle line\": [{\"x\": 960, \"y\": 540}]}",
                 "[\"Middle line\"][0].x is 960, which must be a share of the picture, 0 to 1",
             ),
             (
                 "{\"Middle line\": [{\"x\": null, \"y\": 0.5}]}",
-                "[\"Middle line\"][0].x: a number is wanted, found null",
+                "[\"Middle line\"][0].x: a number is expected, found null",
             ),
         ] {
             let files = Files::one("a.json", text.as_bytes().to_vec());

@@ -19,9 +19,9 @@ pub fn from_str(text: &str) -> Result<Value, serde_json::Error> {
 pub fn said(error: &serde_json::Error) -> String {
     error
         .to_string()
-        .replace("recursion limit exceeded", "lists and objects lie more than 127 deep within each other")
+        .replace("recursion limit exceeded", "lists and objects are nested more than 127 deep")
         .replace("EOF while parsing", "it ends within")
-        .replace("expected value", "a value is wanted (JSON has no NaN and no Infinity)")
+        .replace("expected value", "a value is expected (JSON has no NaN and no Infinity)")
 }
 
 struct Strict(Value);

@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn damaged_tables_are_named() {
         let said = |text: &str| Table::read(text.as_bytes()).map(drop).unwrap_err().to_string();
-        assert_eq!(said("a,b\n1\n"), "line 2: fields: 2 are wanted, found 1");
+        assert_eq!(said("a,b\n1\n"), "line 2: fields: 2 are expected, found 1");
         assert_eq!(said("a,a\n1,2\n"), "the column \"a\" occurs twice");
         assert_eq!(said("a,b\n\"1,2\n"), "not a table: a quote is never closed");
         assert_eq!(said(" \n"), "the file is empty");

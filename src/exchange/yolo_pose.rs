@@ -202,15 +202,15 @@ mod tests {
     fn damaged_labels_are_named_in_one_line() {
         let with_names = Some(vec!["a".to_owned(), "b".to_owned()]);
         for (line, names, wanted) in [
-            ("0 0.5 0.5 1", None, "columns (class, box, and x y v for each keypoint): 8 are wanted, found 4"),
-            ("0 0.5 0.5 1 1 0.2", None, "columns (class, box, and x y v for each keypoint): 8 are wanted, found 6"),
+            ("0 0.5 0.5 1", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 4"),
+            ("0 0.5 0.5 1 1 0.2", None, "columns (class, box, and x y v for each keypoint): 8 are expected, found 6"),
             (
                 "0 0.5 0.5 1 1 0.2 0.3 2",
                 with_names,
-                "columns (class, box, and x y v for each keypoint): 11 are wanted, found 8",
+                "columns (class, box, and x y v for each keypoint): 11 are expected, found 8",
             ),
             ("0 0.5 0.5 1 1 1.2 0.3 2", None, "keypoint 0 is 1.2, which must be between 0 and 1"),
-            ("0 0.5 0.5 1 1 x 0.3 2", None, "a column: a number is wanted, found \"x\""),
+            ("0 0.5 0.5 1 1 x 0.3 2", None, "a column: a number is expected, found \"x\""),
             ("0 0.5 0.5 1 1 nan 0.3 2", None, "a column is not a finite number"),
         ] {
             assert_eq!(marks_of(line, names.as_deref(), SIZE).unwrap_err().to_string(), wanted);

@@ -12,7 +12,7 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum JobError {
     /// The system starts no thread.
-    #[error("the system starts no thread for {what}: {source}")]
+    #[error("the system could not start a thread for {what}: {source}")]
     NoThread {
         /// What it was for: "saving".
         what: String,
@@ -60,7 +60,7 @@ pub enum JobError {
         reason: Option<String>,
     },
     /// Neither beside the frames nor in the user's data folder.
-    #[error("{}: there is no place to keep a project in", path.display())]
+    #[error("{}: there is no folder to keep a project in", path.display())]
     NoPlace {
         /// The folder or video.
         path: PathBuf,

@@ -74,7 +74,7 @@ pub fn open_anything(path: &Path, held: Option<&Location>, watch: OpenWatch<'_>)
             return Err(JobError::NoFrames { path, reason: notices.pop().map(|(_, text)| text) });
         }
         if every > NonZeroUsize::MIN {
-            let text = format!("{} frames are many: every {every}th is taken.", source.len());
+            let text = format!("There are {} frames: one in {every} is used.", source.len());
             notices.push((Level::Warning, text));
         }
         if let Some(unwritable) = made.document.unwritable_path(&folder) {

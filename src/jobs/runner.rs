@@ -393,7 +393,7 @@ impl Runner {
         match Trainer::start(file, TrainerOptions::default(), self.pictures.clone(), self.wake.clone()) {
             Ok(trainer) => self.trainer = Some(trainer),
             Err(error) => {
-                let text = format!("The system starts no thread for the trainer: {error}");
+                let text = format!("The system could not start a thread for the trainer: {error}");
                 self.reports.push(Action::Notify(Level::Warning, text));
             }
         }
@@ -452,7 +452,7 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
         SaverReport::ChangedOutside { path } => vec![Action::ChangedOutside(path)],
         SaverReport::Outside(outside) => vec![Action::Outside(outside)],
         SaverReport::NeedsWhole => vec![Action::WholeWanted],
-        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving broke down: {message}"))],
+        SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
     }
 }
 

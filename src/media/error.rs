@@ -55,7 +55,7 @@ pub enum MediaError {
         path: PathBuf,
     },
     /// An image, but of a kind that is not read.
-    #[error("{}: an image of a kind that is not read here ({what}); convert it to PNG or JPEG", path.display())]
+    #[error("{}: this kind of image is not supported ({what}); convert it to PNG or JPEG", path.display())]
     UnsupportedImage {
         /// The file.
         path: PathBuf,
@@ -88,7 +88,7 @@ pub enum MediaError {
         max_megapixels: u64,
     },
     /// Decoding would take more memory than the largest allowed picture.
-    #[error("{}: takes more memory than a picture of {max_megapixels} megapixels may; scale it down", path.display())]
+    #[error("{}: needs more memory than a picture of {max_megapixels} megapixels; scale it down", path.display())]
     TooMuchMemory {
         /// The file.
         path: PathBuf,
@@ -111,7 +111,7 @@ pub enum MediaError {
         path: PathBuf,
     },
     /// A video by its header, but not one frame decodes.
-    #[error("{}: no frame of this video decodes; copy it again from where it came or convert it to MP4 (H.264)", path.display())]
+    #[error("{}: no frame of this video can be decoded; copy it again from where it came or convert it to MP4 (H.264)", path.display())]
     NoFrames {
         /// The video.
         path: PathBuf,
@@ -127,7 +127,7 @@ pub enum MediaError {
         frames: usize,
     },
     /// The frame exists, yet its data do not decode.
-    #[error("{}: frame {index} does not decode ({reason}); the video is damaged there, copy it again or convert it", path.display())]
+    #[error("{}: frame {index} cannot be decoded ({reason}); the video is damaged there, copy it again or convert it", path.display())]
     DamagedFrame {
         /// The video.
         path: PathBuf,

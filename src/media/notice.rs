@@ -60,15 +60,19 @@ impl fmt::Display for Notice {
             }
             Self::UnevenFrameTimes { path, fps } => write!(
                 f,
-                "{}: the frames are not {fps:.3} a second throughout. Numbering follows decoded frames.",
+                "{}: the frame rate is not {fps:.3} throughout. Numbering follows decoded frames.",
                 name(path)
             ),
             Self::Interlaced { path } => {
-                write!(f, "{} is interlaced: of each picture only the first field is used, half its lines.", name(path))
+                write!(
+                    f,
+                    "{} is interlaced: only the first field of each picture is used, which has half of its lines.",
+                    name(path)
+                )
             }
             Self::NoJumping { path } => write!(
                 f,
-                "{}: it cannot be jumped in exactly, so steps back are slow. Convert it to MP4 for quick steps.",
+                "{}: exact seeking is not possible, so stepping back is slow. Convert it to MP4 for fast steps.",
                 name(path)
             ),
             Self::PixelsNotSquare { path, aspect } => write!(

@@ -81,7 +81,7 @@ impl Recovery {
             let _ = text.write_fmt(sentence);
         };
         if self.lost_bytes > 0 {
-            say(format_args!("The journal breaks off: {} bytes at its end are unreadable.", self.lost_bytes));
+            say(format_args!("The journal is incomplete: its last {} bytes are unreadable.", self.lost_bytes));
         }
         if let Some((name, left_out)) = &self.misfit {
             let others = match left_out - 1 {
@@ -89,7 +89,7 @@ impl Recovery {
                 1 => "it and 1 edit after it are".to_owned(),
                 others => format!("it and {others} edits after it are"),
             };
-            say(format_args!("The edit {name:?} does not fit the document: {others} left out."));
+            say(format_args!("The edit {name:?} does not apply to the document: {others} left out."));
         }
         if self.foreign_edits > 0 {
             let edits = if self.foreign_edits == 1 { "edit is" } else { "edits are" };

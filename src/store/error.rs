@@ -59,7 +59,7 @@ pub enum StoreError {
         backup: Option<PathBuf>,
     },
     /// The document in memory cannot be written.
-    #[error("{} is not written: {source}", path.display())]
+    #[error("{} was not written: {source}", path.display())]
     Write {
         /// The file.
         path: PathBuf,

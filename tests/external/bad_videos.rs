@@ -53,7 +53,7 @@ fn each_broken_video_has_its_message() {
     const EMPTY: &str = "the file is empty (0 bytes); copy it again from where it came";
     const NOT_A_VIDEO: &str = "not a video that can be read; convert it to MP4 (H.264)";
     const NO_FRAMES: &str =
-        "no frame of this video decodes; copy it again from where it came or convert it to MP4 (H.264)";
+        "no frame of this video can be decoded; copy it again from where it came or convert it to MP4 (H.264)";
     const TOO_WIDE: &str = "states 20000 × 16 px, the limit is 16384 px a side and 100 megapixels; scale it down";
     const WHOLE: &str = "read, 100 frames";
 

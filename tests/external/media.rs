@@ -235,7 +235,7 @@ fn interlaced_frames_are_shown_without_a_comb() {
     assert!(video.info().interlaced);
     assert_eq!(
         video.info().notices[0].to_string(),
-        "interlaced.mp4 is interlaced: of each picture only the first field is used, half its lines."
+        "interlaced.mp4 is interlaced: only the first field of each picture is used, which has half of its lines."
     );
     // The first field is that of every other frame, before it was interlaced.
     let (shown, truth) = (video.frame(40).unwrap(), progressive.frame(80).unwrap());

@@ -130,7 +130,7 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         (
             "no rotation",
             with(rotation, "[[1.0, 0.0, 0.0], [0.0, 0.1, -1.0], [0.0, 1.0, 0.0]]"),
-            "cameras[0].base_from_world (main): the matrix is no rotation: its rows are off by 1.00e-1, allowed is 1e-3 at line 13 column 77",
+            "cameras[0].base_from_world (main): the matrix is not a rotation: its rows are off by 1.00e-1, allowed is 1e-3 at line 13 column 77",
         ),
         (
             "a matrix of two rows",
@@ -283,7 +283,7 @@ fn check_names_everything_that_is_wrong() {
         ),
         (
             |d| d.frames[2].camera = "main".into(),
-            "frames[2] (/elsewhere/0003.jpg): 1280 × 720 px where its camera has 1920 × 1080 px; give it a camera of its own size",
+            "frames[2] (/elsewhere/0003.jpg): 1280 × 720 px where its camera has 1920 × 1080 px; assign it to a camera of its own size",
         ),
         (
             |d| d.cameras[1].id = "main".into(),
@@ -357,7 +357,7 @@ fn check_names_everything_that_is_wrong() {
         (|d| d.frames[1].reason = None, "frames[1] (images/0002.jpg): is rejected without a reason"),
         (
             |d| d.frames[0].solution.as_mut().unwrap().disputed.push(3),
-            "frames[0] (images/0001.jpg): its solution speaks of click 4, there are 3; solve it again",
+            "frames[0] (images/0001.jpg): its solution refers to click 4, but there are 3; solve it again",
         ),
     ];
     let mut wrong = Vec::new();

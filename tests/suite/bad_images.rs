@@ -90,7 +90,7 @@ fn each_broken_image_has_its_message() {
         (
             "film.gif",
             Some(b"GIF89a\x01\x00\x01\x00\x00\x00\x00;".to_vec()),
-            "an image of a kind that is not read here (GIF); convert it to PNG or JPEG".to_owned(),
+            "this kind of image is not supported (GIF); convert it to PNG or JPEG".to_owned(),
         ),
         ("signature-only.png", Some(cut(&png(), 8)), damaged("the file ends too early")),
         ("header-only.png", Some(cut(&png(), 33)), damaged("the file ends too early")),
@@ -120,7 +120,7 @@ fn each_broken_image_has_its_message() {
         (
             "largest.png",
             Some(png_stating(u32::MAX, u32::MAX)),
-            "takes more memory than a picture of 100 megapixels may; scale it down".to_owned(),
+            "needs more memory than a picture of 100 megapixels; scale it down".to_owned(),
         ),
         (
             "bomb.bmp",

@@ -195,7 +195,7 @@ fn painted_lines_take_part_where_that_is_ticked_and_all_is_one_step() {
     let [held_out, was] = [on_paint.seen.after, on_paint.seen.before].map(|errors| errors.paint.unwrap().median_px);
     assert!(held_out < 0.4 && held_out <= was, "{held_out} px, {was} px before");
     let told = &fixture.app.session.notices.last().unwrap().text;
-    assert!(told.contains("Painted lines not used lie"), "{told}");
+    assert!(told.contains("Painted lines that were not used are"), "{told}");
     assert_eq!(document_to_string(fixture.document()).unwrap(), before, "nothing is changed before it is decided");
 
     fixture.command(Command::UseEstimatedBase);

@@ -134,7 +134,7 @@ fn a_dataset_is_whole_and_says_what_it_is() {
         "| clicks on landmarks from the camera's overlay | median 0.00 px, 95 % below 0.00 px, largest 0.00 px; known in 12 of 12 |",
         "| confidence (overlay within 10 px at 1920 px width) | not known in any of 12 |",
         "| images | 12 |",
-        "Split 2 : 1 : 1 by clip, which is never divided; seed 3.",
+        "Split 2 : 1 : 1 by clip, which is never split; seed 3.",
         "## Licence\n\nCC-BY-4.0",
     ] {
         assert!(card.contains(wanted), "{wanted}\n{card}");
@@ -173,7 +173,9 @@ fn the_same_input_gives_the_same_bytes_and_nothing_is_replaced_unasked() {
     fs::write(folder.path().join("home/own.txt"), "mine").unwrap();
     let refused = export("--dataset home --force");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("home holds something that is no dataset of this program; give another folder"));
+    assert!(
+        refused.stderr.contains("home contains something other than a dataset of this program; give another folder")
+    );
     assert_eq!(fs::read_to_string(folder.path().join("home/own.txt")).unwrap(), "mine");
     let left = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
     let mut left: Vec<String> = left.collect();

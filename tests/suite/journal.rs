@@ -547,6 +547,6 @@ fn an_edit_that_does_not_fit_is_named_with_those_behind_it() {
     let (_, recovered, recovery) = read(&path).unwrap();
     assert_eq!(total_clicks(&recovered), total_clicks(&first));
     let message = recovery.message().unwrap();
-    let said = "The edit \"Click 2\" does not fit the document: it and 1 edit after it are left out.";
+    let said = "The edit \"Click 2\" does not apply to the document: it and 1 edit after it are left out.";
     assert!(message.contains(said), "{message}");
 }

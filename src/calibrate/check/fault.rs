@@ -67,10 +67,10 @@ pub enum Fault {
         value: f64,
     },
     /// The hash of the image file is none.
-    #[error("sha256 is no SHA-256 in 64 hexadecimal digits; remove it")]
+    #[error("sha256 is not 64 hexadecimal digits; remove it")]
     NoSha256,
     /// The time of the last change is none.
-    #[error("edited.at {stated:?} is no time such as 2026-05-01T18:30:00Z")]
+    #[error("edited.at {stated:?} is not a time such as 2026-05-01T18:30:00Z")]
     NoTime {
         /// What stands there.
         stated: String,
@@ -104,7 +104,7 @@ pub enum Fault {
     },
     /// The clicks fit another camera of the document.
     #[error(
-        "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; give it to that one"
+        "its clicks are {own_rms_px:.1} px off with its camera, {rms_px:.1} px with {camera:?}; assign it to that one"
     )]
     OtherCamera {
         /// The camera that fits.
@@ -116,7 +116,7 @@ pub enum Fault {
     },
     /// The base fits the frames before and not those after.
     #[error(
-        "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); give the frames from there on to a new camera"
+        "stopped fitting at {frame} ({before_px:.0} px before, {after_px:.0} px since); assign the frames from there on to a new camera"
     )]
     StoppedFitting {
         /// The first frame that does not fit.
@@ -127,7 +127,7 @@ pub enum Fault {
         after_px: f64,
     },
     /// The frame and its camera disagree about the size of the picture.
-    #[error("{} where its camera has {}; give it a camera of its own size", size(*frame), size(*camera))]
+    #[error("{} where its camera has {}; assign it to a camera of its own size", size(*frame), size(*camera))]
     CameraSize {
         /// The frame's.
         frame: ImageSize,
@@ -220,7 +220,7 @@ pub enum Fault {
         k1: f64,
     },
     /// The solution speaks of a click that does not exist.
-    #[error("its solution speaks of click {}, there are {clicks}; solve it again", .click + 1)]
+    #[error("its solution refers to click {}, but there are {clicks}; solve it again", .click + 1)]
     NoSuchClick {
         /// The click.
         click: usize,
@@ -261,7 +261,7 @@ pub enum Fault {
     },
     /// The same camera in frames between which the picture moves.
     #[error(
-        "from here to {last} ({frames} frames) the camera is exactly still while the picture moves; look at these frames"
+        "from here to {last} ({frames} frames) the camera does not move although the picture does; check these frames"
     )]
     StillCamera {
         /// The last of the frames.

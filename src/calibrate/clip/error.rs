@@ -37,7 +37,9 @@ pub enum TrackClipError {
     #[error(transparent)]
     Track(#[from] TrackError),
     /// The adjustment has no solution.
-    #[error("the cameras of its {frames} frames cannot be adjusted: what is known of them leaves a direction open")]
+    #[error(
+        "the cameras of its {frames} frames cannot be adjusted: they are not determined by what is known; accept one more of them"
+    )]
     Undetermined {
         /// Frames of the clip.
         frames: usize,

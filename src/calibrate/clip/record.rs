@@ -56,13 +56,12 @@ fn record(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
     };
     if let Some(apart_px) = tracked.apart_px.filter(|apart| *apart > DIFFER_PX * frame.image_size.scale_from_1920()) {
         let message = format!(
-            "carried here from before and from after, the cameras are {apart_px:.1} px apart: a frame between the two known ones \
-             should be clicked"
+            "tracked here from the known frame before and from the one after, the cameras are {apart_px:.1} px apart: click a frame between the two"
         );
         solution.warnings.push(SolutionWarning::new(SIDES_DIFFER, message));
     }
     if tracked.contradicted {
-        let message = "the painted lines are not where this camera puts them".to_owned();
+        let message = "the painted lines are not where this camera projects them".to_owned();
         solution.warnings.push(SolutionWarning::new(crate::calibrate::paint::LINE_CHECK, message));
     }
     if let Some(raw) = tracked.raw {

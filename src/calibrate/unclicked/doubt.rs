@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum Doubt {
     /// Paint lies where the field has no line.
-    #[error("{:.0} % of the paint lies on no line", 100.0 * .share)]
+    #[error("{:.0} % of the paint is on no line", 100.0 * .share)]
     Unexplained {
         /// Of the paint that stays.
         share: f64,
@@ -43,7 +43,7 @@ pub enum Doubt {
         halves_m: f64,
     },
     /// Camera heads are levelled.
-    #[error("the camera would lean by {roll_deg:.1}°")]
+    #[error("the camera would be rolled by {roll_deg:.1}°")]
     Leans {
         /// Its roll, degrees.
         roll_deg: f64,
@@ -57,7 +57,7 @@ pub enum Doubt {
         width_m: f64,
     },
     /// Another place for the camera is as good.
-    #[error("another place explains the paint nearly as well")]
+    #[error("another position of the camera explains the paint nearly as well")]
     Rival,
     /// Frames do not agree with their own paint.
     #[error("only {snapped} of {frames} frames agree with the painted lines of their own picture")]
@@ -68,7 +68,7 @@ pub enum Doubt {
         frames: usize,
     },
     /// A click lies far from where the camera has its landmark.
-    #[error("the click on {landmark} in {frame} lies {off_px:.0} px from where the paint has it")]
+    #[error("the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it")]
     ClickContradicts {
         /// The landmark's name.
         landmark: String,
@@ -78,6 +78,6 @@ pub enum Doubt {
         off_px: f64,
     },
     /// The paint of the frames' own pictures does not hold a base.
-    #[error("the painted lines of the frames' own pictures do not hold a base")]
+    #[error("the painted lines of the frames' own pictures do not determine a base")]
     NotHeld,
 }

@@ -30,8 +30,7 @@ pub enum UnclickedError {
 pub enum Abstention {
     /// The frames do not show the same.
     #[error(
-        "{tied} of {frames} frames at most show the same stadium: give frames of one camera that stands still, near enough \
-         to each other to overlap"
+        "at most {tied} of {frames} frames match each other: use overlapping frames of one camera that does not move"
     )]
     NotTied {
         /// Frames looked at.
@@ -43,13 +42,13 @@ pub enum Abstention {
     #[error(transparent)]
     NotTurning(TrackError),
     /// Hardly any paint.
-    #[error("only {places} places of paint stay where they are: give frames that show more of the lines")]
+    #[error("only {places} places of paint agree between the frames: use frames that show more of the lines")]
     LittlePaint {
         /// Directions in which paint stays.
         places: usize,
     },
     /// No place for the camera explains anything.
-    #[error("no place for the camera explains the paint: is it another sport's field?")]
+    #[error("no position of the camera explains the painted lines: check the sport")]
     NothingFits,
     /// The best answer is not certain.
     #[error("the best answer is not certain, so none is given: {}. Click 4 landmarks on 2 frames instead", listed(.doubts))]

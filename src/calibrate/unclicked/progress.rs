@@ -81,15 +81,15 @@ impl fmt::Display for UnclickedProgress {
         let count = |number: usize| thousands(number);
         match *self {
             Self::Looking { done, of } => write!(f, "looking at frame {} of {}", count(done), count(of)),
-            Self::Tying { done, of } => write!(f, "tying {} of {} pairs", count(done), count(of)),
-            Self::Gathering => f.write_str("gathering paint"),
+            Self::Tying { done, of } => write!(f, "matching pairs of frames, {} of {}", count(done), count(of)),
+            Self::Gathering => f.write_str("collecting the painted lines"),
             Self::Refining => f.write_str("adjusting the base to the paint of every frame"),
             Self::Trying { places, done, of } => {
-                write!(f, "trying {} places, round {} of {of}", count(places), (done + 1).min(of))
+                write!(f, "trying {} positions, round {} of {of}", count(places), (done + 1).min(of))
             }
-            Self::Adjusting { done, of } => write!(f, "adjusting, {} of {} places", count(done), count(of)),
+            Self::Adjusting { done, of } => write!(f, "adjusting, {} of {} positions", count(done), count(of)),
             Self::Sizing { done, of } => {
-                write!(f, "trying other sizes of the field, {} of {} places", count(done), count(of))
+                write!(f, "trying other field sizes, {} of {} positions", count(done), count(of))
             }
             Self::Snapping { done, of } => write!(f, "snapping {} of {} frames", count(done), count(of)),
         }

@@ -32,7 +32,7 @@ pub enum MatError {
     #[error("it is a MATLAB 7.3 file (HDF5); save it with -v7 in MATLAB")]
     Hdf5,
     /// It ends within an element.
-    #[error("it is cut short or damaged: {wanted} bytes are wanted at byte {at}, where {left} are left")]
+    #[error("it is truncated or damaged: {wanted} bytes are expected at byte {at}, where {left} are left")]
     Short {
         /// Where, counted within its element if that is compressed.
         at: usize,
@@ -50,7 +50,7 @@ pub enum MatError {
         what: &'static str,
     },
     /// A compressed element cannot be unfolded.
-    #[error("a compressed part of it cannot be unfolded: {0}")]
+    #[error("a compressed part of it cannot be decompressed: {0}")]
     Compressed(String),
 }
 
@@ -83,7 +83,7 @@ pub fn read_mat(bytes: &[u8], wanted: &[&str]) -> Result<Named, MatError> {
                 if inside.skip_tag()? == ElementType::MATRIX && wanted.contains(&&*inside.matrix_head()?.name) {
                     let unfolded = unfold(element.bytes, left + 1)?;
                     left = left.checked_sub(unfolded.len()).ok_or_else(|| {
-                        MatError::Compressed(format!("it unfolds to more than {} MiB", MOST_UNFOLDED >> 20))
+                        MatError::Compressed(format!("it decompresses to more than {} MiB", MOST_UNFOLDED >> 20))
                     })?;
                     let element = Reader { bytes: &unfolded, at: 0, big_endian }.element()?;
                     element.inside(big_endian).variable(wanted)?
@@ -200,7 +200,7 @@ impl<'a> Reader<'a> {
             let (kind, length) = (ElementType(first & 0xffff), (first >> 16) as usize);
             let at = self.at;
             let bytes = self.take(4)?;
-            let bytes = bytes.get(..length).ok_or(MatError::Damaged { at, what: "a small element is not small" })?;
+            let bytes = bytes.get(..length).ok_or(MatError::Damaged { at, what: "a small element is too long" })?;
             return Ok(Element { kind, bytes, at });
         }
         let (kind, length) = (ElementType(first), self.word()? as usize);
@@ -266,7 +266,7 @@ impl<'a> Reader<'a> {
             return Ok(MatValue::Numbers(Vec::new()));
         }
         if depth > MOST_NESTED {
-            return Err(MatError::Damaged { at: self.at, what: "structures lie too deep within each other" });
+            return Err(MatError::Damaged { at: self.at, what: "structures are nested too deeply" });
         }
         let head = self.matrix_head()?;
         self.matrix_value(&head, depth)
@@ -338,7 +338,7 @@ impl<'a> Reader<'a> {
         if kind == ElementType::UTF8 {
             return Ok(String::from_utf8_lossy(bytes).into_owned());
         }
-        let width = kind.width().ok_or(MatError::Damaged { at, what: "letters are expected" })?;
+        let width = kind.width().ok_or(MatError::Damaged { at, what: "text is expected" })?;
         let rows = rows.unwrap_or(1.0).max(1.0) as usize;
         let numbers: Vec<f64> =
             bytes.chunks_exact(width).step_by(rows).map(|number| self.number(kind, number)).collect();

@@ -44,7 +44,7 @@ fn what_nobody_asked_for_stays_folded() {
     let wanted = [("meta".into(), MatValue::Numbers(vec![7.0]))];
     assert_eq!(read_mat(&bytes, &["annotation", "meta"]).unwrap(), wanted);
     let error = read_mat(&bytes, &["features"]).unwrap_err().to_string();
-    assert_eq!(error, "a compressed part of it cannot be unfolded: it unfolds to more than 8 MiB");
+    assert_eq!(error, "a compressed part of it cannot be decompressed: it decompresses to more than 8 MiB");
     let twice = mat(&[("meta", Out::Doubles(vec![1.0])), ("meta", Out::Doubles(vec![2.0]))], false, true);
     assert!(read_mat(&twice, &["meta"]).unwrap_err().to_string().ends_with("a variable occurs twice"));
 }

@@ -42,8 +42,7 @@ pub fn card(card: &Card<'_>) -> Result<String, ExchangeError> {
     text.push_str(CONVENTIONS);
     if card.options.undistorted {
         text.push_str(
-            "- `undistorted/` has the same pictures without lens distortion (same size, focal length and principal point; black where the lens \
-             left nothing) and a `dataset.json` of its own, whose clicks are moved and whose cameras have no lens.\n",
+            "- `undistorted/` has the same pictures without lens distortion (same size, focal length and principal point; black where the lens saw nothing) and a `dataset.json` of its own, with clicks moved accordingly and cameras without distortion.\n",
         );
     }
     quality(card, &fields, &mut text);
@@ -56,7 +55,7 @@ const CONVENTIONS: &str = "\n## Conventions\n
 - Pixels: (0, 0) is the top-left corner of the picture, pixel centres at +0.5. OpenCV and COCO count from the first pixel's centre: take 0.5 off.
 - x_cam = R (X - C); camera x right, y down, z forward. R = R_tilt R_pan base_from_world; pan positive right, tilt positive up, degrees.
 - Distortion: x_d = x (1 + k1 r^2 + k2 r^4) on normalised coordinates.
-- `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (pulled onto the painted lines), `tracked`, `suggested` (both without a look), \
+- `label` in `frames.csv`: `clicked` (a person's clicks), `snapped` (pulled onto the painted lines), `tracked`, `suggested` (neither looked at by a person), \
 `tracked_and_accepted`, `suggested_and_accepted` (proposed by the program, accepted by a person), `imported`, `set_by_hand`, `interpolated`, \
 `clicks_only` (no camera). A click with `snapped_sigma_px` was moved to the paint; one with `check` was held out of the solve.
 ";
@@ -102,7 +101,7 @@ fn counts(card: &Card<'_>, text: &mut String) {
         let [train, validation, test] = splitting.shares;
         let _ = writeln!(
             text,
-            "\nSplit {train} : {validation} : {test} by {}, which is never divided; seed {}.",
+            "\nSplit {train} : {validation} : {test} by {}, which is never split; seed {}.",
             splitting.by.name(),
             splitting.seed
         );
@@ -136,7 +135,7 @@ fn fields_of(card: &Card<'_>, fields: &Fields, text: &mut String) {
             FieldSize::Assumed => "fixed by the rules, or by the template",
             FieldSize::Confirmed => "confirmed by a person",
             FieldSize::Fitted => "fitted to the clicks",
-            FieldSize::Other(_) => "stated in words that this program does not know",
+            FieldSize::Other(_) => "stated in terms that this program does not know",
         };
         said.insert(format!(
             "- {}, {} × {} m, crown {} m; its size is {size}.\n",

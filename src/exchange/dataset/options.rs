@@ -100,9 +100,9 @@ impl PictureFormat {
 pub struct Splitting {
     /// The shares of training, validation and test; they count by their ratio.
     pub shares: [u32; 3],
-    /// What is never divided.
+    /// What is never split.
     pub by: SplitBy,
-    /// Another seed divides otherwise.
+    /// Another seed gives another split.
     pub seed: u64,
 }
 

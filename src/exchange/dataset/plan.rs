@@ -230,10 +230,7 @@ fn notes(at: DocumentAt<'_>, plan: &DatasetPlan, options: &DatasetOptions) -> Ve
             .collect();
         if !empty.is_empty() {
             let by = splitting.by.name();
-            notes.push(format!(
-                "too few of what is never divided (--split-by {by}): nothing is left for {}",
-                empty.join(", ")
-            ));
+            notes.push(format!("too few groups to split (--split-by {by}): none is left for {}", empty.join(", ")));
         }
     }
     let unlooked: BTreeSet<LabelOrigin> =

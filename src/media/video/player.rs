@@ -44,7 +44,7 @@ impl Player {
         }
         match landed {
             Some(landed) if landed == target => Ok(()),
-            Some(_) => Err(damaged(info, target, "the decoder passes over it")),
+            Some(_) => Err(damaged(info, target, "the decoder skips it")),
             None => Err(damaged(info, target, "the decoder stops before it")),
         }
     }

@@ -47,8 +47,7 @@ impl BaseEstimate {
         let sigma_m = self.base.sigma.position_m.norm();
         same.then(|| {
             format!(
-                "all {} frames look the same way (pan within {pan_deg:.1}°), so the position is known to ±{sigma_m:.1} m: click \
-                 landmarks in frames that look left and right of it",
+                "all {} frames look the same way (pan within {pan_deg:.1}°), so the position is known to ±{sigma_m:.1} m: click landmarks in frames that look further left and right",
                 solved.len()
             )
         })

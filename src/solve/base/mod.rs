@@ -108,7 +108,7 @@ pub enum BaseError {
         median_px: f64,
     },
     /// The camera that fits sees the field from below.
-    #[error("the camera that fits stands {depth_m:.1} m below the field: check left and right, near and far")]
+    #[error("the best-fitting camera is {depth_m:.1} m below the field: check left and right, near and far")]
     BelowGround {
         /// How deep, m.
         depth_m: f64,

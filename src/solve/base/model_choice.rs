@@ -81,16 +81,14 @@ impl fmt::Display for ModelReason {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Prescribed => f.pad("the only one allowed"),
-            Self::HeldOut => f.pad("the best at points held out, or as good and simpler"),
+            Self::HeldOut => f.pad("the best in cross-validation, or as good and simpler"),
             Self::UsualCamera { frames } => write!(
                 f,
-                "{frames} of the {MIN_FRAMES} frames that it takes to compare models; lens and pitch are held near what is usual \
-                 for such cameras"
+                "{frames} of the {MIN_FRAMES} frames needed to compare models; lens and pitch are kept near their usual values"
             ),
             Self::UnlikeUsual { frames } => write!(
                 f,
-                "{frames} of the {MIN_FRAMES} frames that it takes to compare models, but their points fit it better than the usual \
-                 lens and pitch"
+                "{frames} of the {MIN_FRAMES} frames needed to compare models, but their points fit it better than the usual lens and pitch"
             ),
         }
     }
