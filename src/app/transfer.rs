@@ -286,7 +286,7 @@ const OPTIONS: [(&str, &str); 17] = [
 /// An error as the window says it: with the dialog's words for the command line's options.
 fn said(error: &ExchangeError) -> String {
     match error {
-        ExchangeError::Exists { path } => format!("{} is there already; choose another place.", path.display()),
+        ExchangeError::Exists { path } => format!("{} exists already; choose another place.", path.display()),
         ExchangeError::OtherDisk { .. } => {
             "The pictures lie on another disk and cannot be linked; copy them instead.".to_owned()
         }
@@ -328,7 +328,7 @@ mod tests {
     #[test]
     fn errors_are_sentences_without_options() {
         let exists = ExchangeError::Exists { path: "out".into() };
-        assert_eq!(said(&exists), "out is there already; choose another place.");
+        assert_eq!(said(&exists), "out exists already; choose another place.");
         let needed = ExchangeError::ExportNeeds { format: Format::Cdf, what: "the frame rate", option: "--fps" };
         assert_eq!(said(&needed), "Cdf needs the frame rate; give frames a second.");
         assert_eq!(said(&ExchangeError::Stopped), "Stopped; nothing was written.");

@@ -194,7 +194,7 @@ impl TwoCameras {
             || "Try each and look at the lines.".to_owned(),
             |deciding| format!("One click decides: {}.", deciding.says),
         );
-        format!("Two places for the camera explain the paint: {best}, and {other}. {by}")
+        format!("Two positions of the camera explain the painted lines: {best}, and {other}. {by}")
     }
 }
 
@@ -218,7 +218,7 @@ fn place(found: &UnclickedCamera) -> String {
 
 /// Why there is no answer and what helps, in plain words.
 pub(super) fn describe_abstention(why: &Abstention) -> String {
-    format!("No camera is given: {}. {}", why_not(why), what_helps(why))
+    format!("No camera was found: {}. {}", why_not(why), what_helps(why))
 }
 
 fn why_not(why: &Abstention) -> String {
@@ -230,7 +230,7 @@ fn why_not(why: &Abstention) -> String {
         Abstention::NotTied { frames, tied } => {
             format!("only {tied} of {frames} frames overlap with each other")
         }
-        Abstention::LittlePaint { places } => format!("only {places} places of paint stay where they are"),
+        Abstention::LittlePaint { places } => format!("only {places} places of paint agree between the frames"),
         other => other.to_string(),
     }
 }
@@ -239,7 +239,7 @@ fn why_not(why: &Abstention) -> String {
 fn what_helps(why: &Abstention) -> String {
     let missing = match why {
         Abstention::NotTied { .. } => {
-            "Add frames in which the camera turns from one view to the next, all of one camera that stands still"
+            "Add frames in which the camera turns from one view to the next, all of one camera that does not move"
                 .to_owned()
         }
         Abstention::LittlePaint { .. } => "Add wide frames: the centre circle and both penalty areas".to_owned(),

@@ -56,11 +56,15 @@ fn on_screen(pixel_box: &PixelBox, placement: &Placement) -> Rect {
     Rect::from_min_max(corner(x, y), corner(x + width, y + height))
 }
 
-/// Says what a mask is for, in its lower left corner.
+/// Says what a mask is for, in its lower left corner, where it is wide enough for that.
 fn label(painter: &Painter, mask: Rect, placement: &Placement, says: &str) {
-    let at = mask.intersect(placement.rect).left_bottom() + vec2(8.0, -10.0);
-    let style = PlateStyle::new(FontId::proportional(11.0), Color32::from_gray(225), Color32::from_black_alpha(150));
-    plate(painter, at, Align2::LEFT_CENTER, says, style);
+    let shown = mask.intersect(placement.rect);
+    let (font, letters) = (FontId::proportional(11.0), Color32::from_gray(225));
+    let width = painter.layout_no_wrap(says.to_owned(), font.clone(), letters).size().x;
+    if width + 16.0 <= shown.width() {
+        let style = PlateStyle::new(font, letters, Color32::from_black_alpha(150));
+        plate(painter, shown.left_bottom() + vec2(8.0, -10.0), Align2::LEFT_CENTER, says, style);
+    }
 }
 
 /// Shows the scope of each mask and its delete button.

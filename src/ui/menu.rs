@@ -7,7 +7,7 @@ use super::{
 use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
-use egui::{Align, Button, Event, Id, Key, Layout, Modifiers, RichText, Ui};
+use egui::{Align, Button, Event, FocusDirection, Id, Key, Layout, Modifiers, Response, RichText, Ui};
 use std::path::Path;
 
 /// A line is drawn above these.
@@ -94,12 +94,11 @@ const SUBMENUS: [(&str, &[Command]); 5] = [
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let opens = is_menu_key(ui);
     egui::MenuBar::new().ui(ui, |ui| {
-        for group in MenuGroup::ALL {
-            let title = ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group));
-            if opens && group == MenuGroup::File {
-                title.request_focus();
-                egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(&title));
-            }
+        let titles = MenuGroup::ALL
+            .map(|group| ui.menu_button(group.title(), |ui| menu(panel, ui, group)).response.on_hover_text(tip(group)));
+        if let Some(title) = opened_by_key(ui, &titles, opens) {
+            title.request_focus();
+            egui::Popup::open_id(ui.ctx(), egui::Popup::default_response_id(title));
         }
         ui.add_space(2.0 * theme::SPACE);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -108,6 +107,26 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| place(panel.app, ui));
         });
     });
+}
+
+/// The menu that a key opens: the first one, or with the focus on the title of an open one its neighbour, by the arrows.
+fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
+    if first {
+        return titles.first();
+    }
+    let is_open = |title: &Response| egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title));
+    let at = titles.iter().position(|title| title.has_focus() && is_open(title))?;
+    let step = ui.input_mut(|input| {
+        let right = input.consume_key(Modifiers::NONE, Key::ArrowRight);
+        let left = input.consume_key(Modifiers::NONE, Key::ArrowLeft);
+        isize::from(right) - isize::from(left)
+    });
+    if step == 0 {
+        return None;
+    }
+    // The arrow must not move the focus as well.
+    ui.memory_mut(|memory| memory.move_focus(FocusDirection::None));
+    titles.get((at as isize + step).rem_euclid(titles.len() as isize) as usize)
 }
 
 /// Whether F10 was pressed, or Alt tapped alone.

@@ -16,7 +16,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let (number, count, skipped) = (round.number(), round.len(), round.skipped());
     let title = format!("BLIND ROUND {}", round.round);
     let clicked = round.clicked();
-    field_map::show(panel, ui);
+    field_map::show(panel, ui, f32::INFINITY);
     Frame::new().inner_margin(Margin::symmetric(8, 6)).show(ui, |ui| {
         ui.set_width(ui.available_width());
         theme::title(ui, &title);

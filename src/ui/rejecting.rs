@@ -1,4 +1,4 @@
-//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6.
+//! Why a frame cannot be calibrated: a short list at the top of the picture, keys 1 to 6; in two rows over a narrow one.
 
 use super::Panel;
 use crate::app::Action;
@@ -33,7 +33,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &egui::Ui, bounds: Rect, whole_shot: bool
             egui::Frame::popup(ui.style()).inner_margin(8).show(ui, |ui| {
                 ui.set_max_width(bounds.width() - 32.0);
                 let what = if whole_shot { "Whole shot not calibratable:" } else { "Not calibratable:" };
-                ui.horizontal(|ui| {
+                ui.horizontal_wrapped(|ui| {
                     ui.label(what);
                     for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
                         if ui.button(format!("{}  {}", index + 1, reason_label(reason))).clicked() {

@@ -1,46 +1,108 @@
 //! The bottom row: the next step, the pointer's position, the zoom, and what undo would revert.
 
 use super::{Panel, theme::Themed as _};
-use crate::app::guidance::next_step;
+use crate::app::guidance::{Guidance, next_step};
 use crate::app::session::PictureView;
 use crate::app::{Action, App, Command};
-use egui::{Align, Button, Label, Layout, RichText, Ui};
+use egui::{Align, Button, Label, Layout, RichText, TextStyle, Ui};
 
-/// Shows the row.
+/// What the zoom and the pointer's position take, points.
+const ZOOM: f32 = 72.0;
+const POINTER: f32 = 112.0;
+/// A button without its word, and the button that leads to those that have no room, points.
+const AROUND: f32 = 24.0;
+const MORE: f32 = 72.0;
+
+/// Shows the row. In a narrow window the next step comes first: buttons but the first go into a menu, then the name of the step
+/// that undo would revert leaves, then the pointer's position.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
+    let guidance = next_step(panel.app);
+    let undo = undo_text(panel.app);
+    let needed = [width(ui, &guidance.text), ZOOM, least_offers(ui, &guidance.offers)];
+    let mut room = ui.available_width() - needed.iter().sum::<f32>();
+    let mut has_room = |width: f32| {
+        let has = width <= room;
+        room -= if has { width } else { 0.0 };
+        has
+    };
+    let shows_pointer = has_room(POINTER);
+    let undo = undo.filter(|text| has_room(width(ui, text) + AROUND));
     ui.horizontal_centered(|ui| {
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            undo(panel, ui);
+            if let Some(text) = undo {
+                undo_button(panel, ui, text);
+            }
             zoom(panel, ui);
-            pointer(panel.app, ui);
-            ui.with_layout(Layout::left_to_right(Align::Center), |ui| step(panel, ui));
+            if shows_pointer {
+                pointer(panel.app, ui);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| step(panel, ui, &guidance));
         });
     });
 }
 
-fn step(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let guidance = next_step(panel.app);
-    let offers_width: f32 = guidance.offers.iter().map(|(says, _)| 7.5 * says.len() as f32 + 24.0).sum();
+/// How wide a text is, points.
+fn width(ui: &Ui, text: &str) -> f32 {
+    ui.painter().layout_no_wrap(text.to_owned(), TextStyle::Body.resolve(ui.style()), ui.palette().text).size().x
+}
+
+/// The least room for the buttons, points: the first, and a menu of the others.
+fn least_offers(ui: &Ui, offers: &[(&str, Command)]) -> f32 {
+    let first = offers.first().map_or(0.0, |(says, _)| width(ui, says) + AROUND);
+    first + if offers.len() > 1 { MORE } else { 0.0 }
+}
+
+fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
+    let offers = &guidance.offers;
+    let room = ui.available_width();
+    let text = width(ui, &guidance.text) + AROUND;
+    let all: f32 = offers.iter().map(|(says, _)| width(ui, says) + AROUND).sum();
+    // As many buttons as there is room for beside the text; at least the first, or all in a menu.
+    let shown = match offers.len() {
+        count if text + all <= room => count,
+        0 => 0,
+        1 => 1,
+        _ => usize::from(text + least_offers(ui, offers) <= room),
+    };
+    let taken: f32 = offers[..shown].iter().map(|(says, _)| width(ui, says) + AROUND).sum();
+    let menu = if shown < offers.len() { MORE } else { 0.0 };
     ui.scope(|ui| {
-        ui.set_max_width((ui.available_width() - offers_width).max(60.0));
+        ui.set_max_width((room - taken - menu).max(60.0));
         ui.add(Label::new(RichText::new(&guidance.text).color(ui.palette().strong)).truncate())
             .on_hover_text(guidance.text.clone());
     });
-    for (says, command) in guidance.offers {
-        if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
-            panel.actions.push(Action::Command(command));
-        }
+    for (says, command) in &offers[..shown] {
+        offer(panel, ui, says, *command);
+    }
+    if shown < offers.len() {
+        let says = if shown == 0 { "How…" } else { "More…" };
+        ui.menu_button(says, |ui| {
+            for (says, command) in &offers[shown..] {
+                offer(panel, ui, says, *command);
+            }
+        });
     }
 }
 
-fn undo(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let Some(open) = panel.app.open() else { return };
-    let Some(step) = open.history.next_undo() else { return };
+fn offer(panel: &mut Panel<'_>, ui: &mut Ui, says: &str, command: Command) {
+    if ui.add(Button::new(says).small()).on_hover_text(panel.app.settings.keys.tooltip(command)).clicked() {
+        panel.actions.push(Action::Command(command));
+        ui.close();
+    }
+}
+
+/// The step that undo would revert, and its frame where that is another one.
+fn undo_text(app: &App) -> Option<String> {
+    let open = app.open()?;
+    let step = open.history.next_undo()?;
     let position = step.frame.as_ref().and_then(|id| open.document.frames.position_of(id));
-    let elsewhere = position.filter(|position| *position != panel.app.session.frame);
+    let elsewhere = position.filter(|position| *position != app.session.frame);
     let place = elsewhere.map(|position| format!(" (frame {})", open.frame_number(position))).unwrap_or_default();
-    let button =
-        Button::new(RichText::new(format!("Undo: {}{place}", step.name)).color(ui.palette().weak)).frame(false);
+    Some(format!("Undo: {}{place}", step.name))
+}
+
+fn undo_button(panel: &mut Panel<'_>, ui: &mut Ui, text: String) {
+    let button = Button::new(RichText::new(text).color(ui.palette().weak)).frame(false);
     if ui.add(button).on_hover_text(panel.app.settings.keys.tooltip(Command::Undo)).clicked() {
         panel.actions.push(Action::Command(Command::Undo));
     }

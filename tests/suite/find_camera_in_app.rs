@@ -133,20 +133,20 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
     for (why, says) in [
         (
             Abstention::NotTied { frames: 40, tied: 7 },
-            "No camera is given: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
-             view to the next, all of one camera that stands still, or click 4 landmarks on 2 wide frames.",
+            "No camera was found: only 7 of 40 frames overlap with each other. Add frames in which the camera turns from one \
+             view to the next, all of one camera that does not move, or click 4 landmarks on 2 wide frames.",
         ),
         (
             Abstention::Uncertain {
                 doubts: vec![Doubt::LinesMissing { lines: vec!["Centre circle".to_owned()] }],
                 best: None,
             },
-            "No camera is given: the best answer is not certain (no paint lies where Centre circle should be). A view of \
+            "No camera was found: the best answer is not certain (no paint lies where Centre circle should be). A view of \
              Centre circle is missing: add frames that show it, or click 2 landmarks far from each other and look again.",
         ),
         (
             Abstention::Uncertain { doubts: vec![Doubt::FewSnapped { snapped: 3, frames: 9 }], best: None },
-            "No camera is given: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
+            "No camera was found: the best answer is not certain (only 3 of 9 frames agree with the painted lines of their own \
              picture). Wide views of both ends and of the middle are missing: add such frames, or click 2 landmarks far \
              from each other and look again.",
         ),

@@ -24,7 +24,7 @@ fn a_base_is_estimated_in_the_panel_compared_and_taken_over() {
     window.harness.run_steps(3);
     assert_eq!(window.app().session.panel, SidePanel::Camera);
     assert!(window.app().current().base.is_none(), "nothing is taken over unasked");
-    window.harness.get_by_label("WHERE IT STANDS");
+    window.harness.get_by_label("CAMERA POSITION");
     let use_it = window.harness.get_by_label("Use this base").rect();
     assert!(use_it.left() > 985.0, "the panel is no wider than its place: {use_it:?}");
     assert!(window.harness.query_all_by_label_contains("0003.png: ").next().is_some());

@@ -30,6 +30,8 @@ pub const TESTS: &[Test] = tests![
     [Adapter] panels_are_dragged_to_another_size_which_is_remembered;
     [Adapter] the_sport_is_a_button_under_the_map_and_free_to_change_before_anything_is_named;
     [Adapter] f10_and_a_tap_on_alt_open_the_menus;
+    [Adapter] in_the_smallest_window_verdict_and_reasons_are_in_sight;
+    [Adapter] every_side_panel_begins_at_the_same_place;
     [Adapter] the_picture_is_made_brighter_and_stays_so_between_frames;
     [Adapter] without_a_file_dialog_the_path_is_typed;
 ];
@@ -436,9 +438,57 @@ fn f10_and_a_tap_on_alt_open_the_menus() {
     window.key(Key::F10);
     window.harness.run_steps(2);
     assert!(window.harness.query_by_label_contains("Open project…").is_some());
+    // The arrows go from menu to menu, round the ends as well.
+    window.key(Key::ArrowRight);
+    window.harness.run_steps(3);
+    assert!(window.harness.query_by_label_contains("Preferences…").is_some());
+    assert!(window.harness.query_by_label_contains("Open project…").is_none());
+    for _ in 0..2 {
+        window.key(Key::ArrowLeft);
+        window.harness.run_steps(3);
+    }
+    assert!(window.harness.query_by_label_contains("User guide").is_some());
     window.key(Key::Escape);
     window.harness.run_steps(3);
-    assert!(window.harness.query_by_label_contains("Open project…").is_none());
+    assert!(window.harness.query_by_label_contains("User guide").is_none());
+}
+
+fn in_the_smallest_window_verdict_and_reasons_are_in_sight() {
+    let mut window = Window::open(4, touchline::app::WindowPlace::LEAST, 1.0);
+    for (landmark, code) in [("penalty_area_far_left_front", "pflf"), ("centre_circle_halfway_near", "chn")] {
+        window.click(window.image_of(landmark));
+        window.type_text(code);
+        window.key(Key::Enter);
+    }
+    window.harness.run_steps(4);
+    assert!(window.app().settings.field_map);
+    let judgement = window.app().shown().judgement.unwrap();
+    let accept = window.harness.get_by_role_and_label(Role::Button, "Accept").rect();
+    let verdict = window.harness.get_by_label(&judgement.verdict.to_string()).rect();
+    let worst_corner = window.harness.get_by_label("Worst corner").rect();
+    let map = window.harness.get_by_label("Field map").rect();
+    assert!(verdict.bottom() < accept.top() && accept.bottom() <= 600.0, "{verdict:?} {accept:?}");
+    assert!(worst_corner.bottom() < verdict.top() && map.height() > 100.0, "{worst_corner:?} {map:?}");
+    window.key(Key::X);
+    window.harness.run_steps(4);
+    let picture = window.harness.get_by_label("Picture").rect();
+    for (index, reason) in RejectReason::ALL.into_iter().enumerate() {
+        let says = format!("{}  {}", index + 1, touchline::app::session::reason_label(reason));
+        let button = window.harness.get_by_label(&says).rect();
+        assert!(picture.contains_rect(button), "{says}: {button:?} in {picture:?}");
+    }
+}
+
+fn every_side_panel_begins_at_the_same_place() {
+    let mut window = solved();
+    for (command, title) in
+        [(Command::CameraPanel, "POSITION"), (Command::TrainerPanel, "TRAINED ON"), (Command::CameraPanel, "LENS")]
+    {
+        window.harness.state_mut().apply([Action::Command(command)]);
+        window.harness.run_steps(4);
+        let left = window.harness.get_by_label(title).rect().left();
+        assert!((left - (SIZE[0] - 300.0 + 8.0)).abs() < 0.5, "{title} begins at {left}");
+    }
 }
 
 fn the_picture_is_made_brighter_and_stays_so_between_frames() {

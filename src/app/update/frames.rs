@@ -49,7 +49,7 @@ impl App {
     pub fn unacceptable(&self) -> Option<String> {
         let frame = self.frame()?;
         if self.session.video.picture_awaited {
-            return Some("The picture of this frame is not there yet. Accept it once you have seen it.".to_owned());
+            return Some("The picture of this frame is still loading. Accept it once you have seen it.".to_owned());
         }
         if self.decides_about_base() {
             return Some("An estimated base is shown. Use it or discard it first.".to_owned());

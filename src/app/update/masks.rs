@@ -118,8 +118,13 @@ impl App {
         if found.is_empty() {
             return;
         }
-        let (what, it) = if found.len() == 1 { ("This looks", "it") } else { ("These look", "them") };
-        let text = format!("{what} burned in ({}). Masks keep {it} out of training and proposals.", sizes(&found));
+        let text = match found.as_slice() {
+            [one] => {
+                let size = size(&one.mask.pixel_box);
+                format!("An area looks burned in ({size}). Keep it as a mask, out of training and proposals?")
+            }
+            more => format!("{} areas look burned in. Keep them as masks, out of training and proposals?", more.len()),
+        };
         let offers = [("Keep", Command::KeepBurntIn), ("Change", Command::ChangeBurntIn)];
         self.session.notify_with(Level::Question, text, offers);
         self.session.burnt_in = found;
@@ -152,18 +157,9 @@ impl App {
     }
 }
 
-/// "312 × 48 px at 60, 40; …", at most three.
-fn sizes(found: &[FoundMask]) -> String {
-    const NAMED: usize = 3;
-    let named = found.iter().take(NAMED).map(|found| {
-        let area = &found.mask.pixel_box;
-        format!("{:.0} × {:.0} px at {:.0}, {:.0}", area.width, area.height, area.x, area.y)
-    });
-    let mut named: Vec<String> = named.collect();
-    if found.len() > NAMED {
-        named.push(format!("{} more", found.len() - NAMED));
-    }
-    named.join("; ")
+/// "312 × 48 px at 60, 40".
+fn size(area: &PixelBox) -> String {
+    format!("{:.0} × {:.0} px at {:.0}, {:.0}", area.width, area.height, area.x, area.y)
 }
 
 /// Takes a mask out of its list.

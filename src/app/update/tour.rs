@@ -29,7 +29,7 @@ impl App {
     pub(super) fn offer_tour(&mut self) {
         let is_new = self.open.as_ref().is_some_and(|open| open.history.next_undo().is_none());
         if is_new && self.session.tour.is_none() && self.shows_demo() {
-            let text = "This is the demo match: its camera is known, a third of its frames are labelled.";
+            let text = "This is the demo match: its camera is known already.";
             self.session.notify_with(Level::Info, text, [("Take the tour", Command::StartTour)]);
         }
     }

@@ -33,7 +33,7 @@ pub struct UnclickedEvidence {
     pub rival: f64,
     /// The lines of the field that were seen, by name.
     pub lines: Vec<String>,
-    /// The lines of the field that should have been seen on open ground and were not, by name. Touchlines are not among them:
+    /// The lines of the field that should have been seen on open ground and were not, by label. Touchlines are not among them:
     /// the width of a field is assumed, and its rules fix all other lines.
     pub missing: Vec<String>,
     /// The median distance of paint from its line, px at 1920 px width.
@@ -118,14 +118,14 @@ pub(super) fn missing_lines(field: &FieldModel, looking: &[(PtzCamera, &Strokes)
     missing(field, &counts.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 
-/// The lines that hardly any frame shows of those that should, by name.
+/// The labels of the lines that hardly any frame shows of those that should.
 fn missing(field: &FieldModel, of_frames: &[&[LineCounts]]) -> Vec<String> {
     let is_missing = |line: &usize| {
         let sum = |of: fn(&LineCounts) -> usize| of_frames.iter().map(|lines| of(&lines[*line])).sum::<usize>() as f64;
         let (predicted, seen) = (sum(|counts| counts.predicted), sum(|counts| counts.seen));
         predicted >= ENOUGH && seen < MIN_OF_LINE * predicted && !is_touchline(field, *line)
     };
-    (0..field.lines.len()).filter(is_missing).map(|line| field.lines[line].id.as_str().to_owned()).collect()
+    (0..field.lines.len()).filter(is_missing).map(|line| field.lines[line].label.clone()).collect()
 }
 
 /// Where a camera shows the field's lines.

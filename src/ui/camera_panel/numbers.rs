@@ -10,7 +10,7 @@ use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
-use egui::{Align, Button, Grid, Layout, RichText, Ui};
+use egui::{Align, Button, Grid, Layout, RichText, Ui, vec2};
 
 /// The sensor of a broadcast camera (2/3 inch), mm: what exports take where nobody knows better.
 const GUESSED_SENSOR_MM: f64 = 9.6;
@@ -20,6 +20,9 @@ const LOWEST_M: f64 = 0.1;
 
 /// The width of a number field, points.
 pub const FIELD: f32 = 112.0;
+
+/// The column of "Position" and "Rotation" in the table of uncertainties, points.
+const AXIS_LABEL: f32 = 56.0;
 
 /// A number of the camera, and how it is written back.
 fn row(
@@ -89,7 +92,7 @@ pub fn rotation(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         speed: 0.02,
         decimals: 4,
         range: -limit..=limit,
-        why: "beyond that the same directions come again",
+        why: "larger angles repeat the same directions",
         suffix: "°",
         width: FIELD,
     };
@@ -274,9 +277,9 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         change(camera.sigma.get_or_insert_with(|| CameraSigma::from(&BaseSigma::default())));
     };
     let spacing = [2.0 * theme::SPACE, theme::SPACE];
-    let field = ((ui.available_width() - 40.0 - 3.0 * spacing[0]) / 3.0).floor();
-    Grid::new("sigma").num_columns(4).min_col_width(40.0).spacing(spacing).show(ui, |ui| {
-        ui.label("");
+    let field = ((ui.available_width() - AXIS_LABEL - 3.0 * spacing[0]) / 3.0).floor();
+    Grid::new("sigma").num_columns(4).min_col_width(field.min(AXIS_LABEL)).spacing(spacing).show(ui, |ui| {
+        ui.allocate_space(vec2(AXIS_LABEL, 0.0));
         for axis in ["x", "y", "z"] {
             ui.label(RichText::new(axis).small().color(ui.palette().weak));
         }
@@ -299,7 +302,7 @@ pub fn sigma(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
                     speed: 0.005,
                     decimals,
                     range: 0.0..=limit,
-                    why: "a 1-σ is not negative, and beyond this nothing is known",
+                    why: "a 1-σ is not negative, and a larger one means that nothing is known",
                     suffix: unit,
                     width: field,
                 };

@@ -20,7 +20,7 @@ const LOOK_M: f64 = 45.0;
 /// Shows both views.
 pub fn show(panel: &Panel<'_>, ui: &mut Ui, found: &EstimatedBase) {
     let Some(field) = panel.app.current().field().cloned() else { return };
-    section(ui, "WHERE IT STANDS");
+    section(ui, "CAMERA POSITION");
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), Sense::hover());
     let position = found.estimate.base.position_m;
     let description =

@@ -1,5 +1,6 @@
-//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of the picture, comment, camera assignment, path, and the questions about saving. Escape or
-//! a click beside a dialog closes it.
+//! Dialogs: user guide, palette, keys, preferences, messages, about, sport, overlay style, look of the picture, comment,
+//! camera assignment, path, and the questions about saving. Escape or a click beside a dialog closes it. Tab stays inside
+//! one that darkens the window.
 
 mod about;
 mod accept_all;
@@ -70,11 +71,13 @@ fn has_just_opened(ctx: &Context, dialog: &str) -> bool {
     })
 }
 
-/// The darkened backdrop of a dialog; a click on it closes the dialog.
+/// The darkened backdrop of a dialog; a click on it closes the dialog. Nothing behind it takes the keyboard's focus.
 fn curtain(panel: &mut Panel<'_>, ctx: &Context) {
     let all = ctx.content_rect();
-    Area::new(Id::unique("curtain")).order(Order::Middle).fixed_pos(all.min).show(ctx, |ui| {
-        let (_, response) = ui.allocate_exact_size(all.size(), Sense::click());
+    let area = Area::new(Id::unique("curtain")).order(Order::Middle).fixed_pos(all.min);
+    ctx.memory_mut(|memory| memory.set_modal_layer(area.layer()));
+    area.show(ctx, |ui| {
+        let (_, response) = ui.allocate_exact_size(all.size(), Sense::CLICK);
         ui.painter().rect_filled(all, 0.0, Color32::from_black_alpha(96));
         if response.clicked() {
             panel.actions.push(Action::CloseDialog);

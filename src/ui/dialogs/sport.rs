@@ -1,15 +1,16 @@
 //! The sport, chosen by a drawing of its field.
 
-use super::sheet;
+use super::{has_just_opened, sheet};
 use crate::app::{Action, App};
 use crate::field::{FieldModel, builtin, builtin_names};
+use crate::ui::labels::{PlateStyle, plate};
 use crate::ui::{
     Panel,
     theme::{self, Themed as _},
 };
 use egui::{
-    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, RichText, Role, ScrollArea, Sense, Shape,
-    Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
+    Align2, Color32, Context, CornerRadius, FontId, Label, Painter, Rect, Response, RichText, Role, ScrollArea, Sense,
+    Shape, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
 /// The size of a drawing with its name, points.
@@ -21,6 +22,7 @@ const PIECES: u32 = 32;
 
 /// Shows the fields to choose from.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
+    let opened = has_just_opened(ctx, "sport");
     sheet(panel, ctx, "Sport and field", vec2(660.0, 500.0), |panel, ui| {
         ui.add(Label::new(RichText::new(cost(panel.app)).color(ui.palette().text)).wrap());
         ui.add_space(theme::SPACE);
@@ -31,7 +33,12 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
                 for name in builtin_names() {
                     let Ok(template) = builtin(name) else { continue };
                     let Ok(field) = template.default_model() else { continue };
-                    if card(ui, &template.title, &field, name == chosen, guess == Some(name)) {
+                    let card = card(ui, &template.title, &field, name == chosen, guess == Some(name));
+                    // Enter takes what is likely.
+                    if opened && name == guess.unwrap_or(&chosen) {
+                        card.request_focus();
+                    }
+                    if card.clicked() {
                         panel.actions.push(Action::ChooseSport(name.to_owned()));
                     }
                 }
@@ -45,16 +52,15 @@ fn cost(app: &App) -> String {
     match app.points_of_field() {
         0 => "Which sport is it? Until points are named, changing it costs nothing.".to_owned(),
         points => format!(
-            "{points} point{} of this project {} a landmark or line of the present field. In another field these names are unknown: \
-             the points have to be named again. One step of undo.",
+            "{points} point{} of this project {} a landmark or line of the current field. Another field does not have these names: the points have to be named again. One step of undo.",
             if points == 1 { "" } else { "s" },
             if points == 1 { "names" } else { "name" },
         ),
     }
 }
 
-/// A field with its name; true where it was clicked.
-fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> bool {
+/// A field with its name.
+fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: bool) -> Response {
     let (rect, response) = ui.allocate_exact_size(CARD, Sense::click());
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, chosen, title));
     let painter = ui.painter();
@@ -75,16 +81,10 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     let at = at + vec2(0.0, NAME / 2.0 - 2.0);
     painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), ui.palette().text);
     if guessed {
-        let style = FontId::proportional(10.0);
-        painter.text(
-            rect.left_top() + vec2(8.0, 6.0),
-            Align2::LEFT_TOP,
-            "by the file's name",
-            style,
-            ui.palette().strong,
-        );
+        let style = PlateStyle::new(FontId::proportional(11.0), ui.palette().on_accent, ui.palette().accent);
+        plate(painter, rect.left_top() + vec2(10.0, 12.0), Align2::LEFT_CENTER, "by the file's name", style);
     }
-    response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m)).clicked()
+    response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m))
 }
 
 /// The lines of a field from above.

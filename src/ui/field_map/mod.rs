@@ -35,11 +35,12 @@ const UNCLICKED: Colour = Colour { r: 214, g: 226, b: 218, a: 150 };
 /// The colour of the chosen or pointed landmark's ring.
 const POINTED: Color32 = Color32::from_rgb(255, 221, 64);
 
-/// Shows the map across the available width.
-pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
+/// Shows the map across the available width, at most `most_height` points high.
+pub fn show(panel: &mut Panel<'_>, ui: &mut egui::Ui, most_height: f32) {
     let Some(field) = panel.app.current().field().cloned() else { return };
     let width = ui.available_width();
-    let (rect, response) = ui.allocate_exact_size(vec2(width, (width * SHAPE).round()), Sense::CLICK | Sense::DRAG);
+    let size = vec2(width, (width * SHAPE).min(most_height).round());
+    let (rect, response) = ui.allocate_exact_size(size, Sense::CLICK | Sense::DRAG);
     response.widget_info(|| WidgetInfo::labeled(Role::Canvas, true, "Field map"));
     let pixels_per_point = ui.pixels_per_point();
     let rect = egui::emath::GuiRounding::round_to_pixels(rect, pixels_per_point);
@@ -93,7 +94,7 @@ fn sport(panel: &mut Panel<'_>, ui: &mut egui::Ui) {
     let command = Command::ChooseSport;
     let why_not = panel.app.why_not(command);
     ui.horizontal(|ui| {
-        ui.add_space(4.0);
+        ui.add_space(8.0);
         let button = ui.add_enabled(why_not.is_none(), Button::new(RichText::new(title).small()).small());
         let button = button.on_hover_text(panel.app.settings.keys.tooltip(command));
         if button.on_disabled_hover_text(why_not.unwrap_or_default()).clicked() {

@@ -1,4 +1,5 @@
-//! The shown frame: field map, points, solution, verdict, details, and the button that accepts it.
+//! The shown frame: field map, points, solution, details; at the bottom, always in sight, the verdict and the button that
+//! accepts the frame.
 
 mod accept;
 mod clicks;
@@ -12,17 +13,26 @@ use super::{
 };
 use egui::{Frame, Margin, ScrollArea, Sense, Ui, vec2};
 
-/// The least height below the list of points, for solution and verdict, points.
-const BELOW_CLICKS: f32 = 276.0;
+/// The least height below the list of points, for the solution and the folded details, points.
+const BELOW_CLICKS: f32 = 148.0;
+/// What the points and the solution need, points: in a low window the field map gives way to them.
+const BELOW_MAP: f32 = 284.0;
+/// The field map is at least this high, points.
+const LEAST_MAP: f32 = 104.0;
+/// The most that the verdict takes, as a share of the panel; more scrolls.
+const MOST_VERDICT: f32 = 0.4;
 
 /// Shows the panel.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     if panel.app.frame().is_none() {
         return;
     }
+    let height = ui.available_height();
     decide(panel, ui);
+    verdict_row(ui, MOST_VERDICT * height, |ui| verdict::show(panel, ui));
     if panel.app.settings.field_map {
-        field_map::show(panel, ui);
+        // Not from the verdict's height of this moment: the map must not jump with it.
+        field_map::show(panel, ui, (height - DECIDE - verdict::HEIGHT - BELOW_MAP).max(LEAST_MAP));
     }
     // Unfolded details need room as well.
     let most = if panel.app.settings.details { 8.0 } else { f32::INFINITY };
@@ -34,18 +44,35 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             line(ui);
             solution::show(panel, ui);
             line(ui);
-            verdict::show(panel, ui);
-            line(ui);
             details::show(panel, ui);
         });
     });
 }
 
+/// The verdict above the main button, as high as it is.
+fn verdict_row(ui: &mut Ui, most: f32, contents: impl FnOnce(&mut Ui)) {
+    let memory = egui::Id::unique("height of the verdict");
+    let before = ui.data(|data| data.get_temp::<f32>(memory)).unwrap_or(verdict::HEIGHT);
+    let frame = Frame::new().inner_margin(Margin { left: 8, right: 8, top: 6, bottom: 0 });
+    let area = egui::Panel::bottom("verdict").resizable(false).exact_size(before.min(most)).frame(frame);
+    area.show(ui, |ui| {
+        let shown = ScrollArea::vertical().id_salt("verdict").show(ui, contents);
+        let height = shown.content_size.y + 8.0;
+        if (height - before).abs() > 0.5 {
+            ui.data_mut(|data| data.insert_temp(memory, height));
+            ui.ctx().request_repaint();
+        }
+    });
+}
+
+/// The height of the row at the bottom with the main button, points.
+const DECIDE: f32 = 44.0 + 4.0 * theme::SPACE;
+
 /// The row at the bottom of a panel with its main button.
 pub fn decide(panel: &mut Panel<'_>, ui: &mut Ui) {
     egui::Panel::bottom("accept")
         .resizable(false)
-        .exact_size(44.0 + 4.0 * theme::SPACE)
+        .exact_size(DECIDE)
         .frame(Frame::new().inner_margin(Margin::same(8)))
         .show(ui, |ui| accept::show(panel, ui));
 }

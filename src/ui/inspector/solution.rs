@@ -60,7 +60,7 @@ fn source(app: &App, frame: &Frame) -> String {
         Some(SolutionSource::Clicks) => from_points(frame),
         Some(SolutionSource::Manual) => "set manually".to_owned(),
         Some(SolutionSource::Forest) if frame.clicks.iter().any(|click| click.target.is_some()) => {
-            "proposed, corrected by a point".to_owned()
+            "proposed, corrected with a point".to_owned()
         }
         Some(SolutionSource::Forest) if frame.is_snapped_proposal() => "proposed, snapped to the lines".to_owned(),
         Some(SolutionSource::Forest) => "proposed".to_owned(),

@@ -13,8 +13,8 @@ use crate::ui::{
 };
 use egui::{Button, Label, RichText, Ui};
 
-/// The least height of the group, points, so that nothing below it jumps.
-const HEIGHT: f32 = 78.0;
+/// The least height of the group, points, so that little jumps from frame to frame.
+pub const HEIGHT: f32 = 78.0;
 
 /// Shows the verdict.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
@@ -158,7 +158,7 @@ fn ways_out(panel: &mut Panel<'_>, ui: &mut Ui, reason: &str) {
         }
         if more > 0 {
             let rest = Button::new(RichText::new(format!("{more} more")).color(ui.palette().caution)).frame(false);
-            if ui.add(rest).on_hover_text("Show all warnings in the details below.").clicked() {
+            if ui.add(rest).on_hover_text("Show all warnings in the details.").clicked() {
                 panel.actions.push(Action::SetDetails(true));
             }
         }

@@ -72,7 +72,7 @@ fn keys(ui: &mut Ui, seen: &Seen) {
     ui.horizontal_wrapped(|ui| {
         legend::entry(ui, "seen by 1 reference", square(seen_by(palette, 1), 9.0));
         legend::entry(ui, "by 4 or more", square(seen_by(palette, 4), 9.0));
-        legend::entry(ui, "field that none sees", square(palette.missing, 9.0));
+        legend::entry(ui, "field not seen by any", square(palette.missing, 9.0));
         if !is_empty(&seen.suggestions) {
             legend::entry(ui, "seen by a suggestion", square(palette.caution, 4.0));
         }

@@ -28,7 +28,7 @@ pub fn show(panel: &Panel<'_>, ui: &mut Ui, coverage: &Coverage, quality: Option
     if let Some(pan_deg) = label_next(panel, coverage) {
         map.pointer(pan_deg);
     }
-    let tip = "Pan to the right, tilt upwards. Blue: seen by references, the brighter the more. Red: field that none sees. \
+    let tip = "Pan to the right, tilt upwards. Blue: seen by references, the brighter the more. Red: field not seen by any. \
                Dots: references that were left out and found again (green), found wrong (red) or not found (ring). Outline: \
                the shown frame. Pointer from above: where a label helps most.";
     map.response.clone().on_hover_text(tip);

@@ -99,7 +99,8 @@ fn names(panel: &Panel<'_>, ui: &egui::Ui, placement: &Placement, painter: &Pain
         Mode::Dragging { click, placed: true } => (*click, String::new()),
         Mode::Idle => {
             just_snapped(panel, ui, placement, painter);
-            let Some(click) = session.named_unasked.filter(|_| recently(ui, "named unasked", session.named_unasked))
+            let Some(click) =
+                session.named_unasked.filter(|_| recently(ui, "named automatically", session.named_unasked))
             else {
                 return;
             };

@@ -21,7 +21,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
         ui.label("Licence");
         let mut text = options.licence.clone().unwrap_or_default();
         let field = TextEdit::singleline(&mut text).hint_text("CC BY 4.0").desired_width(200.0);
-        ui.add(field).accessible_name("Licence").on_hover_text("Of labels and pictures, for the card.");
+        ui.add(field).accessible_name("Licence").on_hover_text("The licence of labels and pictures, for the card.");
         options.licence = Some(text).filter(|text| !text.is_empty());
         let mut replace = transfer.replace;
         let tip = "A dataset that is in the chosen folder already is replaced; anything else never is.";
@@ -66,7 +66,7 @@ fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
 fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         let mut divided = options.splitting.is_some();
-        let tip = "For training, validation and test. Neighbouring frames never go apart.";
+        let tip = "For training, validation and test. Neighbouring frames are never separated.";
         ui.checkbox(&mut divided, "divide").on_hover_text(tip);
         let mut splitting = options.splitting.unwrap_or_default();
         if divided {
@@ -81,10 +81,10 @@ fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
                     ui.selectable_value(&mut splitting.by, by, by.name());
                 }
             });
-            combo.response.on_hover_text("What is never divided.");
+            combo.response.on_hover_text("What is never split.");
             ui.label("seed");
             let field = DragValue::new(&mut splitting.seed).update_while_editing(false);
-            ui.add(field).accessible_name("Seed").on_hover_text("Another seed divides otherwise.");
+            ui.add(field).accessible_name("Seed").on_hover_text("Another seed gives another split.");
         }
         let shares: u32 = splitting.shares.iter().sum();
         options.splitting = divided.then_some(if shares == 0 { Splitting::default() } else { splitting });

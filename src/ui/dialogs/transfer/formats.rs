@@ -135,7 +135,7 @@ fn imported(panel: &Panel<'_>, ui: &mut Ui) {
                 line(ui, format!("{} frames have labels of their own, which stay.", joined.kept), palette.text);
             }
             if joined.other_size > 0 {
-                let text = format!("{} frames are left: their pictures have another size here.", joined.other_size);
+                let text = format!("{} frames are left out: their pictures have another size here.", joined.other_size);
                 line(ui, text, palette.caution);
             }
             notes(ui, &joined.notes);

@@ -58,7 +58,7 @@ fn statuses(ui: &mut Ui, choice: &mut FrameChoice) {
     for (status, name, tip) in [
         (FrameStatus::Reference, "references", "Frames that a person accepted."),
         (FrameStatus::Suggested, "suggestions", "Frames whose camera nobody has looked at."),
-        (FrameStatus::Draft, "drafts", "Frames that somebody began."),
+        (FrameStatus::Draft, "drafts", "Frames with points that nobody has accepted."),
     ] {
         let is_all = choice.statuses.is_empty();
         let mut chosen = is_all || choice.statuses.contains(&status);

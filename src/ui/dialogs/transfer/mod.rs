@@ -12,7 +12,7 @@ use crate::app::transfer::{TransferAction, TransferTab, UnderWay};
 use crate::app::{Action, Command};
 use crate::ui::Panel;
 use crate::ui::theme::Themed as _;
-use egui::{Align, Button, Context, Layout, ProgressBar, RichText, Spinner, Ui, vec2};
+use egui::{Align, Button, Context, Key, Layout, Modifiers, ProgressBar, RichText, Spinner, Ui, vec2};
 
 /// The sheet's size, points.
 const SIZE: egui::Vec2 = vec2(820.0, 560.0);
@@ -76,17 +76,23 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         progress(ui, work);
         return;
     }
+    // With the focus on nothing Enter means the main button.
+    let entered = is_ready
+        && ui.memory(|memory| memory.focused().is_none())
+        && ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
     let (label, tip) = match tab {
-        TransferTab::Export => ("Export…", "Choose where it is written."),
+        TransferTab::Export => ("Export…", "Choose where it is written. (Enter)"),
         TransferTab::Dataset => {
-            ("Write dataset…", "Choose its folder. It is written beside it first and then renamed.")
+            ("Write dataset…", "Choose its folder. It is written beside it first and then renamed. (Enter)")
         }
         TransferTab::Import => ("Choose files…", "Read them and show what they bring; nothing is changed yet."),
     };
     if tab == TransferTab::Import {
         let take = ui.add_enabled(is_ready, Button::new("Import").fill(palette.accent_ground));
-        let take = take.on_hover_text("Take it over. One step of undo.").on_disabled_hover_text("Choose files first.");
-        if take.clicked() {
+        let take = take
+            .on_hover_text("Merge it into the document. One step of undo. (Enter)")
+            .on_disabled_hover_text("Choose files first.");
+        if take.clicked() || entered {
             push(TransferAction::TakeOver);
         }
         if ui.add_enabled(under_way.is_none(), Button::new(label)).on_hover_text(tip).clicked() {
@@ -94,7 +100,7 @@ fn foot(panel: &mut Panel<'_>, ui: &mut Ui) {
         }
     } else {
         let write = ui.add_enabled(is_ready, Button::new(label).fill(palette.accent_ground));
-        if write.on_hover_text(tip).on_disabled_hover_text("There is nothing to write.").clicked() {
+        if write.on_hover_text(tip).on_disabled_hover_text("There is nothing to write.").clicked() || entered {
             push(TransferAction::Choose);
         }
     }

@@ -29,11 +29,11 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
                         .on_hover_text("Other landmarks are left out.");
                     options.names = if roboflow { KeypointNames::Roboflow32 } else { KeypointNames::Touchline };
                 }
-                let tip = "Points that lie outside of their picture are written too.";
+                let tip = "Points outside their picture are written too.";
                 ui.checkbox(&mut options.keep_outside, "those outside as well").on_hover_text(tip);
                 if format == Format::SoccerNetLines {
                     ui.checkbox(&mut options.game_state, "game state")
-                        .on_hover_text("Class names without the space at the end.");
+                        .on_hover_text("Class names without the trailing space.");
                 }
             });
         }
@@ -68,7 +68,7 @@ pub fn export_options(ui: &mut Ui, format: Format, options: &mut ExportOptions) 
 fn gaps(ui: &mut Ui, gaps: &mut Gaps) {
     ui.label("Missing frames");
     let mut most = if let Gaps::Interpolate(most) = *gaps { most } else { 12 };
-    let tip = "Rows are missing where frames are.";
+    let tip = "Frames without a camera get no row.";
     if ui.radio(*gaps == Gaps::Keep, "stay missing").on_hover_text(tip).clicked() {
         *gaps = Gaps::Keep;
     }
@@ -158,7 +158,7 @@ fn zoom(ui: &mut Ui, zoom: &mut Zoom) {
 fn recording(ui: &mut Ui, recording: &mut Recording) {
     let any = |text: &str| Some(text.to_owned());
     ui.horizontal(|ui| {
-        let tip = "As the other files about the match have it.";
+        let tip = "The id that the other files about the match use.";
         let (text, read) = (String::clone, any);
         Typed { name: "The match's id", tip, example: "2026-118", width: 150.0, text, read }
             .show(ui, &mut recording.match_id);
@@ -178,7 +178,8 @@ fn recording(ui: &mut Ui, recording: &mut Recording) {
             }
         });
         combo.response.on_hover_text("Which of the stadium's cameras it is.");
-        ui.checkbox(&mut recording.is_automated, "no operator").on_hover_text("No person turned the camera.");
+        ui.checkbox(&mut recording.is_automated, "no operator")
+            .on_hover_text("The camera is not operated by a person.");
     });
 }
 
