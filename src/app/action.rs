@@ -4,8 +4,8 @@ use super::base::{EstimateFailure, EstimateProgress};
 use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::guide::GuidePage;
+use super::opened::{Opened, OutsideChoice};
 use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
-use super::prepared::Prepared;
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::settings::{Loupe, ThemeChoice};
@@ -15,14 +15,14 @@ use super::unclicked::UnclickedFailure;
 use super::{Chord, Command, Compared, TrainerStatus, VideoAction, WatchPanicked};
 use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
 use crate::camera::Ptz;
-use crate::document::{Camera, CameraId, Document, FieldSpec, History, RejectReason, Target};
+use crate::document::{Camera, CameraId, FieldSpec, RejectReason, Target};
 use crate::field::Symmetry;
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
-use crate::store::{Orphan, OrphanEdits, Outside};
-use std::path::{Path, PathBuf};
+use crate::store::{OrphanEdits, Outside};
+use std::path::PathBuf;
 
 /// What changes state; sent by the window, the jobs and the tests.
 #[derive(Clone, Debug, PartialEq)]
@@ -412,214 +412,4 @@ pub enum Action {
     Copied(PathBuf),
     /// The window asked to close.
     CloseRequested,
-}
-
-/// The kind of an action. It decides whether the action is allowed while something else is under way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ActionKind {
-    /// A command; see [`Command::kind`].
-    Command,
-    /// The pointer over the picture: what has been begun decides what it means.
-    Pointer,
-    /// How something is shown, nothing of a label.
-    View,
-    /// Another frame or click is shown, or more of the label.
-    Navigation,
-    /// The document changes.
-    Edit,
-    /// Something is asked of the outside (disk, jobs), has come to an end there, or tells how far it is.
-    Report,
-    /// What belongs to the user and not to the document.
-    Settings,
-}
-
-impl ActionKind {
-    /// Whether it is allowed during a blind round: it changes and shows no label and does not leave the round. For a command its
-    /// own kind decides.
-    #[must_use]
-    pub const fn is_blind(self) -> bool {
-        !matches!(self, Self::Edit | Self::Navigation)
-    }
-}
-
-impl Action {
-    /// What it is.
-    #[must_use]
-    pub const fn kind(&self) -> ActionKind {
-        match self {
-            Self::Command(_) => ActionKind::Command,
-            Self::Hover(_) | Self::Press { .. } | Self::Drag(_) | Self::Release | Self::ReleaseExactly => {
-                ActionKind::Pointer
-            }
-            Self::Video(VideoAction::SetSpeed(_) | VideoAction::Pause)
-            | Self::View(_)
-            | Self::FitScale(_)
-            | Self::SelectNoFrames
-            | Self::SetFilter(_)
-            | Self::HoldReview(_)
-            | Self::SetReviewOrder(_)
-            | Self::SetReviewThreshold(_)
-            | Self::SetWithDisagreeing(_)
-            | Self::TickSuggestion { .. }
-            | Self::SetOnePerShot(_)
-            | Self::SetQualityCamera(_)
-            | Self::SetTimeAxis(_)
-            | Self::ShowSpan(_)
-            | Self::CloseDialog
-            | Self::ShowGuidePage(_)
-            | Self::DismissNotice(_)
-            | Self::Notify(..)
-            | Self::TypePath(_) => ActionKind::View,
-            Self::Video(VideoAction::GoToPlace(_))
-            | Self::Hold(..)
-            | Self::Select(_)
-            | Self::GoTo(_)
-            | Self::SelectFrame { .. }
-            | Self::AskCamera(_)
-            | Self::LookAt { .. }
-            | Self::TypeName(_)
-            | Self::RefineName(_)
-            | Self::ConfirmName
-            | Self::HighlightName(_)
-            | Self::OfferLines(_) => ActionKind::Navigation,
-            Self::Transfer(TransferAction::TakeOver)
-            | Self::Video(VideoAction::MoveCut { .. })
-            | Self::Nudge { .. }
-            | Self::TakeName(_)
-            | Self::Pick(_)
-            | Self::Name { .. }
-            | Self::DeleteClick(_)
-            | Self::SetCheck { .. }
-            | Self::AssignToCamera { .. }
-            | Self::RejectAs(_)
-            | Self::SetComment(_)
-            | Self::AddMask { .. }
-            | Self::ScopeMask { .. }
-            | Self::RemoveMask { .. }
-            | Self::BeginEdit(_)
-            | Self::EditPtz(_)
-            | Self::EditCamera(_)
-            | Self::EditField(_)
-            | Self::ChooseSport(_)
-            | Self::EndEdit
-            | Self::AbortEdit
-            | Self::SolveAgain
-            | Self::AcceptAll
-            | Self::SetUseForTraining { .. }
-            | Self::UseForBase { .. }
-            | Self::MirrorNames { .. } => ActionKind::Edit,
-            Self::Video(_)
-            | Self::Proposals(_)
-            | Self::BurntIn { .. }
-            | Self::SnapProgress { .. }
-            | Self::Snapped { .. }
-            | Self::PointsSnapped { .. }
-            | Self::LinesChecked { .. }
-            | Self::Trainer(_)
-            | Self::Features(_)
-            | Self::BaseProgress(_)
-            | Self::BaseEstimated(_)
-            | Self::FindCameraProgress { .. }
-            | Self::CameraSearched { .. }
-            | Self::Track(_)
-            | Self::Transfer(_)
-            | Self::BulkProgress { .. }
-            | Self::BulkSolved { .. }
-            | Self::CameraWatched { .. }
-            | Self::Compare(_)
-            | Self::Compared(_)
-            | Self::Answer(..)
-            | Self::Open(_)
-            | Self::Progress(_)
-            | Self::Opened(_)
-            | Self::Failed(_)
-            | Self::CameraLoaded(_)
-            | Self::Saved { .. }
-            | Self::SaveFailed(_)
-            | Self::AlreadyOpen(_)
-            | Self::WholeWanted
-            | Self::ChangedOutside(_)
-            | Self::AskOutside
-            | Self::ResolveOutside(_)
-            | Self::Outside(_)
-            | Self::MergeOrphan(_)
-            | Self::OrphanRead { .. }
-            | Self::SaveOrphan(_)
-            | Self::OrphanSaved { .. }
-            | Self::OrphanPutAway { .. }
-            | Self::LeaveUnsaved
-            | Self::Copied(_)
-            | Self::CloseRequested => ActionKind::Report,
-            Self::SetOverlayStyle(_)
-            | Self::SetTheme(_)
-            | Self::SetLineColour(..)
-            | Self::SetLoupe(_)
-            | Self::SetPictureMemory(_)
-            | Self::SetPictureLook(_)
-            | Self::SetTextSize(_)
-            | Self::SetPanelSizes { .. }
-            | Self::AssignKey(..)
-            | Self::ResetKeys
-            | Self::SetDetails(_) => ActionKind::Settings,
-        }
-    }
-}
-
-/// What becomes of a version of the document that another program wrote.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutsideChoice {
-    /// Its changes are joined with those made here.
-    Merge,
-    /// It is set aside, and the document as it is here written.
-    Replace,
-    /// It is opened; what was edited here is set aside.
-    TakeTheirs,
-}
-
-/// A document that has just been opened.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Opened {
-    /// The document, made ready.
-    pub(super) prepared: Prepared,
-    /// The steps of earlier sessions that can be undone and redone.
-    pub history: History<Document>,
-    /// Its folder: what relative paths start from.
-    pub folder: PathBuf,
-    /// The file: `project.json`, or the dataset's.
-    pub file: PathBuf,
-    /// Why it can only be looked at, if so.
-    pub read_only: Option<String>,
-    /// Notices for the user: recovered edits, a video shorter than its header says.
-    pub notices: Vec<(Level, String)>,
-    /// Edits of another version of the document that were set aside.
-    pub orphans: Vec<Orphan>,
-    /// The project was just made: the sport is asked for.
-    pub is_new: bool,
-}
-
-impl Opened {
-    /// A writable document without notices; its folder is the file's. All frames are looked at: to be made where a document is
-    /// opened in the background.
-    #[must_use]
-    pub fn new(document: Document, file: impl Into<PathBuf>) -> Self {
-        let file = file.into();
-        let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
-        let (prepared, history) = (Prepared::of(document), History::default());
-        Self {
-            prepared,
-            history,
-            folder,
-            file,
-            read_only: None,
-            notices: Vec::new(),
-            orphans: Vec::new(),
-            is_new: false,
-        }
-    }
-
-    /// The document.
-    #[must_use]
-    pub const fn document(&self) -> &Document {
-        self.prepared.document()
-    }
 }

@@ -4,6 +4,8 @@
 //! sentence for its tooltip, a group and default keys. [`super::App::why_not`] decides whether it is available and gives
 //! the reason if it is not.
 
+use super::menu_group::MenuGroup;
+
 /// Something a user can ask for by menu, key or palette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[allow(missing_docs, reason = "each command is described by `Command::about`, which users read")]
@@ -132,59 +134,6 @@ pub enum Command {
     About,
 }
 
-/// The menu that lists a command.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(missing_docs, reason = "the menu's own titles")]
-pub enum MenuGroup {
-    File,
-    Edit,
-    Frame,
-    Camera,
-    View,
-    Help,
-}
-
-impl MenuGroup {
-    /// Every menu, in order.
-    pub const ALL: [Self; 6] = [Self::File, Self::Edit, Self::Frame, Self::Camera, Self::View, Self::Help];
-
-    /// The menu's title.
-    #[must_use]
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Edit => "Edit",
-            Self::Frame => "Frame",
-            Self::Camera => "Camera",
-            Self::View => "View",
-            Self::Help => "Help",
-        }
-    }
-}
-
-/// What a command acts on. It decides whether the command is available during a blind round or behind another page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CommandKind {
-    /// The application itself: shows and changes no label.
-    Application,
-    /// The zoom: of the picture, or of the quality page's time axis.
-    Zoom,
-    /// A blind round.
-    Round,
-    /// The shown picture or the selection in it: not available while another page hides it.
-    Picture,
-    /// The document as a whole, another frame, a panel.
-    Document,
-}
-
-impl CommandKind {
-    /// Whether it is available during a blind round: it neither shows the label nor leaves the round.
-    #[must_use]
-    pub const fn is_blind(self) -> bool {
-        matches!(self, Self::Application | Self::Zoom | Self::Round)
-    }
-}
-
 /// A row of the table of commands.
 struct Row {
     command: Command,
@@ -282,7 +231,7 @@ rows! {
     QualityPage, "quality_page", View, "Quality page", "How good labels and proposals are: the camera over time, errors at points, where the references look.", ["F5"];
     CompareAnnotators, "compare_annotators", View, "Compare two annotators…", "Choose another annotator's document of the same frames and compare on the quality page.", [];
     FindCamera, "find_camera", Camera, "Find the camera automatically", "Find the camera's position and the cameras of its frames from the pictures alone, without a click. Results are given only where they are certain, as suggestions. One step of undo.", [];
-    StopFindCamera, "stop_find_camera", Camera, "Stop looking for the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
+    StopFindCamera, "stop_find_camera", Camera, "Stop finding the camera", "Stop the search for the camera, or dismiss the answers that it left to decide; nothing is changed.", [];
     TryFirstCamera, "try_first_camera", Camera, "Try the first camera found", "Use the first of two cameras that explain the paint equally well. One step of undo.", [];
     TryOtherCamera, "try_other_camera", Camera, "Try the other camera found", "Use the other of two cameras that explain the paint equally well. One step of undo.", [];
     EstimateBase, "estimate_base", Camera, "Estimate the base from these frames", "Estimate the camera's position and base rotation from the points of all its frames.", [];
@@ -362,121 +311,6 @@ impl Command {
     #[must_use]
     pub fn default_keys(self) -> &'static [&'static str] {
         self.row().keys
-    }
-
-    /// What it acts on.
-    #[must_use]
-    pub const fn kind(self) -> CommandKind {
-        match self {
-            Self::Save
-            | Self::Quit
-            | Self::Undo
-            | Self::Cancel
-            | Self::PauseTrainer
-            | Self::SnapPoints
-            | Self::SnapSuggestions
-            | Self::BaseOnPaint
-            | Self::Palette
-            | Self::Keys
-            | Self::Messages
-            | Self::DismissNotices
-            | Self::PictureLook
-            | Self::Preferences
-            | Self::Guide
-            | Self::About => CommandKind::Application,
-            Self::ZoomIn | Self::ZoomOut | Self::ZoomToFit => CommandKind::Zoom,
-            Self::ClickAgain | Self::SkipAgain => CommandKind::Round,
-            Self::DeleteClick
-            | Self::RenameClick
-            | Self::PlaceOnLine
-            | Self::ToggleCheck
-            | Self::NextClick
-            | Self::PreviousClick
-            | Self::Accept
-            | Self::AcceptAndStay
-            | Self::AcceptAnyway
-            | Self::AcceptAllAbove
-            | Self::UseForTraining
-            | Self::MarkGold
-            | Self::Reject
-            | Self::RejectShot
-            | Self::Comment
-            | Self::MendNames
-            | Self::SwitchRoot
-            | Self::Snap
-            | Self::SearchLines
-            | Self::Track
-            | Self::DiscardCarried
-            | Self::StopTracking
-            | Self::ZoomToClick
-            | Self::HideOverlay
-            | Self::OverlayStyle
-            | Self::ShowMasks
-            | Self::ShowFieldMap
-            | Self::Compare
-            | Self::Uncertainty
-            | Self::ShowFeatures
-            | Self::FindCamera
-            | Self::StopFindCamera
-            | Self::TryFirstCamera
-            | Self::TryOtherCamera
-            | Self::EstimateBase
-            | Self::ShowForBase
-            | Self::UseEstimatedBase
-            | Self::DropEstimatedBase
-            | Self::StopSolving
-            | Self::StopSearch
-            | Self::UseForBase
-            | Self::AssignToCamera
-            | Self::SelectShot
-            | Self::AddCut
-            | Self::MoveCutHere
-            | Self::RemoveCut
-            | Self::NewCameraFromChange
-            | Self::KeepBurntIn
-            | Self::ChangeBurntIn
-            | Self::ConfirmFieldSize
-            | Self::FitFieldSize => CommandKind::Picture,
-            Self::OpenProject
-            | Self::OpenFolder
-            | Self::OpenVideo
-            | Self::OpenDemo
-            | Self::StartTour
-            | Self::LeaveTour
-            | Self::SaveAs
-            | Self::Export
-            | Self::ExportDataset
-            | Self::Import
-            | Self::Orphans
-            | Self::Redo
-            | Self::NextFrame
-            | Self::PreviousFrame
-            | Self::NextTenFrames
-            | Self::PreviousTenFrames
-            | Self::NextNeedsMe
-            | Self::PreviousNeedsMe
-            | Self::NextUnanswered
-            | Self::FirstFrame
-            | Self::LastFrame
-            | Self::GoToPlace
-            | Self::PlayPause
-            | Self::NextShot
-            | Self::PreviousShot
-            | Self::FindShots
-            | Self::StopShotSearch
-            | Self::NextReference
-            | Self::PreviousReference
-            | Self::ChooseGold
-            | Self::UseOwnNoise
-            | Self::UseUsualNoise
-            | Self::CompareAnnotators
-            | Self::CameraPanel
-            | Self::TrainerPanel
-            | Self::ReviewPanel
-            | Self::QualityPage
-            | Self::ChooseSport
-            | Self::LoadCamera => CommandKind::Document,
-        }
     }
 
     /// Whether it acts while its key is held down.

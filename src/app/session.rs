@@ -1,13 +1,14 @@
 //! The state of the window: not saved, not undone.
 
+pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
 pub use super::filter::{Filter, is_to_do, status_label};
+pub use super::mode::{Mode, Naming, OFFERED};
+pub use super::notice::{Level, Notice};
 
 use super::base::BaseWork;
 use super::bulk::BulkWork;
-use super::choices::{QualityChoice, Scope};
+use super::choices::QualityChoice;
 use super::guide::GuidePage;
-use super::naming::NameCandidate;
-use super::reclick::Reclick;
 use super::review_choice::ReviewChoice;
 use super::tour::Tour;
 use super::tracking::{LastCarried, Tracking};
@@ -17,8 +18,7 @@ use super::video::VideoState;
 use super::{Command, Comparison, TrainerState};
 use crate::calibrate::FoundCamera;
 use crate::camera::PtzCamera;
-use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared, Target};
-use crate::exchange::Format;
+use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared};
 use crate::geometry::ImagePoint;
 use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
@@ -26,9 +26,6 @@ use crate::store::Orphan;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;
-
-/// How many candidates are offered at the cursor.
-pub const OFFERED: usize = 5;
 
 /// What the window shows and what has been begun.
 #[derive(Debug, Default)]
@@ -170,65 +167,6 @@ pub struct Copies {
     pub written: Option<u64>,
 }
 
-/// What has been begun and not ended.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Mode {
-    /// Nothing.
-    #[default]
-    Idle,
-    /// A point is held by the pointer.
-    Dragging {
-        /// Which click.
-        click: usize,
-        /// It was placed by this very press and has no name yet.
-        placed: bool,
-    },
-    /// A point waits for its name.
-    Naming(Naming),
-    /// Landmark first: the next click in the picture shows this.
-    Placing(Target),
-    /// The reason is asked for.
-    Rejecting {
-        /// For every frame of the shot.
-        whole_shot: bool,
-    },
-    /// A number is being changed.
-    Editing,
-    /// Gold frames are clicked again, blind.
-    ClickingAgain(Reclick),
-}
-
-/// A point that waits for its name.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Naming {
-    /// Which click.
-    pub click: usize,
-    /// Every name it may get, best first.
-    pub candidates: Vec<NameCandidate>,
-    /// What has been typed to filter them.
-    pub typed: String,
-    /// Lines are offered and not landmarks.
-    pub lines: bool,
-    /// The candidate under the pointer or chosen with the arrow keys, within those offered.
-    pub highlighted: usize,
-}
-
-impl Naming {
-    /// The candidates on offer: at most [`OFFERED`], after the filter.
-    #[must_use]
-    pub fn offered(&self) -> Vec<&NameCandidate> {
-        let mut matching = super::naming::matching(&self.candidates, &self.typed);
-        matching.truncate(OFFERED);
-        matching
-    }
-
-    /// The candidate that Enter takes.
-    #[must_use]
-    pub fn chosen(&self) -> Option<&NameCandidate> {
-        self.offered().get(self.highlighted).copied()
-    }
-}
-
 /// A reason as a person reads it.
 #[must_use]
 pub const fn reason_label(reason: RejectReason) -> &'static str {
@@ -240,77 +178,6 @@ pub const fn reason_label(reason: RejectReason) -> &'static str {
         RejectReason::Blur => "Blur",
         RejectReason::TooLittleField => "Too little field",
     }
-}
-
-/// What the right-hand side shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum SidePanel {
-    /// Field map, clicks, solution, verdict.
-    #[default]
-    Frame,
-    /// The frame's camera.
-    Camera,
-    /// What the forest is trained on and how accurate it is.
-    Trainer,
-    /// What is proposed.
-    Review,
-}
-
-/// What lies over the window.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Dialog {
-    /// Every command, by typing.
-    Palette,
-    /// Every key.
-    Keys,
-    /// Version, licence, citation.
-    About,
-    /// Every message of this session.
-    Messages,
-    /// The sport, and with it the field.
-    Sport,
-    /// Brightness, contrast and gamma of the picture.
-    PictureLook,
-    /// The user's own.
-    Preferences,
-    /// The user guide.
-    Guide {
-        /// The page that it shows.
-        page: GuidePage,
-        /// What it was opened from, and closes to.
-        behind: Option<Box<Self>>,
-    },
-    /// Colour, width and opacity of the overlay.
-    OverlayStyle,
-    /// Suggestions to be accepted together.
-    AcceptAll,
-    /// A frame or a time to go to.
-    GoToPlace,
-    /// A comment on the frame.
-    Comment(String),
-    /// Which camera took these frames.
-    AssignToCamera(Scope),
-    /// A path, where the system has no file dialog.
-    Path(Question),
-    /// Another program changed the document.
-    ChangedOutside,
-    /// Edits that were set aside.
-    Orphans,
-    /// Exports, datasets and imports.
-    Transfer,
-    /// Edits would be lost.
-    NotSaved(Leaving),
-}
-
-/// What was asked for while edits are only in memory.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Leaving {
-    /// To close the window.
-    Close,
-    /// To open something else.
-    Open(PathBuf),
-    /// To open the demo match.
-    OpenDemo,
 }
 
 /// How the picture lies in its canvas.
@@ -359,63 +226,6 @@ pub enum Saving {
         /// The time of the last success, if any.
         since: Option<String>,
     },
-}
-
-/// A message that does not take the focus.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Notice {
-    /// Tells messages apart.
-    pub id: u64,
-    /// How serious it is.
-    pub level: Level,
-    /// One or two sentences.
-    pub text: String,
-    /// Remedies, as buttons.
-    pub offers: Vec<(&'static str, Command)>,
-}
-
-impl Notice {
-    /// Whether a command is one of its remedies.
-    #[must_use]
-    pub fn offers(&self, command: Command) -> bool {
-        self.offers.iter().any(|(_, offered)| *offered == command)
-    }
-}
-
-/// How serious a message is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Level {
-    /// Information; without a button it disappears by itself.
-    Info,
-    /// Asks for a decision; stays until it is answered or closed.
-    Question,
-    /// Stays until it is closed.
-    Warning,
-    /// Something failed; stays until it is closed.
-    Error,
-}
-
-/// What the file dialog asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Question {
-    /// A project or dataset to open.
-    Project,
-    /// A folder of frames to open.
-    Folder,
-    /// A video to open.
-    Video,
-    /// Where to write a copy of the project.
-    CopyTo,
-    /// Where to write the document in a format.
-    ExportAs(Format),
-    /// The folder for a dataset.
-    DatasetTo,
-    /// The file or folder of a format to import.
-    ImportFrom(Format),
-    /// The document to take a camera from.
-    CameraFrom,
-    /// Another annotator's document of the same frames.
-    CompareWith,
 }
 
 impl Session {

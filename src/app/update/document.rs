@@ -3,7 +3,7 @@
 use super::App;
 use super::Current;
 use crate::app::OpenProject;
-use crate::app::action::Opened;
+use crate::app::Opened;
 use crate::app::camera_watch::Watched;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session};

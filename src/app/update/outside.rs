@@ -2,7 +2,7 @@
 
 use super::App;
 use crate::app::Command;
-use crate::app::action::OutsideChoice;
+use crate::app::OutsideChoice;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode};
 use crate::document::{Frame, Merged, Step, merge};
