@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench demo experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema bench demo film experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -50,6 +50,10 @@ demo: build-packages ## draw projects/demo again
 	rm -rf target/demo-new
 	cargo run --release --quiet -- synth --demo -o target/demo-new
 	rm -rf projects/demo && mv target/demo-new projects/demo
+
+film: build-packages ## film the window at work, the picture at the top of README (wants Xvfb, openbox, xdotool, ffmpeg)
+	cargo build --release
+	assets/readme/film target/release/touchline
 
 experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments
 	cargo build --release
