@@ -100,6 +100,18 @@ impl Boards {
         Self { rows, ads }
     }
 
+    /// Draws this share of the boards again.
+    pub fn change(&mut self, seed: u32, share: f32) {
+        for (salt, row) in self.rows.iter_mut().enumerate() {
+            for (place, ad) in row.ads.iter_mut().enumerate() {
+                let draw = hash(seed, place as i32, salt as i32);
+                if unit(draw) < share {
+                    *ad = hash(draw, 5, 9) as usize % ADS.len();
+                }
+            }
+        }
+    }
+
     /// The nearest board that a ray meets from the pitch's side.
     pub fn meets(&self, ray: &Ray) -> Option<BoardHit> {
         self.rows

@@ -3,6 +3,7 @@
 use super::bowl::{BowlHit, Part};
 use super::colour::{Light, hex, mix, smooth_step};
 use super::coverage::inside;
+use super::moment::Moment;
 use super::noise::{hash, sub_seed, survives, unit, value_noise};
 use super::text::rasterise;
 use super::texture::Texture;
@@ -51,6 +52,10 @@ pub(super) struct Crowd {
     coats: Vec<Light>,
     skins: Vec<Light>,
     hair: Vec<Light>,
+    /// Who has been replaced, by occasion and share, one time after the other.
+    replaced: Vec<(u32, f32)>,
+    instant: u32,
+    restlessness: f32,
 }
 
 /// The pixel's place on a tier: around and up, and what it covers of both, m.
@@ -97,7 +102,40 @@ impl Crowd {
             coats: palette(&COATS),
             skins: palette(&SKINS),
             hair: palette(&HAIR),
+            replaced: Vec::new(),
+            instant: 0,
+            restlessness: 0.0,
         }
+    }
+
+    /// Some people are others, chosen by `occasion`, and all hold themselves as they do at that moment.
+    pub fn change(&mut self, occasion: u32, moment: &Moment) {
+        if moment.people_changed > 0.0 {
+            self.replaced.push((occasion, moment.people_changed as f32));
+        }
+        self.instant = sub_seed(moment.instant, 0x57A4);
+        self.restlessness = moment.restlessness as f32;
+    }
+
+    /// The draw of whoever sits in a seat.
+    fn draw_of(&self, seat: &Seat) -> u32 {
+        let mut draw = hash(self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED), seat.number, seat.row);
+        for (occasion, share) in &self.replaced {
+            let another = hash(draw ^ occasion, 11, 3);
+            if unit(another) < *share {
+                draw = another.rotate_left(11);
+            }
+        }
+        draw
+    }
+
+    /// How far a person leans aside and rises at this moment, m.
+    fn held(&self, draw: u32) -> [f32; 2] {
+        let now = hash(draw ^ self.instant, 29, 7);
+        let lean = 0.22 * (unit(now) - 0.5);
+        let stands = unit(now.rotate_left(15)) < 0.12 * self.restlessness;
+        let rise = 0.16 * (unit(now.rotate_left(7)) - 0.5);
+        [self.restlessness * lean, self.restlessness * rise + if stands { 0.3 } else { 0.0 }]
     }
 
     /// The light that a piece of the stands sends to the camera.
@@ -187,15 +225,17 @@ impl Crowd {
 
     /// The colour and the coverage of one seat and whoever sits in it, at a point across and up from the seat's foot, m.
     fn person(&self, place: &Place, seat: &Seat, [across, up]: [f32; 2]) -> (Light, f32) {
-        let draw = hash(self.seed ^ (seat.tier as u32).wrapping_mul(0x51ED), seat.number, seat.row);
+        let draw = self.draw_of(seat);
         let again = hash(draw, 17, 4);
         let pixel = place.pixel();
         if unit(draw) > self.attendance {
             let back = (across.abs() - 0.21).max((up - 0.3).abs() - 0.2);
             return (self.seat * (0.5 + 0.8 * up.clamp(0.0, 0.5)), inside(back, pixel));
         }
-        let lean = (unit(again) - 0.5) * 0.12;
-        let stature = 0.04 * unit(again.rotate_left(9)) + if unit(again.rotate_left(3)) > 0.93 { 0.3 } else { 0.0 };
+        let [leans, rises] = self.held(draw);
+        let lean = (unit(again) - 0.5) * 0.12 + leans;
+        let stature =
+            rises + 0.04 * unit(again.rotate_left(9)) + if unit(again.rotate_left(3)) > 0.93 { 0.3 } else { 0.0 };
         let (x, y) = (across - lean, up - stature);
         let head = x.hypot((y - 0.76) * 1.1) - 0.118;
         let on_head = inside(head, pixel);

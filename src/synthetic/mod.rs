@@ -6,6 +6,8 @@
 //! every pixel is the ray of its centre through the exact camera, so the truth is exact. [`camera_path`] moves the camera
 //! as an operator would. Nothing is copied from real footage; all names are invented.
 //!
+//! [`Stadium::at`] lets spectators move and boards change between frames, as they do in a real one.
+//!
 //! Patterns finer than a pixel fade instead of aliasing; lines, people, posts and nets are covered analytically; where
 //! surfaces meet, a pixel is the mean of a grid of rays. Everything is a plain function of seed, place and time, so the
 //! same options give the same bytes at any number of threads.
@@ -21,6 +23,7 @@ mod graphics;
 mod grass;
 mod lens;
 mod light;
+mod moment;
 mod noise;
 mod options;
 mod paint;
@@ -35,6 +38,7 @@ mod text;
 mod texture;
 
 pub use clicks::{ClickOptions, ClickTarget, DrawnClick, drawn_clicks};
+pub use moment::Moment;
 pub use options::{
     CameraMotion, Daylight, FrameOptions, Graphics, Preset, ShootOptions, StadiumOptions, UnknownPreset,
 };

@@ -7,6 +7,7 @@ use super::colour::Light;
 use super::crowd::Crowd;
 use super::grass::Ground;
 use super::light::Lighting;
+use super::moment::Moment;
 use super::noise::sub_seed;
 use super::options::StadiumOptions;
 use super::play::Play;
@@ -74,6 +75,17 @@ impl Stadium {
     #[must_use]
     pub const fn field(&self) -> &FieldModel {
         &self.options.field
+    }
+
+    /// The same stadium at another moment: ground, lines, stands and players are as they were. Moments add up: of people and
+    /// boards that changed before, those stay changed that do not change again.
+    #[must_use]
+    pub fn at(&self, moment: &Moment) -> Self {
+        let mut stadium = self.clone();
+        let occasion = self.options.seed.wrapping_add(moment.occasion);
+        stadium.boards.change(sub_seed(occasion, 0xB0C4), moment.boards_changed as f32);
+        stadium.crowd.change(sub_seed(occasion, 0xC2D4), moment);
+        stadium
     }
 
     /// The ground, stands, boards and sky along a ray.

@@ -5,8 +5,8 @@ use touchline::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use touchline::field::{FieldLine, FieldModel, LineId, builtin};
 use touchline::geometry::{ImagePoint, ImageSize, Vec2};
 use touchline::synthetic::{
-    ClickOptions, ClickTarget, FrameOptions, Graphics, Preset, Stadium, StadiumOptions, camera_path, drawn_clicks,
-    stadium,
+    ClickOptions, ClickTarget, FrameOptions, Graphics, Moment, Preset, Stadium, StadiumOptions, camera_path,
+    drawn_clicks, stadium,
 };
 
 const SMALL: ImageSize = ImageSize::new(320, 180);
@@ -119,6 +119,38 @@ fn paint_offset(
         (sums.0 + weight * sample.0, sums.1 + weight)
     });
     (peak > 0.3).then(|| sums.0 / sums.1)
+}
+
+#[test]
+fn at_another_moment_people_and_boards_change_and_the_pitch_does_not() {
+    // Level: stands fill the picture; 16° down: grass and lines do; between them the boards are in the picture.
+    const LEVEL: f64 = -2.0;
+    const PITCH: f64 = -16.0;
+    const BOARDS: f64 = -9.0;
+
+    let scene = scene(3);
+    let base = Preset::Easy.shoot().main_camera(SMALL);
+    let taken = |moment: &Moment, tilt_deg: f64| {
+        let camera = PtzCamera::new(base, Ptz::from_degrees(4.0, tilt_deg, 900.0));
+        scene.at(moment).render(&camera, SMALL, &bare()).image
+    };
+    let changed = |moment: &Moment, tilt_deg: f64| {
+        let (first, then) = (taken(&Moment::default(), tilt_deg), taken(moment, tilt_deg));
+        let count = first.pixels().zip(then.pixels()).filter(|(a, b)| a != b).count();
+        count as f64 / f64::from(SMALL.width * SMALL.height)
+    };
+    let restless = Moment { instant: 5, restlessness: 1.0, ..Moment::default() };
+    let others = Moment { occasion: 2, people_changed: 0.5, ..Moment::default() };
+    let boards = Moment { occasion: 2, boards_changed: 0.5, ..Moment::default() };
+    assert!(changed(&Moment::default(), LEVEL) == 0.0);
+    assert!(changed(&restless, LEVEL) > 0.3, "{}", changed(&restless, LEVEL));
+    assert!((0.15..0.8).contains(&changed(&others, LEVEL)), "{}", changed(&others, LEVEL));
+    assert!(changed(&boards, BOARDS) > 0.005, "{}", changed(&boards, BOARDS));
+    for moment in [restless, others, boards] {
+        assert!(changed(&moment, PITCH) == 0.0, "{moment:?}");
+    }
+    let another = Moment { instant: 6, ..restless };
+    assert!(taken(&another, LEVEL) != taken(&restless, LEVEL) && taken(&another, LEVEL) == taken(&another, LEVEL));
 }
 
 #[test]
