@@ -1,7 +1,9 @@
 //! A report: text, tables and figures in order, and the files they become.
 
-use super::Table;
+use super::claim::{Claim, Verdict};
 use super::figure::{Figure, FigureError};
+use super::provenance::Provenance;
+use super::table::Table;
 use serde_json::{Map, json};
 use std::fmt::Write as _;
 
@@ -16,6 +18,10 @@ pub struct Report {
     pub blocks: Vec<Block>,
     /// What depends on the machine, kept apart: everything else has the same bytes each time.
     pub times: Vec<Block>,
+    /// What others state, and what was measured here.
+    pub claims: Vec<Claim>,
+    /// What made it; none: nothing is said of that.
+    pub provenance: Option<Provenance>,
 }
 
 /// A part of a report.
@@ -28,6 +34,15 @@ pub enum Block {
         /// Its file's name without an ending.
         stem: String,
         /// What it shows.
+        caption: String,
+        /// The table.
+        table: Table,
+    },
+    /// A long table, written as CSV only and named in the text.
+    Data {
+        /// Its file's name without an ending.
+        stem: String,
+        /// What it holds.
         caption: String,
         /// The table.
         table: Table,
@@ -72,6 +87,25 @@ impl Report {
         self.blocks.push(Block::Table { stem: self.stem(stem), caption: caption.to_owned(), table });
     }
 
+    /// Adds a long table, which people find in a file of its own.
+    pub fn data(&mut self, stem: &str, caption: &str, table: Table) {
+        self.blocks.push(Block::Data { stem: self.stem(stem), caption: caption.to_owned(), table });
+    }
+
+    /// Adds what others state and what was measured.
+    pub fn claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
+        let [stated, measured, reason] = [stated, measured, reason].map(str::to_owned);
+        self.claims.push(Claim { stated, measured, verdict, reason, of_times: false });
+    }
+
+    /// The same of times, which depend on the machine.
+    pub fn time_claim(&mut self, verdict: Verdict, stated: &str, measured: &str, reason: &str) {
+        self.claim(verdict, stated, measured, reason);
+        if let Some(claim) = self.claims.last_mut() {
+            claim.of_times = true;
+        }
+    }
+
     /// Adds a figure.
     pub fn figure(&mut self, stem: &str, caption: &str, figure: Figure) {
         self.blocks.push(Block::Figure { stem: self.stem(stem), caption: caption.to_owned(), figure });
@@ -102,6 +136,20 @@ impl Report {
         markdown(&self.title, &self.blocks)
     }
 
+    /// The same of what depends on the machine.
+    #[must_use]
+    pub fn times_to_markdown(&self) -> String {
+        markdown(&format!("{}: times on this machine", self.title), &self.times)
+    }
+
+    /// A report of its own file: what made it stands below.
+    fn standing_alone(&self, markdown: String) -> String {
+        match &self.provenance {
+            Some(provenance) => format!("{markdown}\n{}\n", provenance.describe()),
+            None => markdown,
+        }
+    }
+
     /// Every file: the Markdown, all tables as JSON and CSV, figures as SVG and PNG; what depends on the machine in files of
     /// its own, whose names end with `times`.
     ///
@@ -109,18 +157,20 @@ impl Report {
     /// A figure cannot be drawn.
     pub fn files(&self) -> Result<Vec<ReportFile>, FigureError> {
         let mut files = vec![
-            (format!("{}.md", self.name), self.to_markdown().into_bytes()),
+            (format!("{}.md", self.name), self.standing_alone(self.to_markdown()).into_bytes()),
             (format!("{}.json", self.name), self.json(&self.blocks).into_bytes()),
         ];
         if !self.times.is_empty() {
-            let title = format!("{}: times on this machine", self.title);
-            files.push((format!("{}-times.md", self.name), markdown(&title, &self.times).into_bytes()));
+            let times = self.standing_alone(self.times_to_markdown());
+            files.push((format!("{}-times.md", self.name), times.into_bytes()));
             files.push((format!("{}-times.json", self.name), self.json(&self.times).into_bytes()));
         }
         for block in self.blocks.iter().chain(&self.times) {
             match block {
                 Block::Text(_) => {}
-                Block::Table { stem, table, .. } => files.push((format!("{stem}.csv"), table.to_csv().into_bytes())),
+                Block::Table { stem, table, .. } | Block::Data { stem, table, .. } => {
+                    files.push((format!("{stem}.csv"), table.to_csv().into_bytes()));
+                }
                 Block::Figure { stem, figure, .. } => {
                     files.push((format!("{stem}.svg"), figure.to_svg()?.into_bytes()));
                     files.push((format!("{stem}.png"), figure.to_png()?));
@@ -137,7 +187,15 @@ impl Report {
             _ => None,
         });
         let tables: Map<_, _> = tables.collect();
-        format!("{:#}\n", json!({ "experiment": self.name, "title": self.title, "tables": tables }))
+        let mut whole = json!({ "experiment": self.name, "title": self.title, "tables": tables });
+        if let Some(provenance) = &self.provenance {
+            whole["made_by"] = provenance.json();
+        }
+        let claims: Vec<&Claim> = self.claims.iter().filter(|claim| !claim.of_times).collect();
+        if !claims.is_empty() {
+            whole["claims"] = claims.into_iter().map(Claim::json).collect();
+        }
+        format!("{whole:#}\n")
     }
 }
 
@@ -148,6 +206,7 @@ fn markdown(title: &str, blocks: &[Block]) -> String {
         let _ = match block {
             Block::Text(text) => writeln!(out, "\n{}", text.trim()),
             Block::Table { caption, table, .. } => writeln!(out, "\n{caption}\n\n{}", table.to_markdown().trim_end()),
+            Block::Data { stem, caption, .. } => writeln!(out, "\n{caption} File: `{stem}.csv`."),
             Block::Figure { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.svg)\n\n{caption}"),
             Block::Picture { stem, caption, .. } => writeln!(out, "\n![{caption}]({stem}.png)\n\n{caption}"),
         };

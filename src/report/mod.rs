@@ -7,11 +7,15 @@
 //! | frames with what was found in them, to look at | `contact_sheet` |
 //! | text, tables and figures together, and the files they become | [`Report`] |
 
+mod claim;
 mod contact_sheet;
 mod document;
 pub mod figure;
+mod provenance;
 mod table;
 
+pub use claim::{Claim, Verdict};
 pub(crate) use contact_sheet::{SheetFrame, contact_sheet};
 pub use document::{Block, Report, ReportFile};
+pub use provenance::Provenance;
 pub use table::{Cell, Column, Table};

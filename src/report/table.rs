@@ -40,6 +40,8 @@ pub enum Cell {
     Count(usize),
     /// A number: people see four digits of it, files all.
     Number(f64),
+    /// A number of which people see these decimals, and files all digits.
+    Fixed(f64, usize),
 }
 
 impl From<&str> for Cell {
@@ -79,7 +81,8 @@ impl fmt::Display for Cell {
             Self::Empty => f.write_str("–"),
             Self::Text(text) => f.write_str(text),
             Self::Count(count) => count.fmt(f),
-            Self::Number(number) => f.write_str(&significant(*number)),
+            Self::Fixed(number, decimals) if number.is_finite() => write!(f, "{number:.decimals$}"),
+            Self::Number(number) | Self::Fixed(number, _) => f.write_str(&significant(*number)),
         }
     }
 }
@@ -91,7 +94,7 @@ impl Cell {
             Self::Empty => String::new(),
             Self::Text(text) => text.clone(),
             Self::Count(count) => count.to_string(),
-            Self::Number(number) => number.to_string(),
+            Self::Number(number) | Self::Fixed(number, _) => number.to_string(),
         }
     }
 
@@ -101,12 +104,12 @@ impl Cell {
             Self::Text(text) => Value::from(text.as_str()),
             Self::Count(count) => Value::from(*count),
             // JSON has no infinity: what was not found is null.
-            Self::Number(number) => Value::from(*number),
+            Self::Number(number) | Self::Fixed(number, _) => Value::from(*number),
         }
     }
 
     const fn is_number(&self) -> bool {
-        matches!(self, Self::Count(_) | Self::Number(_))
+        matches!(self, Self::Count(_) | Self::Number(_) | Self::Fixed(..))
     }
 }
 
@@ -138,6 +141,17 @@ impl Table {
     pub fn push(&mut self, row: Vec<Cell>) {
         debug_assert_eq!(row.len(), self.columns.len(), "a cell for each column");
         self.rows.push(row);
+    }
+
+    /// The same with one more column on the right; a cell for each row.
+    #[must_use]
+    pub fn with_column(mut self, key: &str, label: &str, cells: impl IntoIterator<Item = Cell>) -> Self {
+        self.columns.push(Column::new(key, label));
+        let mut cells = cells.into_iter();
+        for row in &mut self.rows {
+            row.push(cells.next().unwrap_or(Cell::Empty));
+        }
+        self
     }
 
     /// Aligned columns for a terminal.
@@ -242,6 +256,14 @@ mod tests {
             table().to_json(),
             serde_json::json!([{ "name": "a, \"b\"", "error_px": 0.012345678, "count": 3 }, { "name": "c|d", "count": 12 }])
         );
+    }
+
+    #[test]
+    fn decimals_are_for_people_and_a_column_is_added_to_every_row() {
+        let cells = [Cell::Fixed(0.123_456, 2), Cell::Fixed(f64::NAN, 2)];
+        let table = table().with_column("share", "Share", cells);
+        assert!(table.to_markdown().contains("| 3 | 0.12 |") && table.to_markdown().contains("| 12 | – |"));
+        assert!(table.to_csv().contains(",3,0.123456\n") && table.to_csv().starts_with("name,error_px,count,share\n"));
     }
 
     #[test]

@@ -13,6 +13,7 @@ const SMALL_TEXT: f64 = 12.0;
 const INK: Rgb = [0, 0, 0];
 const GRID: Rgb = [225, 225, 225];
 const MARK_RADIUS: f64 = 3.2;
+const DOT_RADIUS: f64 = 1.5;
 const LEGEND_ROW: f64 = 16.0;
 const LEGEND_SAMPLE: f64 = 26.0;
 const LEGEND_GAP: f64 = 14.0;
@@ -202,6 +203,7 @@ fn add_mark(shapes: &mut Vec<Shape>, series: &Series, [x, y]: [f64; 2]) {
     let (colour, r) = (colour(series), MARK_RADIUS);
     match series.mark {
         Mark::None => {}
+        Mark::Dot => shapes.push(Shape::Disc { centre: [x, y], radius: DOT_RADIUS, colour }),
         Mark::Disc => shapes.push(Shape::Disc { centre: [x, y], radius: r, colour }),
         Mark::Square => {
             let s = 0.9 * r;

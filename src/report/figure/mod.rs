@@ -80,6 +80,8 @@ pub enum Mark {
     /// A disc.
     #[default]
     Disc,
+    /// A small disc, where there are many points.
+    Dot,
     /// A square.
     Square,
     /// A triangle.

@@ -72,8 +72,12 @@ impl Ruler {
         let ticks = powers
             .filter(|power| power.rem_euclid(stride) == 0)
             .flat_map(|power| between.iter().map(move |factor| factor * 10f64.powi(power)));
-        let inside = ticks.filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9));
-        Self { scale: Scale::Log, from, to, ticks: inside.map(|value| (value, log_label(value))).collect() }
+        let inside: Vec<f64> =
+            ticks.filter(|value| *value >= from * (1.0 - 1e-9) && *value <= to * (1.0 + 1e-9)).collect();
+        // All numbers of an axis are written alike.
+        let plain = inside.iter().all(|value| (1e-4..1e6).contains(value));
+        let ticks = inside.into_iter().map(|value| (value, log_label(value, plain)));
+        Self { scale: Scale::Log, from, to, ticks: ticks.collect() }
     }
 
     /// Where a number lies, from 0 to 1 along the axis; none where it has no place.
@@ -105,8 +109,8 @@ fn round_up(value: f64) -> f64 {
     [1.0, 2.0, 5.0, 10.0].into_iter().map(|factor| factor * power).find(|v| *v >= value * (1.0 - 1e-9)).unwrap_or(power)
 }
 
-fn log_label(value: f64) -> String {
-    if (1e-4..1e6).contains(&value) {
+fn log_label(value: f64, plain: bool) -> String {
+    if plain {
         let decimals = (-value.log10().floor()).clamp(0.0, 9.0) as usize;
         format!("{value:.decimals$}")
     } else {
@@ -145,6 +149,7 @@ mod tests {
         let axis = Axis::log("x");
         assert_eq!(labels(&axis, &[0.0, 0.012, 90.0]), ["0.01", "0.1", "1", "10", "100"]);
         assert_eq!(labels(&axis, &[2.0, 15.0]), ["2", "5", "10", "20"]);
+        assert_eq!(labels(&axis, &[2e-6, 0.3]), ["1e-6", "1e-5", "1e-4", "1e-3", "1e-2", "1e-1", "1e0"]);
         let ruler = Ruler::new(&axis, [1.0, 100.0].into_iter());
         assert_eq!(ruler.share(10.0).map(|share| (share * 1e9).round()), Some(0.5e9));
         assert_eq!(ruler.share(0.0), None);
