@@ -18,7 +18,13 @@ use std::path::{Path, PathBuf};
 /// Frames are matched by where their pictures lie, by SHA-256, or by name; frames without a partner or a camera are named, and
 /// the exit code is 1. Clicks of the truth that the estimate was not made from count as held out. Where both hold clicks of
 /// their own on the same frames, they are compared as two annotators' as well: distances by landmark, names that differ, and the
-/// click noise. Standard output gets a table on a terminal, JSON otherwise.
+/// click noise.
+///
+/// JaC@t is the `SoccerNet` task's: the share of markings all of whose annotated points lie nearer than t px (of a picture 960 px wide)
+/// to the estimate's, among all that either shows; the better of the names as they are and turned by half a turn, at every t for itself;
+/// a circle that leaves the picture is joined where it comes back. Ends of straight markings, nine points of round ones.
+///
+/// Standard output gets a table on a terminal, JSON otherwise.
 #[derive(clap::Args, Debug)]
 pub struct EvaluateArgs {
     /// The truth: a document with cameras, clicks, or both.

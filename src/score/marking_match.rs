@@ -3,9 +3,11 @@
 //! A marking is one thing: it is found (TP) if the estimate shows it and every annotated point of it lies nearer than t px
 //! to its projection. One that the estimate shows but that was not annotated, and one that is farther off, is a false positive; one
 //! that was annotated and the estimate does not show a false negative. `JaC@t` = TP / (TP + FP + FN), in px of a picture 960 px
-//! wide; of the names as they are and turned by half a turn about the field's middle the better counts. Completeness is
-//! the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times completeness. (The
-//! task's own `evaluate_camera.py`, 2023.)
+//! wide. Of the names as they are and turned by half a turn about the field's middle the better counts, at every threshold for
+//! itself: the task runs once for each. A marking that leaves the picture and comes back, as a circle at its edge does, is one polyline:
+//! the task joins where it leaves to where it comes back by a straight piece, and a point near that piece counts as near the
+//! marking. Completeness is the share of frames that have a camera at all, and the task's score `JaC@5` (mean over those) times
+//! completeness. (The task's own `evaluate_camera.py`, 2023: `get_polylines`, `evaluate_camera_prediction`.)
 
 use super::FieldView;
 use super::view::same_names;
@@ -33,6 +35,15 @@ pub struct AnnotatedLine {
 /// How the markings of one picture were found.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MarkingMatch {
+    /// By the names as they are.
+    pub plain: NamedMatch,
+    /// By the names turned by half a turn about the field's middle.
+    pub turned: NamedMatch,
+}
+
+/// How the markings of one picture were found by one choice of names.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NamedMatch {
     /// For each marking that is annotated and shown by the estimate: the largest distance of its points, px at
     /// `JACCARD_WIDTH_PX`.
     pub worst_px: Vec<f64>,
@@ -42,7 +53,7 @@ pub struct MarkingMatch {
     pub only_annotated: usize,
 }
 
-/// What is seen of each marking.
+/// What is seen of each marking, in pieces.
 type Seen = Vec<Vec<Vec<ImagePoint>>>;
 
 fn seen_lines(field: &FieldModel, camera: &PtzCamera, size: ImageSize) -> Seen {
@@ -116,16 +127,24 @@ impl MarkingMatch {
             .iter()
             .map(|twin| twin.map(|line| std::mem::take(&mut of_estimate[line])).unwrap_or_default())
             .collect();
-        let plain = Self::compare(field, annotated, &seen, size, Some);
-        let turned = Self::compare(field, annotated, &seen, size, |line| {
+        let plain = NamedMatch::of(field, annotated, &seen, size, Some);
+        let turned = NamedMatch::of(field, annotated, &seen, size, |line| {
             let twin = Symmetry::Turn180.line_twin(field, &field.lines[line])?;
             field.lines.iter().position(|other| other.id == twin.id)
         });
-        // The better one at the smallest threshold of the task.
-        if turned.jaccard(5.0) > plain.jaccard(5.0) { turned } else { plain }
+        Self { plain, turned }
     }
 
-    fn compare(
+    /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are annotated or shown, by the names
+    /// that find more; 0 where there is none.
+    #[must_use]
+    pub fn jaccard(&self, threshold_px: f64) -> f64 {
+        self.plain.jaccard(threshold_px).max(self.turned.jaccard(threshold_px))
+    }
+}
+
+impl NamedMatch {
+    fn of(
         field: &FieldModel,
         annotated: &[AnnotatedLine],
         seen: &Seen,
@@ -152,8 +171,7 @@ impl MarkingMatch {
         found
     }
 
-    /// `JaC@t`: the share of markings found within t px at `JACCARD_WIDTH_PX`, of all that are annotated or shown; 0 where
-    /// there is none.
+    /// `JaC@t` by these names.
     #[must_use]
     pub fn jaccard(&self, threshold_px: f64) -> f64 {
         let all = self.worst_px.len() + self.only_estimated + self.only_annotated;
@@ -162,10 +180,10 @@ impl MarkingMatch {
     }
 }
 
-/// The distance of a point from the nearest of some polylines, px.
+/// The distance of a point from the polyline that some parts make, one after the other, px.
 fn distance_px(point: ImagePoint, parts: &[Vec<ImagePoint>]) -> f64 {
-    let pieces = parts.iter().flat_map(|part| part.windows(2));
-    let distances = pieces.map(|pair| {
+    let joined: Vec<ImagePoint> = parts.iter().flatten().copied().collect();
+    let distances = joined.windows(2).map(|pair| {
         let (along, offset) = (pair[1].offset_from(pair[0]), point.offset_from(pair[0]));
         let squared = along.norm_squared();
         let share = if squared > 0.0 { (offset.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
@@ -218,10 +236,28 @@ mod tests {
 
     #[test]
     fn counts_of_a_known_case() {
-        let found = MarkingMatch { worst_px: vec![2.0, 5.0, 12.0], only_estimated: 1, only_annotated: 2 };
+        let plain = NamedMatch { worst_px: vec![2.0, 5.0, 12.0], only_estimated: 1, only_annotated: 2 };
+        let found = MarkingMatch { plain, ..MarkingMatch::default() };
         // Strictly nearer: at 5 px one of six, at 10 two, at 20 three.
         assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [1.0 / 6.0, 2.0 / 6.0, 3.0 / 6.0]);
         assert!(MarkingMatch::default().jaccard(5.0) == 0.0);
+    }
+
+    #[test]
+    fn the_better_names_count_at_each_threshold_for_itself() {
+        let plain = NamedMatch { worst_px: vec![3.0, 30.0], only_estimated: 0, only_annotated: 0 };
+        let turned = NamedMatch { worst_px: vec![8.0, 9.0], only_estimated: 0, only_annotated: 0 };
+        let found = MarkingMatch { plain, turned };
+        assert_eq!([5.0, 10.0, 20.0].map(|t| found.jaccard(t)), [0.5, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn a_circle_that_leaves_the_picture_is_joined_where_it_comes_back() {
+        // Two arcs of a circle at the right edge, cut where it is beyond x = 100.
+        let point = |x: f64, y: f64| ImagePoint::new(x, y);
+        let parts = vec![vec![point(60.0, 10.0), point(100.0, 20.0)], vec![point(100.0, 80.0), point(60.0, 90.0)]];
+        assert!((distance_px(point(98.0, 50.0), &parts) - 2.0).abs() < 1e-12);
+        assert!((distance_px(point(55.0, 10.0), &parts) - 5.0).abs() < 1e-12);
     }
 
     #[test]
@@ -232,7 +268,7 @@ mod tests {
         let annotated = annotated_lines(&field, &truth, SIZE);
         let off = broadcast((10.0f64 / 2000.0).to_degrees(), -12.0, 2000.0);
         let found = MarkingMatch::of(&field, &annotated, view(&field, &off), SIZE);
-        let worst = found.worst_px.iter().copied().fold(0.0, f64::max);
+        let worst = found.plain.worst_px.iter().copied().fold(0.0, f64::max);
         assert!((4.5..6.5).contains(&worst), "{found:?}");
         assert!(found.jaccard(20.0) > found.jaccard(4.0));
     }
@@ -255,7 +291,7 @@ mod tests {
         let field = soccer();
         let annotated = annotated_lines(&field, &broadcast(0.0, -12.0, 2000.0), SIZE);
         let found = MarkingMatch::of(&field, &annotated, view(&field, &broadcast(0.0, 60.0, 2000.0)), SIZE);
-        assert_eq!((found.only_annotated, found.only_estimated), (annotated.len(), 0));
+        assert_eq!((found.plain.only_annotated, found.plain.only_estimated), (annotated.len(), 0));
         assert!(found.jaccard(20.0) == 0.0);
     }
 }
