@@ -55,12 +55,15 @@ film: build-packages ## film the window at work, the picture at the top of READM
 	cargo build --release
 	assets/readme/film target/release/touchline
 
+# What the reports say they were built from.
+experiments experiments-real: export TOUCHLINE_COMMIT = $(shell git describe --always --dirty 2>/dev/null)
+
 experiments: build-packages ## measure the paper's tables and figures again, into tests/experiments
 	cargo build --release
 	rm -rf target/experiments
 	cargo run --release --quiet -- experiment all -o target/experiments
 	mkdir -p tests/experiments && rm -f tests/experiments/*.*
-	cd target/experiments && cp README.md *-sheet.png $$(ls *.svg | grep -v times) ../../tests/experiments/
+	cd target/experiments && cp README.md *-sheet.png *.svg ../../tests/experiments/
 	printf '\n%s\n' 'Real frames and real cameras, measured: [real/README.md](real/README.md).' >> tests/experiments/README.md
 
 # DATA holds folders with a clicks.json each (frames of one fixed camera, clicked, in clips) and the published data that
@@ -75,7 +78,7 @@ experiments-real: build-packages ## the same on real data, into tests/experiment
 	cargo run --release --quiet -- experiment all --data $(DATA) -o target/real/report \
 	    $$(for document in target/real/*.json; do echo --train $$document; done)
 	rm -rf tests/experiments/real && mkdir -p tests/experiments/real
-	cd target/real/report && cp $$(ls *.svg | grep -v times) ../../../tests/experiments/real/
+	cd target/real/report && cp *.svg ../../../tests/experiments/real/
 	sed '/-sheet\.png/,+2d' target/real/report/README.md > tests/experiments/real/README.md
 
 build-packages:

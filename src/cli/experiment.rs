@@ -4,8 +4,8 @@ use super::Outcome;
 use super::document::{DocumentArg, Loaded};
 use super::messages::Messages;
 use super::output::{refuse_existing, write_file};
-use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs};
-use crate::report::Report;
+use crate::experiments::{Experiment, ExperimentOptions, OwnDocument, OwnDocuments, SharedInputs, page};
+use crate::report::{Provenance, Report};
 use anyhow::{Context as _, ensure};
 use std::fmt::Write as _;
 use std::fs;
@@ -13,7 +13,9 @@ use std::path::{Path, PathBuf};
 
 /// Measures the paper's tables and figures again: data as JSON and CSV, figures as SVG and PNG, a report in Markdown.
 ///
-/// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose names end with `times`.
+/// The same seed gives the same bytes; what depends on the machine is kept apart, in files whose names end with `times`. Every frame
+/// asked stands in files whose names end with `frames.csv`. `all` also writes README.md, which begins with what the paper says
+/// beside what was measured.
 ///
 /// Frames are drawn unless others are given: the authors' published data (--data), or documents of your own (--train), whose
 /// solved frames are the truth. --data DIR is searched, with the folders in it, for the published sequences (MATLAB files
@@ -34,6 +36,9 @@ pub struct ExperimentArgs {
     /// The seed of all random numbers.
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
+    /// Drawn sets are made with so many seeds, from --seed on; 5 by default, 2 with --quick.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100))]
+    seeds: Option<u32>,
     /// A folder of published data.
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
@@ -80,7 +85,8 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
     }
     let own = own_documents(args, messages)?;
     let has_own = own.is_some();
-    let inputs = SharedInputs::new(ExperimentOptions { quick: args.quick, seed: args.seed }, own, args.data.as_deref());
+    let options = ExperimentOptions { quick: args.quick, seed: args.seed, seeds: args.seeds };
+    let inputs = SharedInputs::new(options, own, args.data.as_deref());
     let (chosen, left_out) = chosen(args, &inputs, has_own)?;
     let mut reports = Vec::new();
     for experiment in chosen {
@@ -90,14 +96,15 @@ pub fn experiment(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<O
             bar.set_position(done as u64);
         });
         bar.finish_and_clear();
-        let report = report.with_context(|| format!("experiment {experiment}"))?;
+        let mut report = report.with_context(|| format!("experiment {experiment}"))?;
+        report.provenance = Some(provenance(experiment.name(), experiment.takes_seeds(), args, &options));
         // What is finished is kept, whatever becomes of the next one.
         write_report(&report, folder, args.force)?;
         messages.note(&format!("{experiment}: {}", folder.join(format!("{experiment}.md")).display()));
         reports.push(report);
     }
     if reports.len() > 1 {
-        write_file(&folder.join(REPORT_FILE), together(&reports, &left_out, args).as_bytes(), args.force)?;
+        write_file(&folder.join(REPORT_FILE), together(&reports, &left_out, args, &options).as_bytes(), args.force)?;
     }
     Ok(Outcome::Done)
 }
@@ -155,38 +162,60 @@ fn own_documents(args: &ExperimentArgs, messages: Messages) -> anyhow::Result<Op
     Ok(Some(OwnDocuments { train, test: args.test.as_ref().map(read).transpose()? }))
 }
 
-/// All reports one after the other.
-fn together(reports: &[Report], left_out: &[Experiment], args: &ExperimentArgs) -> String {
-    let quick = if args.quick { " --quick" } else { "" };
-    let seed = if args.seed == 0 { String::new() } else { format!(" --seed {}", args.seed) };
-    let given = |flag: &str, path: &Path| {
+/// What makes the report of an experiment, or of all.
+fn provenance(name: &str, takes_seeds: bool, args: &ExperimentArgs, options: &ExperimentOptions) -> Provenance {
+    let mut command = format!("touchline experiment {name}");
+    if args.quick {
+        command.push_str(" --quick");
+    }
+    // Writing to a string cannot fail.
+    if args.seed != 0 {
+        let _ = write!(command, " --seed {}", args.seed);
+    }
+    if let Some(seeds) = args.seeds {
+        let _ = write!(command, " --seeds {seeds}");
+    }
+    let given = args.train.iter().map(|path| ("--train", path));
+    let given = given.chain(args.test.iter().map(|path| ("--test", path)));
+    for (flag, path) in given.chain(args.data.iter().map(|path| ("--data", path))) {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        format!(" {flag} {name}")
-    };
-    let given: String = args
-        .train
-        .iter()
-        .map(|path| given("--train", path))
-        .chain(args.test.iter().map(|path| given("--test", path)))
-        .chain(args.data.iter().map(|path| given("--data", path)))
-        .collect();
+        let _ = write!(command, " {flag} {name}");
+    }
+    Provenance {
+        program: format!("touchline {}", env!("CARGO_PKG_VERSION")),
+        commit: option_env!("TOUCHLINE_COMMIT").map(str::to_owned),
+        command,
+        seeds: if takes_seeds && args.train.is_empty() { options.seeds() } else { vec![options.seed] },
+        quick: args.quick,
+    }
+}
+
+/// All reports one after the other, what the paper says beside what was measured first.
+fn together(reports: &[Report], left_out: &[Experiment], args: &ExperimentArgs, options: &ExperimentOptions) -> String {
     let (title, frames) = if args.train.is_empty() {
         ("The paper, measured again", "Sequences are drawn where it does not say otherwise.")
     } else {
         ("Real frames and real cameras, measured", "Each heading says whose frames it is about.")
     };
     let mut text = format!(
-        "# {title}\n\nMade by `touchline experiment all{quick}{seed}{given}`. The paper: Chen, Zhu, Little, \"A Two-point \
-         Method for PTZ Camera Calibration in Sports\", WACV 2018. {frames}\n"
+        "# {title}\n\n{} The paper: Chen, Zhu, Little, \"A Two-point Method for PTZ Camera Calibration in Sports\", WACV 2018. {frames}\n",
+        provenance("all", true, args, options).describe()
     );
     if !left_out.is_empty() {
         let names: Vec<&str> = left_out.iter().map(|experiment| experiment.name()).collect();
         // Writing to a string cannot fail.
         let _ = write!(text, "\nLeft out for want of data (`--data`): {}.\n", names.join(", "));
     }
-    for report in reports {
+    for part in std::iter::once(page(reports)).chain(reports.iter().map(Report::to_markdown)) {
+        if !part.is_empty() {
+            text.push('\n');
+            text.push_str(&part);
+        }
+    }
+    text.push_str("\n# Times on the machine that made this report\n");
+    for report in reports.iter().filter(|report| !report.times.is_empty()) {
         text.push('\n');
-        text.push_str(&report.to_markdown());
+        text.push_str(&report.times_to_markdown());
     }
     text
 }

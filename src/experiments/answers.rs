@@ -1,16 +1,16 @@
-//! Frames asked of a forest, and how far its answers are from the truth.
+//! Frames asked of a method, how far its answers are from the truth, and what that is in a few numbers.
 
-use super::sets::{FrameSet, Split};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::relocalize::{RelocalizeOptions, TrainOptions, relocalize, train};
+use super::paper::{FAILURE_IOU, ROTATION};
+use super::sets::FrameSet;
+use crate::camera::PtzCamera;
 use crate::report::{Cell, Table};
-use crate::score::{CameraError, camera_error, horizontal_view, iou_part, quantile};
-use rayon::prelude::*;
-use std::ops::ControlFlow;
+use crate::score::{CameraError, Summary, camera_error, horizontal_view, iou_part, iou_whole, quantile};
 
 /// What became of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AskedFrame {
+    /// The number of its set among those of other seeds.
+    pub repeat: usize,
     /// Which frame of the set.
     pub frame: usize,
     /// Which split it was asked in.
@@ -32,6 +32,8 @@ pub struct FoundCamera {
     pub camera: PtzCamera,
     /// `IoU_part`; none where the picture shows nothing of the field.
     pub iou: Option<f64>,
+    /// `IoU_whole`.
+    pub iou_whole: f64,
     /// Of rotation, pan, tilt, focal length.
     pub error: CameraError,
 }
@@ -43,54 +45,62 @@ impl FoundCamera {
         Self {
             camera: *estimate,
             iou: iou_part(&known.field, &known.truth, estimate, known.features.image_size),
+            iou_whole: iou_whole(&known.field, &known.truth, estimate),
             error: camera_error(&known.truth, estimate),
         }
     }
 }
 
-/// Trains a forest for every split and asks it for all test frames of that split. `base_of` may give the asked frames another base than
-/// the true one.
-pub fn ask(
-    set: &FrameSet,
-    training: &TrainOptions,
-    asking: &RelocalizeOptions,
-    base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
-) -> Vec<AskedFrame> {
-    let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
-        let forest = set.training_samples(&split.training_frames).and_then(|(samples, seen)| {
-            let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
-            Some((forest, seen))
-        });
-        let one = |&frame: &usize| {
-            let known = &set.frames[frame];
-            let view_deg = horizontal_view(known.truth.ptz().focal_px, known.features.image_size).degrees();
-            let mut asked = AskedFrame { frame, split: number, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 };
-            let Some((forest, seen)) = &forest else { return asked };
-            let base = base_of(&known.truth);
-            let answer = relocalize(&known.features, forest, seen, &base, asking);
-            asked.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
-            asked.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
-            let found = |ptz: Ptz| FoundCamera::of(set, frame, &PtzCamera::new(base, ptz));
-            asked.found = answer.pose.ok().map(|pose| found(pose.ptz));
-            asked
-        };
-        split.asked.par_iter().map(one).collect()
-    };
-    set.splits.iter().enumerate().flat_map(of_split).collect()
+impl AskedFrame {
+    /// Of a frame that was not found yet.
+    pub fn blank(set: &FrameSet, repeat: usize, split: usize, frame: usize) -> Self {
+        let known = &set.frames[frame];
+        let view_deg = horizontal_view(known.truth.ptz().focal_px, known.features.image_size).degrees();
+        Self { repeat, frame, split, view_deg, found: None, predict_ms: 0.0, pose_ms: 0.0 }
+    }
+
+    /// Its `IoU`, 0 where it was not found; none where the picture shows nothing of the field.
+    pub fn iou(&self) -> Option<f64> {
+        self.found.map_or(Some(0.0), |found| found.iou)
+    }
+
+    /// Whether it counts as a failure: not found, or an `IoU` below what the paper takes for one.
+    pub fn is_failure(&self) -> bool {
+        self.iou().is_some_and(|iou| iou < FAILURE_IOU)
+    }
 }
 
-/// Asks with the true bases.
-pub fn ask_plainly(set: &FrameSet, training: &TrainOptions, asking: &RelocalizeOptions) -> Vec<AskedFrame> {
-    ask(set, training, asking, &|truth| *truth.base())
+/// How many features get a ray, and how many of those get the true one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCount {
+    pub features: usize,
+    pub passing: usize,
+    pub right: usize,
 }
 
-/// How many frames went, in a few numbers.
+impl RayCount {
+    pub const fn plus(self, other: Self) -> Self {
+        Self {
+            features: self.features + other.features,
+            passing: self.passing + other.passing,
+            right: self.right + other.right,
+        }
+    }
+}
+
+/// How many frames went, in a few numbers. Frames that were not found count as `IoU` 0 and as never within a rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tally {
     pub asked: usize,
     pub found: usize,
+    pub failed: usize,
     pub iou_mean: f64,
-    pub iou_std: f64,
+    /// Over the frames.
+    pub iou_sd: f64,
+    /// The 95 % interval of the mean.
+    pub iou_interval: [f64; 2],
+    pub iou_of_found: f64,
+    pub within_rotation: f64,
     pub rotation_median_deg: f64,
     pub rotation_90_deg: f64,
     pub focal_median_px: f64,
@@ -98,16 +108,25 @@ pub struct Tally {
 }
 
 /// The columns of [`Tally::cells`].
-pub const TALLY_COLUMNS: [(&str, &str); 8] = [
+pub const TALLY_COLUMNS: [(&str, &str); 12] = [
     ("asked", "frames"),
     ("found", "found"),
-    ("iou_mean", "IoU, mean of found"),
-    ("iou_std", "±"),
-    ("rotation_median_deg", "rotation error, median (°)"),
+    ("iou_mean", "IoU"),
+    ("iou_sd", "SD"),
+    ("iou_low", "95 % from"),
+    ("iou_high", "to"),
+    ("iou_of_found", "mean of found"),
+    ("within_1_deg", "rotation within 1°"),
+    ("rotation_median_deg", "median (°)"),
     ("rotation_90_deg", "90 % (°)"),
-    ("focal_median_px", "focal error, median (px)"),
+    ("focal_median_px", "focal length, median (px)"),
     ("focal_90_px", "90 % (px)"),
 ];
+
+/// What the columns mean, for readers.
+pub const TALLY_EXPLAINED: &str = "IoU: mean over all frames asked, not found counting as 0; SD: standard deviation over the frames; 95 %: \
+    interval of the mean over the seeds (Student's t; with one seed, bootstrap over the frames). Rotation within 1°: share of all \
+    frames asked. Medians and 90 % percentiles of errors are of the frames found.";
 
 impl Tally {
     pub fn of<'a>(asked: impl Iterator<Item = &'a AskedFrame>) -> Self {
@@ -118,17 +137,21 @@ impl Tally {
             values.sort_by(f64::total_cmp);
             values
         };
-        let ious: Vec<f64> = found.iter().filter_map(|found| found.iou).collect();
-        let count = ious.len() as f64;
-        let iou_mean = ious.iter().sum::<f64>() / count;
-        let squares: f64 = ious.iter().map(|iou| (iou - iou_mean).powi(2)).sum();
+        let ious: Vec<f64> = all.iter().filter_map(|asked| asked.iou()).collect();
+        let [iou_mean, iou_sd] = mean_sd(&ious);
+        let of_found: Vec<f64> = found.iter().filter_map(|found| found.iou).collect();
         let rotation = ascending(&|found| found.error.rotation.degrees());
         let focal = ascending(&|found| found.error.focal_px.abs());
+        let within = rotation.iter().filter(|degrees| **degrees <= ROTATION.0).count();
         Self {
             asked: all.len(),
             found: found.len(),
+            failed: all.iter().filter(|asked| asked.is_failure()).count(),
             iou_mean,
-            iou_std: (squares / (count - 1.0).max(1.0)).sqrt(),
+            iou_sd,
+            iou_interval: interval_of_mean(&all),
+            iou_of_found: mean_sd(&of_found)[0],
+            within_rotation: within as f64 / all.len().max(1) as f64,
             rotation_median_deg: quantile(&rotation, 0.5),
             rotation_90_deg: quantile(&rotation, 0.9),
             focal_median_px: quantile(&focal, 0.5),
@@ -138,16 +161,58 @@ impl Tally {
 
     pub fn cells(&self) -> Vec<Cell> {
         let number = |value: f64| if value.is_finite() { Cell::Number(value) } else { Cell::Empty };
+        let fixed = |value: f64| if value.is_finite() { Cell::Fixed(value, 3) } else { Cell::Empty };
         vec![
             self.asked.into(),
             self.found.into(),
-            number(self.iou_mean),
-            number(self.iou_std),
+            fixed(self.iou_mean),
+            fixed(self.iou_sd),
+            fixed(self.iou_interval[0]),
+            fixed(self.iou_interval[1]),
+            fixed(self.iou_of_found),
+            fixed(self.within_rotation),
             number(self.rotation_median_deg),
             number(self.rotation_90_deg),
             number(self.focal_median_px),
             number(self.focal_90_px),
         ]
+    }
+
+    /// As the paper writes it, with the interval.
+    pub fn describe(&self) -> String {
+        let [low, high] = self.iou_interval;
+        format!("{:.2} ± {:.2} ({low:.2} to {high:.2})", self.iou_mean, self.iou_sd)
+    }
+}
+
+/// Mean and standard deviation (n − 1).
+pub fn mean_sd(values: &[f64]) -> [f64; 2] {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
+}
+
+/// The 97.5 % point of Student's t by degrees of freedom, from 1 on; beyond, the normal distribution's.
+const STUDENT_975: [f64; 9] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262];
+
+/// The 95 % interval of the mean `IoU`: frames of one seed share stadium, crowd and path, so that the seeds are what is independent.
+fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
+    let repeats = all.iter().map(|asked| asked.repeat + 1).max().unwrap_or(0);
+    let of_repeat = |repeat: usize| -> Vec<f64> {
+        all.iter().filter(|asked| asked.repeat == repeat).filter_map(|asked| asked.iou()).collect()
+    };
+    let by_repeat: Vec<Vec<f64>> = (0..repeats).map(of_repeat).filter(|ious| !ious.is_empty()).collect();
+    match &by_repeat[..] {
+        [] => [f64::NAN; 2],
+        [one] => Summary::of(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval),
+        several => {
+            let means: Vec<f64> = several.iter().map(|ious| mean_sd(ious)[0]).collect();
+            let [mean, sd] = mean_sd(&means);
+            let t = STUDENT_975.get(means.len() - 2).copied().unwrap_or(1.96);
+            let half = t * sd / (means.len() as f64).sqrt();
+            [(mean - half).max(0.0), (mean + half).min(1.0)]
+        }
     }
 }
 
@@ -170,4 +235,86 @@ pub fn by_name<'a>(set: &'a FrameSet, asked: &'a [AskedFrame]) -> Vec<(&'a str, 
     let mut parts: Vec<(&str, Vec<&AskedFrame>)> = set.names().into_iter().map(|name| (name, of(name))).collect();
     parts.push(("all", asked.iter().collect()));
     parts
+}
+
+/// Every frame asked, a row each: `ways` names what was asked how.
+pub fn frame_table(sets: &[FrameSet], ways: &[(&str, &[AskedFrame])]) -> Table {
+    let mut table = Table::new(&[
+        ("way", "way"),
+        ("seed", "seed"),
+        ("sequence", "sequence"),
+        ("frame", "frame"),
+        ("view_deg", "view (°)"),
+        ("found", "found"),
+        ("iou_part", "IoU_part"),
+        ("iou_whole", "IoU_whole"),
+        ("rotation_deg", "rotation error (°)"),
+        ("pan_deg", "pan error (°)"),
+        ("tilt_deg", "tilt error (°)"),
+        ("focal_px", "focal length error (px)"),
+    ]);
+    for (way, asked) in ways {
+        for asked in *asked {
+            let set = &sets[asked.repeat];
+            let mut row: Vec<Cell> = vec![
+                (*way).into(),
+                (set.seed as usize).into(),
+                set.splits[asked.split].name.as_str().into(),
+                set.frames[asked.frame].name.as_str().into(),
+                asked.view_deg.into(),
+                usize::from(asked.found.is_some()).into(),
+            ];
+            match &asked.found {
+                Some(found) => row.extend([
+                    found.iou.into(),
+                    found.iou_whole.into(),
+                    found.error.rotation.degrees().into(),
+                    found.error.pan.degrees().into(),
+                    found.error.tilt.degrees().into(),
+                    found.error.focal_px.into(),
+                ]),
+                None => row.resize(table.columns.len(), Cell::Empty),
+            }
+            table.push(row);
+        }
+    }
+    table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn asked(repeat: usize, iou: Option<f64>) -> AskedFrame {
+        let base = crate::experiments::setting::base();
+        let camera = PtzCamera::new(base, crate::camera::Ptz::from_degrees(50.0, -9.0, 3000.0));
+        let error = camera_error(&camera, &camera);
+        let found = iou.map(|iou| FoundCamera { camera, iou: Some(iou), iou_whole: iou, error });
+        AskedFrame { repeat, frame: 0, split: 0, view_deg: 24.0, found, predict_ms: 0.0, pose_ms: 0.0 }
+    }
+
+    #[test]
+    fn what_was_not_found_counts_as_zero_and_the_mean_of_found_does_not_know_it() {
+        let all = [asked(0, Some(0.9)), asked(0, None), asked(0, Some(0.5)), asked(0, Some(1.0))];
+        let tally = Tally::of(all.iter());
+        assert_eq!((tally.asked, tally.found, tally.failed), (4, 3, 2));
+        assert!((tally.iou_mean - 0.6).abs() < 1e-12 && (tally.iou_of_found - 0.8).abs() < 1e-12);
+        assert!((tally.within_rotation - 0.75).abs() < 1e-12);
+        let [low, high] = tally.iou_interval;
+        assert!(low < 0.6 && high > 0.6 && low >= 0.0, "{low} {high}");
+    }
+
+    #[test]
+    fn the_interval_is_that_of_the_means_of_the_seeds() {
+        // Means .5 and .7: their SD is .1414, t with one degree of freedom 12.706.
+        let all = [asked(0, Some(0.4)), asked(0, Some(0.6)), asked(1, Some(0.7)), asked(1, Some(0.7))];
+        assert_eq!(Tally::of(all.iter()).iou_interval, [0.0, 1.0]);
+        let three = [0.60, 0.61, 0.62].map(|iou| [asked(0, Some(iou)); 1]);
+        let all: Vec<AskedFrame> =
+            three.iter().enumerate().map(|(repeat, [asked])| AskedFrame { repeat, ..*asked }).collect();
+        let [low, high] = Tally::of(all.iter()).iou_interval;
+        // 4.303 × .01 / √3 = .02484.
+        assert!((low - 0.585_16).abs() < 1e-4 && (high - 0.634_84).abs() < 1e-4, "{low} {high}");
+        assert!(Tally::of([].iter()).iou_mean.is_nan());
+    }
 }

@@ -1,6 +1,7 @@
 //! A real broadcast camera's motion, drawn: a few of its frames are used for training, all others for testing.
 
-use super::answers::{AskedFrame, FoundCamera, Tally, ask_plainly, tally_table};
+use super::answers::{AskedFrame, FoundCamera, Tally, frame_table, tally_table};
+use super::forests::{ForestKind, Trained};
 use super::progress::{Progress, counted};
 use super::sets::{FrameSet, MOTION_FILE, RealMotion, motion};
 use super::{ExperimentError, ExperimentOptions, evaluation_tables};
@@ -8,7 +9,6 @@ use crate::camera::Ptz;
 use crate::document::{Camera, Document, FieldSpec, Frame, FramePtz};
 use crate::evaluate::evaluate;
 use crate::geometry::AngleRange;
-use crate::relocalize::{RelocalizeOptions, TrainOptions};
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Report, Table};
 use std::path::Path;
@@ -23,10 +23,8 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let every = options.sized(30, 3);
     let drawn = real.ptz.len().div_ceil(stride);
     let set = motion(&real, [stride, every], options, &counted(drawn, progress))?;
-    let training = TrainOptions { seed: options.seed, ..TrainOptions::default() };
-    let mut asking = RelocalizeOptions::default();
-    asking.pose.seed = options.seed;
-    let mut asked = ask_plainly(&set, &training, &asking);
+    let kind = ForestKind::Default;
+    let mut asked = Trained::of(&set, 0, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed));
     asked.sort_by_key(|asked| asked.frame);
 
     let mut report = Report::new("motion", "Motion: a real broadcast camera's path, drawn");
@@ -47,6 +45,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let pan_deg = |ptz: &Ptz| pans.unwrapped(ptz.pan).degrees();
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
+    report.data("frames", "Every frame asked.", frame_table(std::slice::from_ref(&set), &[("default", &asked)]));
     report.text(&evaluated(&set, &asked)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [

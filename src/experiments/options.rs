@@ -83,6 +83,12 @@ impl Experiment {
         !matches!(self, Self::Synthetic | Self::Ransac | Self::Annotator | Self::Homographies | Self::Motion)
     }
 
+    /// Whether its drawn frames are drawn with several seeds.
+    #[must_use]
+    pub const fn takes_seeds(self) -> bool {
+        self.takes_frames() && !matches!(self, Self::Pose)
+    }
+
     /// Whether it is about data that the program does not have.
     #[must_use]
     pub const fn needs_data(self) -> bool {
@@ -120,6 +126,8 @@ pub struct ExperimentOptions {
     pub quick: bool,
     /// Where chance starts; the same seed gives the same bytes.
     pub seed: u64,
+    /// How many seeds, from that one on, the drawn sets are made with; none: 5, or 2 where quick.
+    pub seeds: Option<u32>,
 }
 
 impl ExperimentOptions {
@@ -127,5 +135,12 @@ impl ExperimentOptions {
     #[must_use]
     pub const fn sized(&self, full: usize, quick: usize) -> usize {
         if self.quick { quick } else { full }
+    }
+
+    /// The seeds of the drawn sets.
+    #[must_use]
+    pub fn seeds(&self) -> Vec<u64> {
+        let count = self.seeds.map_or(self.sized(5, 2) as u64, u64::from);
+        (0..count).map(|number| self.seed.wrapping_add(number)).collect()
     }
 }

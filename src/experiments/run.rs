@@ -2,8 +2,8 @@
 
 use super::progress::Progress;
 use super::{
-    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, homographies, motion, pose, ransac,
-    relocalization, synthetic,
+    Experiment, ExperimentError, SharedInputs, annotator, baselines, descriptors, errors, fov, homographies, motion,
+    pose, ransac, sequences, synthetic, threshold, trees,
 };
 use crate::report::Report;
 
@@ -16,12 +16,12 @@ impl Experiment {
         match self {
             Self::Synthetic => Ok(synthetic::run(&inputs.options, progress)),
             Self::Ransac => Ok(ransac::run(&inputs.options, progress)),
-            Self::Highlights => relocalization::highlights(inputs, progress),
-            Self::Worldcup => relocalization::worldcup(inputs, progress),
-            Self::Errors => relocalization::errors(inputs, progress),
-            Self::Threshold => relocalization::threshold(inputs, progress),
-            Self::Trees => relocalization::trees(inputs, progress),
-            Self::Fov => relocalization::fov(inputs, progress),
+            Self::Highlights => sequences::highlights(inputs, progress),
+            Self::Worldcup => sequences::worldcup(inputs, progress),
+            Self::Errors => errors::run(inputs, progress),
+            Self::Threshold => threshold::run(inputs, progress),
+            Self::Trees => trees::run(inputs, progress),
+            Self::Fov => fov::run(inputs, progress),
             Self::Baselines => baselines::run(inputs, progress),
             Self::Descriptors => descriptors::run(inputs, progress),
             Self::Pose => pose::run(inputs, progress),

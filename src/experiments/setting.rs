@@ -16,7 +16,9 @@ const FOCAL_PX: [f64; 2] = [1500.0, 5000.0];
 pub const RAYS: usize = 200;
 /// The share of them that should show something outside the field.
 const OUTSIDE: f64 = 0.9;
-/// Half the field's sides (118 × 70 yards), m, and how far outside it boards and stands begin.
+/// Length and width of the paper's field, yards.
+pub const FIELD_YD: [f64; 2] = [118.0, 70.0];
+/// Half the field's sides, m, and how far outside it boards and stands begin.
 const HALF_FIELD_M: [f64; 2] = [53.9496, 32.004];
 const AROUND_M: f64 = 8.0;
 

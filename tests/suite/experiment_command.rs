@@ -30,10 +30,13 @@ fn data_figures_and_report_are_written_and_repeat() {
         assert!(one.contains_key(shown), "{shown}");
     }
     assert!(one["ransac-table-1.csv"].starts_with(b"points,needed,whole,paper,simulated\n"));
-    assert!(
-        serde_json::from_slice::<serde_json::Value>(&one["ransac.json"]).unwrap()["tables"]["ransac-outliers"]
-            .is_array()
-    );
+    let json: serde_json::Value = serde_json::from_slice(&one["ransac.json"]).unwrap();
+    assert!(json["tables"]["ransac-outliers"].is_array());
+    assert_eq!(json["claims"][0]["verdict"], "confirmed");
+    let made_by = &json["made_by"];
+    assert_eq!(made_by["command"], "touchline experiment ransac --quick --seed 4");
+    assert_eq!((&made_by["seeds"], &made_by["quick"]), (&serde_json::json!([4]), &serde_json::json!(true)));
+    assert!(report.contains("seed 4. A quick run"), "{report}");
     assert!(one["ransac-success.svg"].starts_with(b"<svg ") && one["ransac-success.png"].starts_with(b"\x89PNG"));
 
     let refused = touchline(folder.path(), "experiment ransac --quick -o one");
@@ -54,4 +57,43 @@ fn wrong_orders_are_refused_in_one_line() {
         assert!(ran.stderr.contains(named), "{}", ran.stderr);
         assert!(!folder.path().join("out").exists());
     }
+}
+
+/// The one experiment that draws frames and is quick enough: a set, its tables with the paper's row, and every frame.
+#[cfg(feature = "opencv")]
+#[test]
+fn drawn_games_have_the_papers_row_beside_them_and_every_frame_in_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let ran = touchline(folder.path(), "experiment worldcup --quick --seeds 1 -o out");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let out = files(&folder.path().join("out"));
+    let report = String::from_utf8(out["worldcup.md"].clone()).unwrap();
+    assert!(report.contains("| paper: IoU ± SD | paper: CalibMe |"), "{report}");
+    assert!(
+        report.contains("| .99 ± .01 | .84 ± .24 |") && report.contains("By sequence: --published forest."),
+        "{report}"
+    );
+    let frames = String::from_utf8(out["worldcup-frames.csv"].clone()).unwrap();
+    let mut lines = frames.lines();
+    assert!(lines.next().unwrap().starts_with("way,seed,sequence,frame,view_deg,found,iou_part,"));
+    // Nine frames asked of two forests, with players and without.
+    assert_eq!(lines.clone().count(), 4 * 9, "{frames}");
+    // Where nothing was found the mean of all frames is smaller than that of those found.
+    let rows = csv_rows(&out["worldcup-sequences-default.csv"]);
+    for row in &rows {
+        let number = |key: &str| row[key].parse::<f64>().unwrap_or(f64::NAN);
+        let share = number("found") / number("asked");
+        let all = if share > 0.0 { share * number("iou_of_found") } else { 0.0 };
+        assert!((number("iou_mean") - all).abs() < 1e-9, "{row:?}");
+    }
+    assert_eq!(rows.len(), 3);
+}
+
+/// The rows of a table without commas in its cells, by column.
+#[cfg(feature = "opencv")]
+fn csv_rows(bytes: &[u8]) -> Vec<BTreeMap<String, String>> {
+    let text = std::str::from_utf8(bytes).unwrap();
+    let mut lines = text.lines().map(|line| line.split(',').map(str::to_owned));
+    let keys: Vec<String> = lines.next().unwrap().collect();
+    lines.map(|cells| keys.iter().cloned().zip(cells).collect()).collect()
 }

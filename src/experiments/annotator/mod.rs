@@ -75,7 +75,7 @@ pub fn run(
         table.push(row);
     }
     report.table("ways", "One clip, labelled in five ways.", table);
-    report.table("times", "How long the program worked.", times);
+    report.time_table("times", "How long the program worked.", times);
     Ok(report)
 }
 

@@ -88,6 +88,7 @@ impl Gathered {
                 field: document.field_of(frame).model(folder)?,
                 picture: KnownPicture::File(source),
                 masks: document.masks_of(frame),
+                is_masked: true,
             });
             self.cameras.push(frame.camera.as_str().to_owned());
             self.clips.push(frame.clip.as_ref().map(ToString::to_string).unwrap_or_default());
@@ -146,6 +147,7 @@ fn of_two(
     }
     Ok(FrameSet {
         kind: SetKind::Own,
+        seed: 0,
         title: format!("own frames, {taught} for training and {} for testing", asked.len()),
         protocol: "The frames of one document are tested against those of the other, camera by camera.".to_owned(),
         splits,
@@ -185,6 +187,7 @@ fn of_clips(documents: &[OwnDocument], progress: &(dyn Fn() + Sync)) -> Result<F
     let documents = if documents.len() > 1 { format!("of {} documents, ", documents.len()) } else { String::new() };
     Ok(FrameSet {
         kind: SetKind::Own,
+        seed: 0,
         title: format!("own frames, {documents}{asked} in {} clips", splits.len()),
         protocol:
             "Each clip is tested against the other clips of its camera; the truth is the camera that the document holds for \

@@ -2,13 +2,17 @@
 
 mod documents;
 mod drawn;
+mod highlights;
 mod motion;
 mod published;
+mod worldcup;
 
 pub use documents::{OwnDocument, OwnDocuments, of_own};
-pub use drawn::{as_picture, highlights, worldcup};
+pub use drawn::as_picture;
+pub use highlights::{frames_a_sequence, highlights};
 pub use motion::{MOTION_FILE, RealMotion, motion};
 pub use published::{PublishedKind, published, published_folder};
+pub use worldcup::{frames_a_game, worldcup};
 
 use super::ExperimentError;
 use crate::camera::{Ptz, PtzCamera};
@@ -28,7 +32,7 @@ pub struct KnownFrame {
     pub warnings: String,
     /// Its true camera.
     pub truth: PtzCamera,
-    /// Its features, outside players and graphics.
+    /// Its features; on players and graphics as well unless it is masked.
     pub features: Features,
     /// Its field.
     pub field: FieldModel,
@@ -36,6 +40,8 @@ pub struct KnownFrame {
     pub picture: KnownPicture,
     /// Where players and graphics are, px.
     pub masks: Vec<PixelBox>,
+    /// Whether features on them are left out.
+    pub is_masked: bool,
 }
 
 /// Where the picture of a frame is.
@@ -48,6 +54,11 @@ pub enum KnownPicture {
 }
 
 impl KnownFrame {
+    /// The masks that its features keep off.
+    pub fn used_masks(&self) -> &[PixelBox] {
+        if self.is_masked { &self.masks } else { &[] }
+    }
+
     /// Its picture.
     ///
     /// # Errors
@@ -73,6 +84,8 @@ impl KnownFrame {
 pub struct FrameSet {
     /// What kind of frames they are.
     pub kind: SetKind,
+    /// The seed that it was drawn with, and with which forests are trained on it.
+    pub seed: u64,
     /// What it is, in words: "drawn, …" where it is drawn.
     pub title: String,
     /// How the frames are split, as a sentence.
@@ -120,6 +133,20 @@ impl FrameSet {
     /// A heading that says what kind of frames it is about, so that a drawn set is not mistaken for a real one.
     pub fn heading(&self, words: &str) -> String {
         format!("{words} ({})", self.kind.describe())
+    }
+
+    /// The same without the features on players and graphics, as with a detector of players.
+    pub fn masked(&self) -> Self {
+        let mut set = self.clone();
+        for frame in set.frames.iter_mut().filter(|frame| !frame.is_masked) {
+            let features = std::mem::take(&mut frame.features);
+            let each = features.keypoints.into_iter().zip(features.descriptors);
+            let kept = each.filter(|(keypoint, _)| !frame.masks.iter().any(|mask| mask.contains(keypoint.point)));
+            let (keypoints, descriptors) = kept.unzip();
+            frame.features = Features { image_size: features.image_size, keypoints, descriptors };
+            frame.is_masked = true;
+        }
+        set
     }
 
     /// The training samples of some frames, and where they looked; none without features.

@@ -1,6 +1,6 @@
 //! The motion of a real broadcast camera through the drawn stadium.
 
-use super::drawn::{Order, picture_size, take};
+use super::drawn::{Order, Players, picture_size, take};
 use super::{FrameSet, SetKind, Split};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::experiments::given::MAX_GIVEN_BYTES;
@@ -8,7 +8,7 @@ use crate::experiments::{ExperimentError, ExperimentOptions};
 use crate::field::builtin;
 use crate::files::read_named_text;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
-use crate::synthetic::{CameraMotion, PathStep, Preset, StadiumOptions, stadium};
+use crate::synthetic::{CameraMotion, Moment, PathStep, Preset, StadiumOptions, stadium};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -118,6 +118,7 @@ pub fn motion(
         .step_by(stride)
         .map(|number| Order {
             scene: &scene,
+            moment: Moment::default(),
             camera: PtzCamera::new(scaled.base, scaled.ptz[number]),
             step: PathStep {
                 time_s: number as f64 / FRAMES_A_SECOND,
@@ -125,15 +126,17 @@ pub fn motion(
                 motion: scaled.motion_at(number),
             },
             number,
+            exposure_ev: 0.0,
             shoot: &shoot,
             size,
             seed,
         })
         .collect();
-    let frames = take(&orders, progress)?;
+    let frames = take(&orders, Players::Masked, progress)?;
     let is_for_training = |index: &usize| index.is_multiple_of(every);
     Ok(FrameSet {
         kind: SetKind::Drawn,
+        seed,
         title: format!(
             "drawn, {} frames along the published motion of a real broadcast camera, {} × {} px",
             frames.len(),

@@ -83,6 +83,7 @@ pub fn published(folder: &Path, kind: PublishedKind, progress: Progress) -> Resu
     };
     Ok(FrameSet {
         kind: SetKind::Published,
+        seed: 0,
         title: format!(
             "the authors' published data, {} frames in {} sequences; field {length} × {width} yards ({source}); frames and full \
              cameras agree within {:.4}°",

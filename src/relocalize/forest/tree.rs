@@ -119,6 +119,11 @@ impl Forest {
         self.trees.len()
     }
 
+    /// The first few of its trees, as if no more had been trained.
+    pub(crate) fn first_trees(&self, trees: usize) -> Self {
+        Self { trees: self.trees.iter().take(trees).cloned().collect() }
+    }
+
     /// How many leaves all trees have.
     #[must_use]
     pub fn leaves(&self) -> usize {

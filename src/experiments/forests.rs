@@ -1,0 +1,192 @@
+//! Which forests are compared, and forests trained on the splits of a set.
+
+use super::answers::{AskedFrame, FoundCamera, RayCount};
+use super::paper::INLIER_DEG;
+use super::sets::FrameSet;
+use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
+use crate::geometry::Angle;
+use crate::relocalize::{
+    Forest, PredictOptions, RelocalizeOptions, SeenRange, TrainOptions, candidates_of, relocalize, train,
+};
+use rayon::prelude::*;
+use std::ops::ControlFlow;
+
+/// Leaves of a tree that the paper's program looks at.
+const PUBLISHED_LEAVES: u32 = 4;
+
+/// Which forest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForestKind {
+    /// This program's own settings.
+    Default,
+    /// The paper's: `touchline train --published`, asked as the paper asks it.
+    Published,
+}
+
+impl ForestKind {
+    pub const BOTH: [Self; 2] = [Self::Default, Self::Published];
+
+    /// In files.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::Published => "published",
+        }
+    }
+
+    /// In tables and legends.
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Self::Default => "default forest",
+            Self::Published => "--published forest",
+        }
+    }
+
+    /// What both are, for readers.
+    pub const EXPLAINED: &'static str = "Two forests are compared on the same frames: the *default* one of this program, and the \
+        *--published* one with the paper's settings (`touchline train --published`: 5 trees of 30 frames each, depth 20, a leaf that is \
+        the mean of its samples; 4 leaves a tree are asked, and a leaf may mix rays). What follows, the camera from candidate rays, is \
+        this program's for both: its own refinement and its own test of whether an answer is to be trusted.";
+
+    pub fn training(self, seed: u64) -> TrainOptions {
+        match self {
+            Self::Default => TrainOptions { seed, ..TrainOptions::default() },
+            Self::Published => TrainOptions { seed, ..TrainOptions::published() },
+        }
+    }
+
+    pub fn asking(self, seed: u64) -> RelocalizeOptions {
+        let mut options = RelocalizeOptions::default();
+        options.pose.seed = seed;
+        if self == Self::Published {
+            options.predict = PredictOptions {
+                leaves_per_tree: PUBLISHED_LEAVES,
+                max_spread: Angle::from_degrees(180.0),
+                ..options.predict
+            };
+        }
+        options
+    }
+}
+
+/// The forests of a set, one for each split.
+pub struct Trained<'a> {
+    set: &'a FrameSet,
+    repeat: usize,
+    /// None where the training frames have no features.
+    forests: Vec<Option<(Forest, SeenRange)>>,
+}
+
+impl<'a> Trained<'a> {
+    /// Trains a forest for every split; `repeat` is the set's number among those of other seeds.
+    pub fn of(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
+        let forest = |split: &super::sets::Split| {
+            let (samples, seen) = set.training_samples(&split.training_frames)?;
+            let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
+            Some((forest, seen))
+        };
+        Self { set, repeat, forests: set.splits.iter().map(forest).collect() }
+    }
+
+    /// The same with the first few trees of every forest, as if no more had been trained.
+    pub fn first_trees(&self, trees: usize) -> Self {
+        let first = |(forest, seen): &(Forest, SeenRange)| (forest.first_trees(trees), seen.clone());
+        Self { forests: self.forests.iter().map(|forest| forest.as_ref().map(first)).collect(), ..*self }
+    }
+
+    /// Asks for all test frames; `base_of` may give them another base than the true one.
+    pub fn ask(
+        &self,
+        asking: &RelocalizeOptions,
+        base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
+    ) -> Vec<AskedFrame> {
+        let of_split = |(number, split): (usize, &super::sets::Split)| -> Vec<AskedFrame> {
+            let one = |&frame: &usize| {
+                let known = &self.set.frames[frame];
+                let mut asked = AskedFrame::blank(self.set, self.repeat, number, frame);
+                let Some((forest, seen)) = &self.forests[number] else { return asked };
+                let base = base_of(&known.truth);
+                let answer = relocalize(&known.features, forest, seen, &base, asking);
+                asked.predict_ms = answer.predict_time.as_secs_f64() * 1e3;
+                asked.pose_ms = answer.pose_time.as_secs_f64() * 1e3;
+                let found = |ptz: Ptz| FoundCamera::of(self.set, frame, &PtzCamera::new(base, ptz));
+                asked.found = answer.pose.ok().map(|pose| found(pose.ptz));
+                asked
+            };
+            split.asked.par_iter().map(one).collect()
+        };
+        self.set.splits.iter().enumerate().flat_map(of_split).collect()
+    }
+
+    /// Asks with the true bases.
+    pub fn ask_plainly(&self, asking: &RelocalizeOptions) -> Vec<AskedFrame> {
+        self.ask(asking, &|truth| *truth.base())
+    }
+
+    /// Of all features of the frames asked: how many get a ray, and how many of those get the true one within half a degree
+    /// as their first.
+    pub fn count_rays(&self, predict: &PredictOptions) -> RayCount {
+        let of_split = |(number, split): (usize, &super::sets::Split)| {
+            let Some((forest, _)) = &self.forests[number] else { return RayCount::default() };
+            let one = |&frame: &usize| {
+                let known = &self.set.frames[frame];
+                let matches = candidates_of(&known.features, forest, predict);
+                let mut count = RayCount { features: known.features.len(), ..RayCount::default() };
+                for feature in 0..matches.len() {
+                    let (Some(first), Ok(truth)) =
+                        (matches.rays(feature).first(), known.truth.ray_from_image(matches.point(feature)))
+                    else {
+                        continue;
+                    };
+                    count.passing += 1;
+                    let off = PanTilt::from_direction(*first).angle_to(truth);
+                    count.right += usize::from(off.degrees() < INLIER_DEG);
+                }
+                count
+            };
+            split.asked.par_iter().map(one).reduce(RayCount::default, RayCount::plus)
+        };
+        self.set.splits.iter().enumerate().map(of_split).fold(RayCount::default(), RayCount::plus)
+    }
+}
+
+/// Trains on every set and asks it, one after the other.
+pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<AskedFrame> {
+    let of_set = |(repeat, set): (usize, &FrameSet)| {
+        Trained::of(set, repeat, &kind.training(set.seed)).ask_plainly(&kind.asking(set.seed))
+    };
+    sets.iter().enumerate().flat_map(of_set).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::setting::rng;
+    use crate::features::Descriptor;
+    use crate::relocalize::Samples;
+    use rand::RngExt;
+
+    #[test]
+    fn the_first_trees_are_those_of_a_smaller_forest() {
+        let mut draw = rng(4, [1, 2]);
+        let mut samples = Samples::new();
+        for _ in 0..40 {
+            let each: Vec<(Descriptor, PanTilt)> = (0..50)
+                .map(|_| {
+                    let values = std::array::from_fn(|_| draw.random_range(0.0f32..1.0).powi(3));
+                    let [pan, tilt] =
+                        [0.0..60.0, -14.0..-5.0].map(|range| Angle::from_degrees(draw.random_range(range)));
+                    (Descriptor::root(&values), PanTilt { pan, tilt })
+                })
+                .collect();
+            samples.add_frame(each);
+        }
+        for kind in ForestKind::BOTH {
+            let trained = |trees: u32| {
+                let options = TrainOptions { trees, ..kind.training(7) };
+                train(&samples, &options, &|_| ControlFlow::Continue(())).unwrap()
+            };
+            assert_eq!(trained(4).first_trees(2), trained(2), "{kind:?}");
+        }
+    }
+}

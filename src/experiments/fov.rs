@@ -1,0 +1,108 @@
+//! `IoU` over the field of view: where answers fail.
+
+use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, tally_table};
+use super::forests::ForestKind;
+use super::inputs::{Masks, Sets};
+use super::paper::{FAILURE_IOU, FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
+use super::progress::Progress;
+use super::sequences::introduce;
+use super::sets::SetKind;
+use super::{ExperimentError, SharedInputs};
+use crate::report::figure::{Axis, Figure, Line, Mark, Series};
+use crate::report::{Cell, Report, Verdict};
+
+/// Where bins of the field of view begin, degrees: the paper's bounds are among them.
+const BINS_DEG: [f64; 7] = [0.0, 15.0, 20.0, FAILURES_BELOW_DEG, 30.0, NO_FAILURE_ABOVE_DEG, 180.0];
+/// A log axis has no place for an `IoU` of 1.
+const LEAST_SHOWN: f64 = 1e-5;
+
+/// Runs the experiment.
+///
+/// # Errors
+/// The frames cannot be had.
+pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, ExperimentError> {
+    let sets = inputs.highlights(progress)?;
+    let is_own = sets[0].kind == SetKind::Own;
+    let mut report = Report::new("fov", &sets[0].heading("Field of view: where it fails"));
+    introduce(&mut report, sets, "");
+    report.text(&format!(
+        "A failure is a frame that was not found, or whose IoU is below {FAILURE_IOU}. {TALLY_EXPLAINED}"
+    ));
+    let mut failures = Vec::new();
+    for kind in ForestKind::BOTH {
+        let asked = inputs.answers(Sets::Highlights, kind, Masks::AsTheyAre, progress)?;
+        report.figure(
+            kind.key(),
+            &format!("1 − IoU over the horizontal field of view, a dot a frame: {}; not found: 1.", kind.describe()),
+            figure(asked, !is_own),
+        );
+        let bins = BINS_DEG.windows(2).map(|bin| (bin[0], bin[1])).filter_map(|(from, to)| {
+            let within: Vec<&AskedFrame> = asked.iter().filter(|asked| (from..to).contains(&asked.view_deg)).collect();
+            let name = if to < 180.0 { format!("{from}–{to}°") } else { format!("over {from}°") };
+            (!within.is_empty()).then(|| (Cell::from(name), Tally::of(within.into_iter())))
+        });
+        let tallies: Vec<(Cell, Tally)> = bins.collect();
+        let failed = tallies.iter().map(|(_, tally)| tally.failed.into());
+        let table = tally_table(("view", "view"), &tallies).with_column("failures", "failures", failed);
+        report.table(&format!("bins-{}", kind.key()), &format!("By field of view: {}.", kind.describe()), table);
+        failures.push(failed_by_bound(asked));
+    }
+    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &failures[..]) {
+        let shown = |[below, between, above]: &[[usize; 2]; 3]| {
+            format!(
+                "{} of {} frames below {FAILURES_BELOW_DEG}°, {} of {} between, {} of {} above {NO_FAILURE_ABOVE_DEG}°",
+                below[0], below[1], between[0], between[1], above[0], above[1]
+            )
+        };
+        let share = |of: [usize; 2]| of[0] as f64 / of[1].max(1) as f64;
+        let [below, between, above] = *published;
+        report.claim(
+            Verdict::of(above[0] == 0 && share(below) > share(between)),
+            &format!("Failures below about {FAILURES_BELOW_DEG}° of view, none above {NO_FAILURE_ABOVE_DEG}°"),
+            &format!("failures: --published {}; default forest {}", shown(published), shown(default)),
+            "table 2's focal lengths give hardly a view above 40°",
+        );
+    }
+    Ok(report)
+}
+
+/// Failures and frames below, between and above the paper's bounds.
+fn failed_by_bound(asked: &[AskedFrame]) -> [[usize; 2]; 3] {
+    let mut counted = [[0; 2]; 3];
+    for asked in asked {
+        let place =
+            usize::from(asked.view_deg >= FAILURES_BELOW_DEG) + usize::from(asked.view_deg > NO_FAILURE_ABOVE_DEG);
+        counted[place][0] += usize::from(asked.is_failure());
+        counted[place][1] += 1;
+    }
+    counted
+}
+
+fn figure(asked: &[AskedFrame], with_paper: bool) -> Figure {
+    let lost = |asked: &AskedFrame| Some([asked.view_deg, (1.0 - asked.iou()?).max(LEAST_SHOWN)]);
+    let (found, not_found): (Vec<&AskedFrame>, Vec<&AskedFrame>) =
+        asked.iter().partition(|asked| asked.found.is_some());
+    let points = |asked: &[&AskedFrame]| asked.iter().filter_map(|asked| lost(asked)).collect::<Vec<_>>();
+    let views = || asked.iter().map(|asked| asked.view_deg);
+    let (least, greatest) = (views().fold(f64::INFINITY, f64::min), views().fold(FAILURES_BELOW_DEG, f64::max));
+    let ends = [(least - 2.0).max(0.0).floor(), (greatest + 2.0).ceil()];
+    let mut figure = Figure::new(
+        "",
+        Axis::linear("horizontal field of view (°)").within(ends[0], ends[1]),
+        Axis::log("1 − IoU").within(LEAST_SHOWN, 1.3),
+    )
+    .with(Series::new("found", 1, points(&found)).lined(Line::None).marked(Mark::Dot))
+    .with(Series::new("not found", 2, points(&not_found)).lined(Line::None).marked(Mark::Cross));
+    if with_paper {
+        let line =
+            |name: &str, points: Vec<[f64; 2]>, line| Series::new(name, 0, points).marked(Mark::None).lined(line);
+        let failure = 1.0 - FAILURE_IOU;
+        figure = figure.with(line("failures above", vec![[ends[0], failure], [ends[1], failure]], Line::Dotted));
+        figure = figure.with(line(
+            "paper: failures left",
+            vec![[FAILURES_BELOW_DEG, LEAST_SHOWN], [FAILURES_BELOW_DEG, 1.3]],
+            Line::Dashed,
+        ));
+    }
+    figure
+}

@@ -1,0 +1,97 @@
+//! Nearest neighbours of descriptors by trying all of them, as fast as a processor multiplies matrices.
+//!
+//! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b, and the products of many descriptors with many are one product of two matrices, for which
+//! nalgebra has a kernel tuned to the processor (matrixmultiply). Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every
+//! sum exactly: neighbours are those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences instead;
+//! `tests/benches/README.md` has both times.
+
+use crate::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
+use nalgebra::DMatrix;
+
+/// Descriptors as rows of a matrix, with their squared lengths.
+pub struct Rows {
+    matrix: DMatrix<f32>,
+    squared: Vec<f32>,
+}
+
+impl Rows {
+    pub fn of(descriptors: &[Descriptor]) -> Self {
+        let values = descriptors.iter().flat_map(|descriptor| descriptor.0.map(f32::from));
+        let matrix = DMatrix::from_row_iterator(descriptors.len(), DESCRIPTOR_BYTES, values);
+        let squared = descriptors
+            .iter()
+            .map(|descriptor| descriptor.0.iter().map(|value| f32::from(*value).powi(2)).sum())
+            .collect();
+        Self { matrix, squared }
+    }
+
+    pub const fn len(&self) -> usize {
+        self.squared.len()
+    }
+}
+
+/// The feature of a reference that is nearest to one of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    pub feature: usize,
+    /// Of descriptors of unit length.
+    pub squared_distance: f32,
+    /// That of the second nearest.
+    pub second: f32,
+}
+
+/// For each feature of a picture the nearest of a reference; empty where the reference has none.
+pub fn nearest(asked: &Rows, reference: &Rows) -> Vec<Nearest> {
+    if reference.len() == 0 {
+        return Vec::new();
+    }
+    // A column for each feature asked.
+    let products = &reference.matrix * asked.matrix.transpose();
+    let unit = DESCRIPTOR_NORM * DESCRIPTOR_NORM;
+    let of_feature = |(number, products): (usize, &[f32])| {
+        let mut best = Nearest { feature: 0, squared_distance: f32::INFINITY, second: f32::INFINITY };
+        for (feature, (product, squared)) in products.iter().zip(&reference.squared).enumerate() {
+            let distance = squared - 2.0 * product;
+            if distance < best.squared_distance {
+                best = Nearest { feature, squared_distance: distance, second: best.squared_distance };
+            } else if distance < best.second {
+                best.second = distance;
+            }
+        }
+        let own = asked.squared[number];
+        let whole = |distance: f32| (distance + own) / unit;
+        Nearest { squared_distance: whole(best.squared_distance), second: whole(best.second), ..best }
+    };
+    products.as_slice().chunks_exact(reference.len()).enumerate().map(of_feature).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiments::setting::rng;
+    use rand::RngExt;
+
+    #[test]
+    fn neighbours_are_those_of_a_plain_search() {
+        let mut draw = rng(1, [2, 3]);
+        // Large entries are rare, as in SIFT: the length is that of a descriptor.
+        let mut descriptors = |count: usize| -> Vec<Descriptor> {
+            let one = |_| {
+                let values = std::array::from_fn(|_| draw.random_range(0.0f32..1.0).powi(4));
+                Descriptor::root(&values)
+            };
+            (0..count).map(one).collect()
+        };
+        let (asked, reference) = (descriptors(40), descriptors(90));
+        let found = nearest(&Rows::of(&asked), &Rows::of(&reference));
+        assert_eq!(found.len(), asked.len());
+        for (descriptor, found) in asked.iter().zip(found) {
+            let mut distances: Vec<(f32, usize)> =
+                reference.iter().enumerate().map(|(at, other)| (descriptor.squared_distance(other), at)).collect();
+            distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+            assert_eq!((found.squared_distance, found.feature), distances[0]);
+            assert_eq!(found.second, distances[1].0);
+        }
+        assert_eq!(nearest(&Rows::of(&asked), &Rows::of(&[])), []);
+    }
+}

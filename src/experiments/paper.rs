@@ -1,0 +1,92 @@
+//! What the paper states, in numbers: Chen, Zhu, Little, "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018.
+
+/// A mean and its standard deviation over frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stated {
+    pub mean: f64,
+    pub sd: f64,
+}
+
+const fn stated(mean: f64, sd: f64) -> Stated {
+    Stated { mean, sd }
+}
+
+impl Stated {
+    /// As the paper writes it: `.83 ± .16`.
+    pub fn describe(self) -> String {
+        let short = |value: f64| format!("{value:.2}").trim_start_matches('0').to_owned();
+        format!("{} ± {}", short(self.mean), short(self.sd))
+    }
+}
+
+/// A sequence of table 2: where its camera looks, and the `IoU` of both methods.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sequence {
+    pub pan_deg: [f64; 2],
+    pub tilt_deg: [f64; 2],
+    /// In pictures of 1280 × 720 px.
+    pub focal_px: [f64; 2],
+    pub calib_me: Stated,
+    pub theirs: Stated,
+}
+
+/// Table 2: the highlights. One camera behind the corner, two games.
+pub const TABLE_2: [Sequence; 4] = [
+    Sequence {
+        pan_deg: [49.0, 68.0],
+        tilt_deg: [-13.0, -9.0],
+        focal_px: [1586.0, 4346.0],
+        calib_me: stated(0.75, 0.22),
+        theirs: stated(0.88, 0.06),
+    },
+    Sequence {
+        pan_deg: [49.0, 68.0],
+        tilt_deg: [-11.0, -8.0],
+        focal_px: [3330.0, 4947.0],
+        calib_me: stated(0.73, 0.27),
+        theirs: stated(0.81, 0.21),
+    },
+    Sequence {
+        pan_deg: [17.0, 67.0],
+        tilt_deg: [-9.0, -5.0],
+        focal_px: [1938.0, 4225.0],
+        calib_me: stated(0.61, 0.37),
+        theirs: stated(0.69, 0.36),
+    },
+    Sequence {
+        pan_deg: [54.0, 69.0],
+        tilt_deg: [-8.0, -7.0],
+        focal_px: [2642.0, 4074.0],
+        calib_me: stated(0.62, 0.33),
+        theirs: stated(0.94, 0.04),
+    },
+];
+/// The last row of table 2: the average of `CalibMe` and of their method, and seconds a frame.
+pub const TABLE_2_AVERAGE: [Stated; 2] = [stated(0.68, 0.30), stated(0.83, 0.16)];
+pub const TABLE_2_SECONDS: [f64; 2] = [3.0, 0.3];
+/// Frames of a sequence.
+pub const SEQUENCE_FRAMES: usize = 29;
+
+/// Table 3: the games of the World Cup, their frames, and the `IoU` of `CalibMe` and of their method.
+pub const TABLE_3: [(&str, usize, [Stated; 2]); 2] = [
+    ("BRA–MEX", 42, [stated(0.84, 0.24), stated(0.99, 0.01)]),
+    ("BRA–NED", 33, [stated(0.69, 0.37), stated(0.98, 0.01)]),
+];
+
+/// Table 4: without and with the gate on descriptors' distances, the share of rays within half a degree and the mean `IoU`.
+pub const TABLE_4: [(&str, f64, f64); 2] = [("without", 0.09, 0.53), ("with", 0.33, 0.83)];
+/// Rays within this angle of the true one are inliers of table 4, degrees.
+pub const INLIER_DEG: f64 = 0.5;
+
+/// SIFT and SURF: mean `IoU`.
+pub const SIFT_SURF: [f64; 2] = [0.83, 0.74];
+/// "More than about 85 %" of the frames have a rotation error below 1°.
+pub const ROTATION: (f64, f64) = (1.0, 0.85);
+/// An `IoU` below this is a failure; failures are at views below the first, none above the second, degrees.
+pub const FAILURE_IOU: f64 = 0.6;
+pub const FAILURES_BELOW_DEG: f64 = 25.0;
+pub const NO_FAILURE_ABOVE_DEG: f64 = 40.0;
+/// More trees than this improve nothing.
+pub const ENOUGH_TREES: usize = 5;
+/// Figure (b): at this noise (px) the errors are below so many degrees and px.
+pub const FIGURE_B: (f64, f64, f64) = (3.0, 0.02, 2.5);

@@ -1,0 +1,220 @@
+//! Drawn sequences in the setting of the paper's highlights (its table 2).
+//!
+//! One camera low behind a corner, the base of the published sequence; four sequences of two games, each within the pan, tilt
+//! and focal lengths that the table states. Spectators move from frame to frame and some are others from sequence to sequence, boards
+//! change, exposure changes. Players are in the pictures, and nothing says where.
+
+use super::drawn::{Order, Players, picture_size, take};
+use super::{FrameSet, SetKind, Split};
+use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::experiments::paper::{SEQUENCE_FRAMES, Sequence, TABLE_2};
+use crate::experiments::setting::{FIELD_YD, SIZE, base, normal, rng};
+use crate::experiments::{ExperimentError, ExperimentOptions};
+use crate::field::{FieldModel, builtin};
+use crate::geometry::ImageSize;
+use crate::synthetic::{CameraMotion, Moment, PathStep, Preset, ShootOptions, StadiumOptions, stadium};
+use rand::RngExt;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Seconds between the frames of a sequence, between the beginnings of two, and to the second game.
+const STEP_S: f64 = 0.8;
+const SEQUENCE_EVERY_S: f64 = 90.0;
+const SECOND_GAME_S: f64 = 5000.0;
+/// The first sequences are of one game, the others of another.
+const SEQUENCES_OF_FIRST_GAME: usize = 2;
+/// The shares of people and of boards that change.
+const FROM_SEQUENCE_TO_SEQUENCE: [f64; 2] = [0.1, 0.25];
+const FROM_GAME_TO_GAME: [f64; 2] = [0.9, 0.6];
+/// 1-σ of the exposure from sequence to sequence, stops.
+const EXPOSURE_SIGMA_EV: f64 = 0.35;
+
+/// The four sequences of table 2; each is asked of the other three.
+///
+/// # Errors
+/// This program was built without OpenCV, or a picture cannot be encoded.
+pub fn highlights(
+    options: &ExperimentOptions,
+    preset: Preset,
+    seed: u64,
+    progress: &(dyn Fn() + Sync),
+) -> Result<FrameSet, ExperimentError> {
+    let frames = frames_a_sequence(options);
+    let size = picture_size(options);
+    let shoot = broadcast(preset);
+    let first = stadium(&StadiumOptions {
+        daylight: shoot.daylight,
+        ..StadiumOptions::new(paper_field()?, scene_seed(seed, 0))
+    });
+    let [people_changed, boards_changed] = FROM_GAME_TO_GAME;
+    let occasion = scene_seed(seed, 1);
+    let second = first.at(&Moment { occasion, people_changed, boards_changed, ..Moment::default() });
+    let [people_changed, boards_changed] = FROM_SEQUENCE_TO_SEQUENCE;
+    let base = paper_base(&shoot, size);
+    let mut orders = Vec::new();
+    for (number, stated) in TABLE_2.iter().enumerate() {
+        let mut draw = rng(seed, [90, number as u64]);
+        let exposure_ev = EXPOSURE_SIGMA_EV * normal(&mut draw);
+        let of_second = number >= SEQUENCES_OF_FIRST_GAME;
+        let begins_s = SEQUENCE_EVERY_S * number as f64 + if of_second { SECOND_GAME_S } else { 0.0 };
+        let path = Path::drawn(stated, size, &mut draw);
+        for frame in 0..frames {
+            let step = path.step(frame as f64 / (frames - 1) as f64, begins_s);
+            let of_all = number * frames + frame;
+            orders.push(Order {
+                scene: if of_second { &second } else { &first },
+                moment: Moment {
+                    occasion: number as u64,
+                    people_changed,
+                    boards_changed,
+                    instant: seed.wrapping_mul(1_000).wrapping_add(of_all as u64),
+                    restlessness: 1.0,
+                },
+                camera: PtzCamera::new(base, step.ptz),
+                step,
+                number: of_all,
+                exposure_ev,
+                shoot: &shoot,
+                size,
+                seed,
+            });
+        }
+    }
+    let sequences = TABLE_2.len();
+    let frames_of = |sequence: usize| sequence * frames..(sequence + 1) * frames;
+    let split = |sequence: usize| Split {
+        name: format!("sequence {}", sequence + 1),
+        training_frames: (0..sequences * frames).filter(|frame| !frames_of(sequence).contains(frame)).collect(),
+        asked: frames_of(sequence).collect(),
+    };
+    Ok(FrameSet {
+        kind: SetKind::Drawn,
+        seed,
+        title: format!("drawn, {sequences} sequences of {frames} frames, {} × {} px", size.width, size.height),
+        protocol: "Leave one sequence out: each is tested against the frames of the other three.".to_owned(),
+        frames: take(&orders, Players::Kept, progress)?,
+        splits: (0..sequences).map(split).collect(),
+    })
+}
+
+/// How many frames a drawn sequence has.
+pub fn frames_a_sequence(options: &ExperimentOptions) -> usize {
+    options.sized(SEQUENCE_FRAMES, 6)
+}
+
+/// The seed of a scene: those of neighbouring seeds have none in common.
+pub(super) const fn scene_seed(seed: u64, scene: u64) -> u64 {
+    seed.wrapping_mul(1_000).wrapping_add(11 + 100 * scene)
+}
+
+/// How broadcast frames of the paper's time look where a preset does not say more: motion blur, a lens not quite sharp, noise,
+/// coarse compression.
+pub(super) fn broadcast(preset: Preset) -> ShootOptions {
+    let shoot = ShootOptions { step_s: STEP_S, ..preset.shoot() };
+    match preset {
+        Preset::Hard => shoot,
+        _ => ShootOptions {
+            shutter_s: 1.0 / 200.0,
+            defocus_px_at_1280: 0.8,
+            exposure_sigma_ev: 0.1,
+            noise_levels: 2.5,
+            jpeg_quality: 60,
+            ..shoot
+        },
+    }
+}
+
+/// The paper's field.
+fn paper_field() -> Result<FieldModel, ExperimentError> {
+    let [length_m, width_m] = FIELD_YD.map(|side| side * 0.9144);
+    let sides = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
+    Ok(builtin("soccer")?.model(&sides, 0.0)?)
+}
+
+/// The paper's base in pictures of another size, through the lens of a preset.
+fn paper_base(shoot: &ShootOptions, size: ImageSize) -> CameraBase {
+    let distortion = shoot.main_camera(size).distortion;
+    CameraBase { principal_point: size.centre(), distortion, ..base() }
+}
+
+/// Where a camera looks during a sequence: smooth, and exactly as far as table 2 states.
+struct Path {
+    range: [[f64; 2]; 3],
+    /// Phases of three waves for pan, tilt and focal length.
+    phases: [[f64; 3]; 3],
+    /// The least and the greatest sum of waves.
+    reach: [[f64; 2]; 3],
+}
+
+/// Waves of a sequence, their amplitudes, and how many of the slowest a sequence has.
+const AMPLITUDES: [f64; 3] = [1.0, 0.5, 0.25];
+const SLOWEST: f64 = 0.8;
+/// Where the reach of a path is looked at.
+const SAMPLES: usize = 29;
+
+impl Path {
+    fn drawn(stated: &Sequence, size: ImageSize, draw: &mut rand_pcg::Pcg64Mcg) -> Self {
+        let scale = f64::from(size.width) / f64::from(SIZE.width);
+        let phases = std::array::from_fn(|_| std::array::from_fn(|_| draw.random_range(0.0..TAU)));
+        let reach = std::array::from_fn(|axis| {
+            let at = (0..SAMPLES).map(|sample| waves(&phases[axis], sample as f64 / (SAMPLES - 1) as f64));
+            at.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+        });
+        Self { range: [stated.pan_deg, stated.tilt_deg, stated.focal_px.map(|f| (f * scale).ln())], phases, reach }
+    }
+
+    /// At a share of the sequence.
+    fn ptz(&self, share: f64) -> Ptz {
+        let [pan, tilt, log_focal] = std::array::from_fn(|axis| {
+            let ([low, high], [from, to]) = (self.reach[axis], self.range[axis]);
+            from + (to - from) * (waves(&self.phases[axis], share) - low) / (high - low)
+        });
+        Ptz::from_degrees(pan, tilt, log_focal.exp())
+    }
+
+    fn step(&self, share: f64, begins_s: f64) -> PathStep {
+        let lasts_s = STEP_S * (SAMPLES - 1) as f64;
+        let ahead = 1e-3;
+        let (ptz, before, after) = (self.ptz(share), self.ptz(share - ahead), self.ptz(share + ahead));
+        let per_s = 0.5 / (ahead * lasts_s);
+        let motion = CameraMotion {
+            pan_per_s: after.pan.turn_from(before.pan) * per_s,
+            tilt_per_s: (after.tilt - before.tilt) * per_s,
+            zoom_per_s: (after.focal_px / before.focal_px).ln() * per_s,
+        };
+        PathStep { time_s: begins_s + share * lasts_s, ptz, motion }
+    }
+}
+
+fn waves(phases: &[f64; 3], share: f64) -> f64 {
+    let each = AMPLITUDES.iter().zip(phases).enumerate();
+    each.map(|(wave, (amplitude, phase))| amplitude * (TAU * SLOWEST * (wave + 1) as f64 * share + phase).sin()).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_has_the_range_that_the_table_states_and_the_motion_of_its_steps() {
+        for (number, stated) in TABLE_2.iter().enumerate() {
+            let path = Path::drawn(stated, SIZE, &mut rng(7, [1, number as u64]));
+            let steps: Vec<PathStep> =
+                (0..SAMPLES).map(|at| path.step(at as f64 / (SAMPLES - 1) as f64, 0.0)).collect();
+            for (of, [from, to]) in [
+                ((|ptz| ptz.pan.degrees()) as fn(&Ptz) -> f64, stated.pan_deg),
+                (|ptz| ptz.tilt.degrees(), stated.tilt_deg),
+                (|ptz| ptz.focal_px, stated.focal_px),
+            ] {
+                let least = steps.iter().map(|step| of(&step.ptz)).fold(f64::INFINITY, f64::min);
+                let greatest = steps.iter().map(|step| of(&step.ptz)).fold(f64::NEG_INFINITY, f64::max);
+                assert!((least - from).abs() < 1e-6 && (greatest - to).abs() < 1e-6, "{least} {greatest}");
+            }
+            for pair in steps.windows(2) {
+                let mean = (pair[0].motion.pan_per_s + pair[1].motion.pan_per_s) * (0.5 * STEP_S);
+                let moved = pair[1].ptz.pan.turn_from(pair[0].ptz.pan);
+                assert!((mean - moved).degrees().abs() < 0.1 * (1.0 + moved.degrees().abs()), "{mean} {moved}");
+            }
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Errors of many trials with many cameras.
+
+use crate::camera::{Ptz, PtzCamera};
+use crate::score::camera_error;
+
+/// What one estimate errs by.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Errors {
+    /// Of the rotation from the world to the camera: what the picture shows.
+    pub rotation_deg: f64,
+    /// Of pan and tilt as numbers, whatever the base: the length of both, a pan counted by the cosine of the tilt.
+    pub pan_tilt_deg: f64,
+    pub focal_px: f64,
+}
+
+impl Errors {
+    pub fn of(truth: &PtzCamera, estimate: &PtzCamera) -> Self {
+        let error = camera_error(truth, estimate);
+        Self {
+            rotation_deg: error.rotation.degrees(),
+            pan_tilt_deg: pan_tilt_apart_deg(truth.ptz(), estimate.ptz()),
+            focal_px: error.focal_px.abs(),
+        }
+    }
+}
+
+fn pan_tilt_apart_deg(truth: Ptz, estimate: Ptz) -> f64 {
+    let pan = estimate.pan.turn_from(truth.pan).degrees() * truth.tilt.radians().cos();
+    pan.hypot((estimate.tilt - truth.tilt).degrees())
+}
+
+/// Errors of many trials with some cameras.
+#[derive(Clone, Debug, Default)]
+pub struct Collected {
+    /// By camera: the mean over its trials.
+    pub by_camera: Vec<Errors>,
+    /// Trials that gave no camera.
+    pub failed: usize,
+}
+
+impl Collected {
+    pub fn add_camera(&mut self, trials: &[Option<Errors>]) {
+        let found: Vec<Errors> = trials.iter().flatten().copied().collect();
+        self.failed += trials.len() - found.len();
+        if !found.is_empty() {
+            let mean = |of: fn(&Errors) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
+            self.by_camera.push(Errors {
+                rotation_deg: mean(|e| e.rotation_deg),
+                pan_tilt_deg: mean(|e| e.pan_tilt_deg),
+                focal_px: mean(|e| e.focal_px),
+            });
+        }
+    }
+
+    /// Mean and standard deviation over the cameras.
+    pub fn spread(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
+        let count = self.by_camera.len() as f64;
+        let mean = self.by_camera.iter().map(of).sum::<f64>() / count;
+        let squares: f64 = self.by_camera.iter().map(|errors| (of(errors) - mean).powi(2)).sum();
+        [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
+    }
+}
