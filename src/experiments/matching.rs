@@ -2,8 +2,7 @@
 //!
 //! ‖a − b‖² = ‖a‖² + ‖b‖² − 2 a·b, and the products of many descriptors with many are one product of two matrices, for which
 //! nalgebra has a kernel tuned to the processor (matrixmultiply). Entries are bytes and no sum exceeds 2²⁴, so that f32 holds every
-//! sum exactly: neighbours are those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences instead;
-//! `tests/benches/README.md` has both times.
+//! sum exactly: neighbours are those of a plain search, to the last bit. OpenCV's `BFMatcher` sums the squares of differences instead.
 
 use crate::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
 use nalgebra::DMatrix;
