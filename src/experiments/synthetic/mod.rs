@@ -149,7 +149,7 @@ fn pixel_noise(setting: &Setting, report: &mut Report) {
     report.text(&format!(
         "The authors' formula takes cos Δpan · cos Δtilt for the cosine between two rays, and pixels as separable in pan and tilt (eq. 2). \
          Points here are projected exactly, so that it errs without any noise; its refinement, over 32 points with the same projection, \
-         mends most of that but not all: {:.3}° and {:.1} px at σ = 3 px. The paper's own experiment seems to project by eq. 2 as well.",
+         does not mend all of that: {:.3}° and {:.1} px at σ = 3 px. The paper's own experiment seems to project by eq. 2 as well.",
         rotation[1], focal[1]
     ));
     let (sigma, degrees, px) = FIGURE_B;
