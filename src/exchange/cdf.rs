@@ -139,6 +139,6 @@ mod tests {
         silent.recording.start = None;
         assert_eq!(refusal(&silent), "cdf needs when the video begins; give --start-time");
         let ntsc = ExportOptions { rate: Some(Rate::new(30_000, 1001)), ..options() };
-        assert!(refusal(&ntsc).ends_with("rates are whole numbers in it, and 29.97 frames a second is none"));
+        assert!(refusal(&ntsc).ends_with("its frame rates are whole numbers, and 29.97 frames per second is not"));
     }
 }

@@ -188,7 +188,7 @@ mod tests {
             exported.notes,
             [
                 "1 clicks are on something that coco has no name for; they are left out",
-                "1 check clicks are written like all others; coco does not tell them apart"
+                "1 check clicks are written like all others; coco cannot mark them"
             ]
         );
     }

@@ -265,7 +265,7 @@ mod tests {
         let path = place.path().join("large.json");
         fs::File::create(&path).unwrap().set_len(MAX_FILE_BYTES + 1).unwrap();
         let error = Files::read(&path, &|_| true).unwrap_err();
-        assert_eq!(error.to_string(), "large.json: it has 65 MiB, and at most 64 MiB are read");
+        assert_eq!(error.to_string(), "large.json: it is 65 MiB, at most 64 MiB are read");
     }
 
     #[cfg(unix)]

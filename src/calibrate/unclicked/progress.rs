@@ -103,7 +103,7 @@ mod tests {
     #[test]
     fn progress_is_words_and_a_share() {
         let tying = UnclickedProgress::Tying { done: 1212, of: 4848 };
-        assert_eq!(tying.to_string(), "tying 1,212 of 4,848 pairs");
+        assert_eq!(tying.to_string(), "matching pairs of frames, 1,212 of 4,848");
         assert!((tying.share_of_step() - 0.25).abs() < 1e-12);
         let trying = UnclickedProgress::Trying { places: 304_425, done: 0, of: 5 };
         assert_eq!(trying.to_string(), "trying 304,425 places, round 1 of 5");
