@@ -109,13 +109,17 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     });
 }
 
-/// The menu that a key opens: the first one, or with the focus on the title of an open one its neighbour, by the arrows.
+/// The menu that a key opens: the first one, or with the focus on a title the neighbour of the open one, by the arrows.
 fn opened_by_key<'a>(ui: &Ui, titles: &'a [Response], first: bool) -> Option<&'a Response> {
     if first {
         return titles.first();
     }
     let is_open = |title: &Response| egui::Popup::is_id_open(ui.ctx(), egui::Popup::default_response_id(title));
-    let at = titles.iter().position(|title| title.has_focus() && is_open(title))?;
+    // The focus may stay on the title of a menu that was open before.
+    if !titles.iter().any(Response::has_focus) {
+        return None;
+    }
+    let at = titles.iter().position(is_open)?;
     let step = ui.input_mut(|input| {
         let right = input.consume_key(Modifiers::NONE, Key::ArrowRight);
         let left = input.consume_key(Modifiers::NONE, Key::ArrowLeft);

@@ -102,7 +102,7 @@ fn what_cannot_be_calibrated_is_one_line_and_leaves_nothing() {
     }
     fs::create_dir(place.path().join("empty")).unwrap();
     for (arguments, named) in [
-        ("calibrate grey -o found", "show the same stadium"),
+        ("calibrate grey -o found", "1 of 4 frames match each other"),
         ("calibrate empty -o found", "holds no image"),
         ("calibrate nowhere -o found", "nowhere"),
         ("calibrate grey -o found --field cricket", "no field template is named"),

@@ -71,7 +71,7 @@ fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
     let ticket = order(&bench).ticket;
     bench.act(Action::FindCameraProgress { ticket, progress: UnclickedProgress::Tying { done: 212, of: 480 } });
     let said = next_step(&bench.app);
-    assert_eq!(said.text, "Finding the camera: tying 212 of 480 pairs…");
+    assert_eq!(said.text, "Finding the camera: matching pairs of frames, 212 of 480…");
     assert_eq!(said.offers, [("Stop", Command::StopFindCamera)]);
     bench.command(Command::StopFindCamera);
     assert!(bench.effects.contains(&Effect::CancelFindCamera) && bench.app.why_not(Command::FindCamera).is_none());

@@ -37,14 +37,14 @@ fn clips_of_a_users_document_are_asked_of_each_other() {
     let ran = touchline(folder.path(), "experiment highlights --quick --train match/truth.json -o out");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let tables = &json(&folder.path().join("out/highlights.json"))["tables"];
-    let names: Vec<&str> = tables["highlights-sequences"]
+    let names: Vec<&str> = tables["highlights-sequences-default"]
         .as_array()
         .unwrap()
         .iter()
         .map(|row| row["sequence"].as_str().unwrap())
         .collect();
     assert_eq!(names, ["clip 0", "clip 1", "all"]);
-    let all = &tables["highlights-sequences"][2];
+    let all = &tables["highlights-sequences-default"][2];
     assert!(number(all, "found") >= 6.0 && number(all, "rotation_median_deg") < 0.02, "{all}");
     assert!(number(&tables["highlights-overlay"][2], "within_5_px") >= 0.75, "{tables}");
     assert_eq!(tables["highlights-worst"].as_array().unwrap().len(), 5);

@@ -102,7 +102,7 @@ fn the_lens_of_each_frame_is_found_on_request_unless_the_camera_has_one() {
     fs::write(folder.join("with_lens.json"), document_to_string(&with_lens).unwrap()).unwrap();
     let ran = touchline(&folder, "snap with_lens.json --k1 -o refused.json");
     assert_eq!(ran.code, 1, "{}", ran.stderr);
-    assert!(ran.stderr.contains("its camera has a lens, which holds for all its frames"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("its camera has lens distortion, which all its frames share"), "{}", ran.stderr);
 }
 
 #[test]

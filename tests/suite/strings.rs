@@ -9,14 +9,19 @@ const ROOMS: [&str; 8] = ["app", "ui", "jobs", "calibrate", "store", "media", "e
 /// The list.
 const LIST: &str = "tests/suite/samples/strings.txt";
 
-/// The sources of a room, in order.
+/// The sources of a room, in order; modules that are there for tests only are passed over.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    let declared = std::fs::read_to_string(folder.join("mod.rs")).unwrap_or_default();
+    let is_of_tests = |path: &Path| {
+        path.file_stem()
+            .is_some_and(|name| declared.contains(&format!("#[cfg(test)]\nmod {};", name.to_string_lossy())))
+    };
     let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
     for path in entries {
         if path.is_dir() {
             sources(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
+        } else if path.extension().is_some_and(|extension| extension == "rs") && !is_of_tests(&path) {
             found.push(path);
         }
     }

@@ -129,7 +129,7 @@ fn a_dataset_is_planned_written_and_can_be_stopped() {
     act(&mut headless, TransferAction::Dataset(Box::new(options)));
     let Look::Dataset(Ok(plan)) = found(&mut headless) else { panic!("a dataset was planned") };
     assert_eq!((plan.frames.len(), plan.pictures(), plan.counts()), (2, 4, [2, 0, 0]));
-    assert!(plan.notes.iter().any(|note| note.contains("nothing is left for validation, test")), "{:?}", plan.notes);
+    assert!(plan.notes.iter().any(|note| note.contains("none is left for validation, test")), "{:?}", plan.notes);
     let out = folder.path().join("set");
     headless.answer(Question::DatasetTo, &out);
     headless.wait_until("writing", |app| {

@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(tying.to_string(), "matching pairs of frames, 1,212 of 4,848");
         assert!((tying.share_of_step() - 0.25).abs() < 1e-12);
         let trying = UnclickedProgress::Trying { places: 304_425, done: 0, of: 5 };
-        assert_eq!(trying.to_string(), "trying 304,425 places, round 1 of 5");
+        assert_eq!(trying.to_string(), "trying 304,425 positions, round 1 of 5");
         assert!(UnclickedProgress::Looking { done: 0, of: 0 }.share_of_step().abs() < 1e-12);
     }
 }
