@@ -2,7 +2,7 @@
 
 A camera's classes of lines are projected as polylines, cut at the picture's border; a class that is annotated and shown counts
 as found where every annotated point is nearer than t px to its polyline. JaC@t = TP / (TP + FP + FN); of the annotation and the same
-turned by half a turn the better counts.
+turned by half a turn the better counts, for each t by itself.
 """
 
 import json
@@ -110,8 +110,10 @@ def shown(camera, lines):
                 pieces.append((pixels[a], crossing(pixels[a], pixels[b])))
             elif within[b] and known[a]:
                 pieces.append((crossing(pixels[b], pixels[a]), pixels[b]))
+        # Where it leaves the picture and comes back, the task's polyline goes straight on.
+        joins = [(one[1], other[0]) for one, other in zip(pieces, pieces[1:]) if not np.array_equal(one[1], other[0])]
         if pieces:
-            seen[name] = np.array(pieces)
+            seen[name] = np.array(pieces + joins)
     return seen
 
 
@@ -131,8 +133,7 @@ def jaccard(annotated, seen, threshold):
 
 def score(annotated, seen, thresholds):
     turned = {other_end(name): points for name, points in annotated.items()}
-    best = turned if jaccard(turned, seen, 5.0) > jaccard(annotated, seen, 5.0) else annotated
-    return [jaccard(best, seen, threshold) for threshold in thresholds]
+    return [max(jaccard(names, seen, threshold) for names in (annotated, turned)) for threshold in thresholds]
 
 
 def documents():
