@@ -147,15 +147,7 @@ pub fn open(path: &Path) -> Result<Opened, StoreError> {
     }
     let journal = Journal::open(&path, whole_bytes).map_err(io)?;
     let written = Some((written, hash.clone()));
-    let mut store = Store {
-        location: location.clone(),
-        journal,
-        written,
-        announced: None,
-        behind: false,
-        needs_whole: false,
-        lock,
-    };
+    let mut store = Store::begun(location.clone(), journal, written, lock);
     if damage == Damage::Misfit {
         store.write(&document, Some(&history))?;
     } else if recovery.edits.is_empty() {
@@ -345,17 +337,19 @@ impl Store {
         let io = |source| StoreError::from_io("write", &path, source);
         set_orphan_aside(&path)?;
         let journal = Journal::open(&path, 0).map_err(io)?;
-        let mut store = Self {
-            location: location.clone(),
-            journal,
-            written: None,
-            announced: None,
-            behind: false,
-            needs_whole: false,
-            lock,
-        };
+        let mut store = Self::begun(location.clone(), journal, None, lock);
         store.write(document, None)?;
         Ok(store)
+    }
+
+    /// A store whose journal holds no edit that the file lacks.
+    const fn begun(
+        location: Location,
+        journal: Journal,
+        written: Option<(Document, DocumentHash)>,
+        lock: Lock,
+    ) -> Self {
+        Self { location, journal, written, announced: None, behind: false, needs_whole: false, lock }
     }
 
     /// Where the document lies.

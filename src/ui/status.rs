@@ -56,15 +56,15 @@ fn step(panel: &mut Panel<'_>, ui: &mut Ui, guidance: &Guidance) {
     let offers = &guidance.offers;
     let room = ui.available_width();
     let text = width(ui, &guidance.text) + AROUND;
-    let all: f32 = offers.iter().map(|(says, _)| width(ui, says) + AROUND).sum();
+    let buttons = |offers: &[(&str, Command)]| offers.iter().map(|(says, _)| width(ui, says) + AROUND).sum::<f32>();
     // As many buttons as there is room for beside the text; at least the first, or all in a menu.
     let shown = match offers.len() {
-        count if text + all <= room => count,
+        count if text + buttons(offers) <= room => count,
         0 => 0,
         1 => 1,
         _ => usize::from(text + least_offers(ui, offers) <= room),
     };
-    let taken: f32 = offers[..shown].iter().map(|(says, _)| width(ui, says) + AROUND).sum();
+    let taken = buttons(&offers[..shown]);
     let menu = if shown < offers.len() { MORE } else { 0.0 };
     ui.scope(|ui| {
         ui.set_max_width((room - taken - menu).max(60.0));

@@ -54,7 +54,7 @@ fn read(file: &Path) -> Option<String> {
 }
 
 /// The library's sources; paths are relative to the package.
-fn library() -> &'static SourceMap {
+pub fn library() -> &'static SourceMap {
     static LIBRARY: LazyLock<SourceMap> = LazyLock::new(|| SourceMap::read(Path::new("src/lib.rs"), &read));
     &LIBRARY
 }

@@ -1,31 +1,15 @@
 //! Every text that people read, in one file to be reviewed: what the window says, and why something failed.
 
+use crate::architecture::library;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Where texts for people are written.
 const ROOMS: [&str; 8] = ["app", "ui", "jobs", "calibrate", "store", "media", "exchange", "solve"];
 /// The list.
 const LIST: &str = "tests/suite/samples/strings.txt";
-
-/// The sources of a room, in order; modules that are there for tests only are passed over.
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-    let declared = std::fs::read_to_string(folder.join("mod.rs")).unwrap_or_default();
-    let is_of_tests = |path: &Path| {
-        path.file_stem()
-            .is_some_and(|name| declared.contains(&format!("#[cfg(test)]\nmod {};", name.to_string_lossy())))
-    };
-    let mut entries: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            sources(&path, found);
-        } else if path.extension().is_some_and(|extension| extension == "rs") && !is_of_tests(&path) {
-            found.push(path);
-        }
-    }
-}
 
 /// The texts of a token stream in order. Attributes are no texts, save what an error says; modules for tests are passed over.
 fn texts(tokens: TokenStream, found: &mut Vec<String>) {
@@ -72,19 +56,19 @@ fn is_read(text: &str) -> bool {
 /// The list as it is now.
 fn listed() -> String {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let files: BTreeSet<&Path> = library().modules.values().map(|module| module.file.as_path()).collect();
     let mut list = String::new();
     for room in ROOMS {
-        let mut files = Vec::new();
-        sources(&root.join("src").join(room), &mut files);
-        for file in files {
-            let source = std::fs::read_to_string(&file).unwrap();
+        let room = Path::new("src").join(room);
+        for file in files.iter().filter(|file| file.starts_with(&room)) {
+            let source = std::fs::read_to_string(root.join(file)).unwrap();
             let mut found = Vec::new();
             texts(source.parse().unwrap(), &mut found);
             found.retain(|text| is_read(text));
             if found.is_empty() {
                 continue;
             }
-            let name: Vec<_> = file.strip_prefix(root).unwrap().iter().map(|part| part.to_string_lossy()).collect();
+            let name: Vec<_> = file.iter().map(|part| part.to_string_lossy()).collect();
             writeln!(list, "{}", name.join("/")).unwrap();
             for text in found {
                 writeln!(list, "    {}", text.escape_debug().to_string().replace("\\'", "'").replace("\\\"", "\""))
