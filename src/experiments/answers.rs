@@ -198,22 +198,56 @@ const STUDENT_975: [f64; 9] = [12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365,
 
 /// The 95 % interval of the mean `IoU`: frames of one seed share stadium, crowd and path, so that the seeds are what is independent.
 fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
-    let repeats = all.iter().map(|asked| asked.repeat + 1).max().unwrap_or(0);
-    let of_repeat = |repeat: usize| -> Vec<f64> {
-        all.iter().filter(|asked| asked.repeat == repeat).filter_map(|asked| asked.iou()).collect()
-    };
-    let by_repeat: Vec<Vec<f64>> = (0..repeats).map(of_repeat).filter(|ious| !ious.is_empty()).collect();
-    match &by_repeat[..] {
-        [] => [f64::NAN; 2],
-        [one] => Summary::of(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval),
-        several => {
-            let means: Vec<f64> = several.iter().map(|ious| mean_sd(ious)[0]).collect();
-            let [mean, sd] = mean_sd(&means);
-            let t = STUDENT_975.get(means.len() - 2).copied().unwrap_or(1.96);
-            let half = t * sd / (means.len() as f64).sqrt();
-            [(mean - half).max(0.0), (mean + half).min(1.0)]
-        }
+    let ious: Vec<Vec<f64>> = by_seed(all.iter().copied())
+        .into_iter()
+        .map(|asked| asked.into_iter().filter_map(AskedFrame::iou).collect())
+        .filter(|ious: &Vec<f64>| !ious.is_empty())
+        .collect();
+    if let [one] = &ious[..] {
+        return Summary::of(one, 0).map_or([f64::NAN; 2], |summary| summary.mean_interval);
     }
+    let means: Vec<f64> = ious.iter().map(|ious| mean_sd(ious)[0]).collect();
+    interval_over_seeds(&means).map(|end| end.clamp(0.0, 1.0))
+}
+
+/// The frames asked, a list for each seed.
+pub fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a AskedFrame>> {
+    let mut seeds: Vec<Vec<&AskedFrame>> = Vec::new();
+    for asked in asked {
+        if seeds.len() <= asked.repeat {
+            seeds.resize(asked.repeat + 1, Vec::new());
+        }
+        seeds[asked.repeat].push(asked);
+    }
+    seeds
+}
+
+/// The 95 % interval of a mean, from its value for each seed (Student's t); a single seed has none.
+pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
+    if values.len() < 2 {
+        return [f64::NAN; 2];
+    }
+    let [mean, sd] = mean_sd(values);
+    let t = STUDENT_975.get(values.len() - 2).copied().unwrap_or(1.96);
+    let half = t * sd / (values.len() as f64).sqrt();
+    [mean - half, mean + half]
+}
+
+/// By how much a number of some answers is greater than that of others, both in each seed: its 95 % interval over the seeds.
+pub fn difference<'a>(
+    of: impl IntoIterator<Item = &'a AskedFrame>,
+    than: impl IntoIterator<Item = &'a AskedFrame>,
+    number: impl Fn(&Tally) -> f64,
+) -> [f64; 2] {
+    let tallied = |asked: Vec<&'a AskedFrame>| number(&Tally::of(asked.into_iter()));
+    let pairs = by_seed(of).into_iter().zip(by_seed(than));
+    let differences: Vec<f64> = pairs.map(|(of, than)| tallied(of) - tallied(than)).collect();
+    interval_over_seeds(&differences)
+}
+
+/// An interval of a difference, for readers.
+pub fn describe_difference([low, high]: [f64; 2]) -> String {
+    format!("{low:+.3} to {high:+.3}")
 }
 
 /// A table of tallies, one for each name.
@@ -238,7 +272,10 @@ pub fn by_name<'a>(set: &'a FrameSet, asked: &'a [AskedFrame]) -> Vec<(&'a str, 
 }
 
 /// Every frame asked, a row each: `ways` names what was asked how.
-pub fn frame_table(sets: &[FrameSet], ways: &[(&str, &[AskedFrame])]) -> Table {
+pub fn frame_table<'a, N: AsRef<str>>(
+    sets: &[FrameSet],
+    ways: impl IntoIterator<Item = (N, &'a [AskedFrame])>,
+) -> Table {
     let mut table = Table::new(&[
         ("way", "way"),
         ("seed", "seed"),
@@ -254,10 +291,10 @@ pub fn frame_table(sets: &[FrameSet], ways: &[(&str, &[AskedFrame])]) -> Table {
         ("focal_px", "focal length error (px)"),
     ]);
     for (way, asked) in ways {
-        for asked in *asked {
+        for asked in asked {
             let set = &sets[asked.repeat];
             let mut row: Vec<Cell> = vec![
-                (*way).into(),
+                way.as_ref().into(),
                 (set.seed as usize).into(),
                 set.splits[asked.split].name.as_str().into(),
                 set.frames[asked.frame].name.as_str().into(),
@@ -316,5 +353,17 @@ mod tests {
         // 4.303 × .01 / √3 = .02484.
         assert!((low - 0.585_16).abs() < 1e-4 && (high - 0.634_84).abs() < 1e-4, "{low} {high}");
         assert!(Tally::of([].iter()).iou_mean.is_nan());
+    }
+
+    #[test]
+    fn a_difference_is_taken_in_each_seed() {
+        // The seeds differ by .3, the methods by .1 in each of them.
+        let of: Vec<AskedFrame> = [0.5, 0.8].iter().enumerate().map(|(seed, iou)| asked(seed, Some(*iou))).collect();
+        let than: Vec<AskedFrame> = [0.4, 0.7].iter().enumerate().map(|(seed, iou)| asked(seed, Some(*iou))).collect();
+        let [low, high] = difference(&of, &than, |tally| tally.iou_mean);
+        assert!((low - 0.1).abs() < 1e-9 && (high - 0.1).abs() < 1e-9, "{low} {high}");
+        let [low, high] = difference(&of[..1], &than[..1], |tally| tally.iou_mean);
+        assert!(low.is_nan() && high.is_nan());
+        assert_eq!(describe_difference([-0.01, 0.2]), "-0.010 to +0.200");
     }
 }

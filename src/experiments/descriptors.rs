@@ -111,8 +111,8 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
         table = table.with_column("paper_iou", "paper: IoU (forest)", paper);
     }
     report.table("kinds", "By kind of features.", table);
-    let ways: Vec<(&str, &[AskedFrame])> = names.into_iter().zip(asked.iter().map(Vec::as_slice)).collect();
-    report.data("frames", "Every frame asked, by kind of features.", frame_table(sets, &ways));
+    let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
+    report.data("frames", "Every frame asked, by kind of features.", frame_table(sets, ways));
     if !is_own {
         let shown = tallies.iter().map(|(name, tally)| format!("{name} {:.2}", tally.iou_mean));
         report.claim(

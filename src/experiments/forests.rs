@@ -2,11 +2,11 @@
 
 use super::answers::{AskedFrame, FoundCamera, RayCount};
 use super::paper::INLIER_DEG;
-use super::sets::FrameSet;
+use super::sets::{FrameSet, KnownFrame, Split};
 use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::Angle;
 use crate::relocalize::{
-    Forest, PredictOptions, RelocalizeOptions, SeenRange, TrainOptions, candidates_of, relocalize, train,
+    Forest, PredictOptions, RelocalizeOptions, Samples, SeenRange, TrainOptions, candidates_of, relocalize, train,
 };
 use rayon::prelude::*;
 use std::ops::ControlFlow;
@@ -80,11 +80,8 @@ pub struct Trained<'a> {
 impl<'a> Trained<'a> {
     /// Trains a forest for every split; `repeat` is the set's number among those of other seeds.
     pub fn of(set: &'a FrameSet, repeat: usize, training: &TrainOptions) -> Self {
-        let forest = |split: &super::sets::Split| {
-            let (samples, seen) = set.training_samples(&split.training_frames)?;
-            let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
-            Some((forest, seen))
-        };
+        let forest =
+            |split: &Split| trained_on(split.training_frames.iter().map(|&frame| &set.frames[frame]), training);
         Self { set, repeat, forests: set.splits.iter().map(forest).collect() }
     }
 
@@ -100,7 +97,7 @@ impl<'a> Trained<'a> {
         asking: &RelocalizeOptions,
         base_of: &(dyn Fn(&PtzCamera) -> CameraBase + Sync),
     ) -> Vec<AskedFrame> {
-        let of_split = |(number, split): (usize, &super::sets::Split)| -> Vec<AskedFrame> {
+        let of_split = |(number, split): (usize, &Split)| -> Vec<AskedFrame> {
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
                 let mut asked = AskedFrame::blank(self.set, self.repeat, number, frame);
@@ -126,7 +123,7 @@ impl<'a> Trained<'a> {
     /// Of all features of the frames asked: how many get a ray, and how many of those get the true one within half a degree
     /// as their first.
     pub fn count_rays(&self, predict: &PredictOptions) -> RayCount {
-        let of_split = |(number, split): (usize, &super::sets::Split)| {
+        let of_split = |(number, split): (usize, &Split)| {
             let Some((forest, _)) = &self.forests[number] else { return RayCount::default() };
             let one = |&frame: &usize| {
                 let known = &self.set.frames[frame];
@@ -150,6 +147,24 @@ impl<'a> Trained<'a> {
     }
 }
 
+/// A forest trained on some frames, and where they looked; none where they have no features.
+pub fn trained_on<'a>(
+    frames: impl Iterator<Item = &'a KnownFrame>,
+    training: &TrainOptions,
+) -> Option<(Forest, SeenRange)> {
+    let mut samples = Samples::new();
+    let mut looked = Vec::new();
+    for known in frames {
+        let rays = known.features.keypoints.iter().map(|keypoint| known.truth.ray_from_image(keypoint.point));
+        let pairs = rays.zip(&known.features.descriptors);
+        samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
+        looked.push(known.truth.ptz());
+    }
+    let seen = SeenRange::of(&looked)?;
+    let forest = train(&samples, training, &|_| ControlFlow::Continue(())).ok()?;
+    Some((forest, seen))
+}
+
 /// Trains on every set and asks it, one after the other.
 pub fn ask_all(sets: &[FrameSet], kind: ForestKind) -> Vec<AskedFrame> {
     let of_set = |(repeat, set): (usize, &FrameSet)| {
@@ -163,7 +178,6 @@ mod tests {
     use super::*;
     use crate::experiments::setting::rng;
     use crate::features::Descriptor;
-    use crate::relocalize::Samples;
     use rand::RngExt;
 
     #[test]

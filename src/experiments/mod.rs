@@ -22,6 +22,7 @@ mod fov;
 mod given;
 mod homographies;
 mod inputs;
+mod lost_iou;
 mod matching;
 mod motion;
 mod options;

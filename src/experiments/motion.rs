@@ -45,7 +45,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let pan_deg = |ptz: &Ptz| pans.unwrapped(ptz.pan).degrees();
     report.table("path", "The motion.", path_table(&real.ptz, &pan_deg));
     report.table("all", "All frames asked.", tally_table(("set", "set"), &[("drawn".into(), Tally::of(asked.iter()))]));
-    report.data("frames", "Every frame asked.", frame_table(std::slice::from_ref(&set), &[("default", &asked)]));
+    report.data("frames", "Every frame asked.", frame_table(std::slice::from_ref(&set), [("default", &asked[..])]));
     report.text(&evaluated(&set, &asked)?);
     let number = |frame: usize| (frame * stride) as f64;
     for (stem, label, of) in [

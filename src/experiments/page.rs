@@ -34,12 +34,14 @@ pub fn page(reports: &[Report]) -> String {
     // Writing to a string cannot fail.
     let _ = write!(
         text,
-        "{} confirmed, {} different, {} not measured. IoU is that of the part of the field in the picture, mean ± SD over the frames, \
-         a frame that was not found counting as 0; in parentheses the 95 % interval of the mean over the seeds. Frames are drawn in the \
+        "{} confirmed, {} different, {} undecided, {} not measured. IoU is that of the part of the field in the picture, mean ± SD over the frames, \
+         a frame that was not found counting as 0; in parentheses the 95 % interval of the mean over the seeds; \
+         undecided: the interval of the difference over the seeds holds 0, or what the paper states. Frames are drawn in the \
          paper's setting, players not masked; the paper's were real: agreement shows that the method does what the paper says, not how it \
          does on anyone's footage.\n\n{}",
         count(Verdict::Confirmed),
         count(Verdict::Differs),
+        count(Verdict::Undecided),
         count(Verdict::NotMeasured),
         table.to_markdown()
     );
@@ -58,7 +60,7 @@ mod tests {
         let mut two = Report::new("two", "Two");
         two.claim(Verdict::NotMeasured, "SURF .74", "–", "non-free");
         let text = page(&[one, two, Report::new("three", "Three")]);
-        assert!(text.contains("1 confirmed, 1 different, 1 not measured"), "{text}");
+        assert!(text.contains("1 confirmed, 1 different, 0 undecided, 1 not measured"), "{text}");
         assert!(text.contains("| IoU .83 | IoU .71 | **differs** | motion blur | one |"), "{text}");
         assert!(text.lines().count() < 60);
         assert_eq!(page(&[Report::new("three", "Three")]), "");

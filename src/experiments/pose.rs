@@ -34,7 +34,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let tallies: Vec<(Cell, Tally)> =
         names.iter().zip(&asked).map(|(name, asked)| ((*name).into(), Tally::of(asked.iter()))).collect();
     report.table("k1", "Errors with and without k1.", tally_table(("optimisation", "optimisation"), &tallies));
-    let ways = [(names[0], &asked[0][..]), (names[1], &asked[1][..])];
-    report.data("frames", "Every frame asked, with and without k1.", frame_table(std::slice::from_ref(set), &ways));
+    let ways = names.into_iter().zip(asked.iter().map(Vec::as_slice));
+    report.data("frames", "Every frame asked, with and without k1.", frame_table(std::slice::from_ref(set), ways));
     Ok(report)
 }

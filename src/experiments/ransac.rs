@@ -48,6 +48,13 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
     );
     let trials = options.sized(200, 12);
     let done = AtomicUsize::new(0);
+    let mut every = Table::new(&[
+        ("outliers", "outliers"),
+        ("trial", "picture"),
+        ("points", "points"),
+        ("right", "right"),
+        ("rounds", "rounds"),
+    ]);
     let shares: Vec<(f64, [Outcome; 2])> = OUTLIERS
         .into_iter()
         .enumerate()
@@ -58,6 +65,12 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
                 found
             };
             let found: Vec<[Run; 2]> = (0..trials).into_par_iter().map(of_trial).collect();
+            for (trial, runs) in found.iter().enumerate() {
+                for (points, run) in [2, 4].into_iter().zip(runs) {
+                    let right = usize::from(run.right);
+                    every.push(vec![outliers.into(), trial.into(), points.into(), right.into(), run.rounds.into()]);
+                }
+            }
             let outcome = |method: usize| Outcome::of(&found.iter().map(|runs| runs[method]).collect::<Vec<_>>());
             (outliers, [outcome(0), outcome(1)])
         })
@@ -69,6 +82,7 @@ pub fn run(options: &ExperimentOptions, progress: Progress) -> Report {
          for each share. Right: no point of the ground in the picture is more than {RIGHT_PX} px off."
     ));
     report.table("outliers", "Success and rounds over the share of outliers.", outlier_table(&shares));
+    report.data("pictures", "Every picture.", every);
     report.figure("success", "Success over the share of outliers.", success_figure(&shares));
     report.figure("rounds", "Rounds over the share of outliers (median).", rounds_figure(&shares));
     let mut times = Table::new(&[

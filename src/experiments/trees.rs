@@ -1,12 +1,12 @@
 //! One to ten trees: the distribution of 1 − `IoU`.
 
-use super::answers::{AskedFrame, mean_sd};
+use super::answers::{AskedFrame, difference, mean_sd};
 use super::forests::{ForestKind, Trained};
 use super::paper::ENOUGH_TREES;
 use super::progress::Progress;
 use super::sequences::introduce;
 use super::sets::{FrameSet, SetKind};
-use super::{ExperimentError, SharedInputs};
+use super::{ExperimentError, SharedInputs, lost_iou};
 use crate::relocalize::TrainOptions;
 use crate::report::figure::{Axis, Figure, Line, Mark, Series};
 use crate::report::{Cell, Column, Report, Table, Verdict};
@@ -14,9 +14,7 @@ use crate::score::quantile;
 
 /// The quantiles of 1 − `IoU` that are shown.
 const QUANTILES: [(f64, &str); 4] = [(0.5, "median"), (0.75, "75 %"), (0.9, "90 %"), (0.95, "95 %")];
-/// A log axis has no place for an `IoU` of 1.
-const LEAST_SHOWN: f64 = 1e-5;
-/// The mean `IoU` improves if it grows by more than this.
+/// A mean `IoU` that is greater by no more than this is no better.
 const IMPROVES: f64 = 0.005;
 
 /// Runs the experiment.
@@ -29,13 +27,14 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     introduce(&mut report, sets, "1 − IoU of all frames asked; not found counts as 1.");
     report.text(ForestKind::EXPLAINED);
     let counts: &[usize] = if inputs.options.quick { &[1, 2, 5] } else { &[1, 2, 3, 4, 5, 6, 7, 8, 9, 10] };
-    let mut means = Vec::new();
+    let mut both = Vec::new();
     for (number, kind) in ForestKind::BOTH.into_iter().enumerate() {
-        let lost = measure(sets, kind, counts, &|done, total| progress(number * total + done, 2 * total));
+        let asked = measure(sets, kind, counts, &|done, total| progress(number * total + done, 2 * total));
+        let lost: Vec<Vec<f64>> = asked.iter().map(|asked| lost(asked)).collect();
         let mut figure = Figure::new(
             "",
             Axis::linear("trees").within(0.0, counts.last().copied().unwrap_or(1) as f64 + 0.5),
-            Axis::log("1 − IoU").within(LEAST_SHOWN, 1.3),
+            lost_iou::axis(),
         );
         let styles = [
             (Mark::Disc, Line::Solid),
@@ -44,8 +43,10 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             (Mark::Cross, Line::Solid),
         ];
         for (place, ((share, name), (mark, line))) in QUANTILES.into_iter().zip(styles).enumerate() {
-            let points =
-                counts.iter().zip(&lost).map(|(trees, lost)| [*trees as f64, quantile(lost, share).max(LEAST_SHOWN)]);
+            let points = counts
+                .iter()
+                .zip(&lost)
+                .map(|(trees, lost)| [*trees as f64, quantile(lost, share).max(lost_iou::ENDS[0])]);
             figure = figure.with(Series::new(name, place + 1, points.collect()).marked(mark).lined(line));
         }
         report.figure(
@@ -57,21 +58,23 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             figure,
         );
         report.table(kind.key(), &format!("1 − IoU: {}.", kind.describe()), table(counts, &lost));
-        means.push(lost.iter().map(|lost| 1.0 - mean_sd(lost)[0]).collect::<Vec<f64>>());
+        both.push(asked);
     }
-    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &means[..]) {
-        let shown = |means: &[f64]| {
-            let each = counts.iter().zip(means).filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
-            each.map(|(trees, iou)| format!("{trees}: {iou:.3}")).collect::<Vec<_>>().join(", ")
+    if let (SetKind::Drawn, [default, published]) = (sets[0].kind, &both[..]) {
+        let shown = |asked: &[Vec<AskedFrame>]| {
+            let each = counts.iter().zip(asked).filter(|(trees, _)| [1, 2, 5, 10].contains(*trees));
+            let means = each.map(|(trees, asked)| format!("{trees}: {:.3}", 1.0 - mean_sd(&lost(asked))[0]));
+            means.collect::<Vec<_>>().join(", ")
         };
-        let beyond = |means: &[f64]| {
-            let at = counts.iter().position(|trees| *trees == ENOUGH_TREES).unwrap_or(0);
-            let most = means[at..].iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (means[at] - means[0] > IMPROVES, most - means[at] <= IMPROVES)
+        let at = counts.iter().position(|trees| *trees == ENOUGH_TREES).unwrap_or(0);
+        let gain = |to: usize, from: usize| difference(&published[to], &published[from], |tally| tally.iou_mean);
+        // Beyond, no number of trees is better by more than chance makes it.
+        let verdict = match Verdict::above(gain(at, 0), 0.0) {
+            Verdict::Confirmed if (at + 1..counts.len()).any(|more| gain(more, at)[0] > IMPROVES) => Verdict::Differs,
+            verdict => verdict,
         };
-        let (improves, enough) = beyond(published);
         report.claim(
-            Verdict::of(improves && enough),
+            verdict,
             &format!("The distribution of 1 − IoU improves up to about {ENOUGH_TREES} trees"),
             &format!("mean IoU by trees: --published {}; default forest {}", shown(published), shown(default)),
             "a tree of the default forest holds every sample, so that one tree is nearly as good as ten",
@@ -80,23 +83,26 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     Ok(report)
 }
 
-/// 1 − `IoU` of all frames, ascending, for each number of trees.
-fn measure(sets: &[FrameSet], kind: ForestKind, counts: &[usize], progress: Progress) -> Vec<Vec<f64>> {
+/// 1 − `IoU` of all frames, ascending.
+fn lost(asked: &[AskedFrame]) -> Vec<f64> {
+    let mut lost: Vec<f64> = asked.iter().filter_map(AskedFrame::iou).map(|iou| 1.0 - iou).collect();
+    lost.sort_by(f64::total_cmp);
+    lost
+}
+
+/// All frames asked, for each number of trees.
+fn measure(sets: &[FrameSet], kind: ForestKind, counts: &[usize], progress: Progress) -> Vec<Vec<AskedFrame>> {
     let most = counts.iter().copied().max().unwrap_or(1);
-    let mut lost = vec![Vec::new(); counts.len()];
+    let mut asked = vec![Vec::new(); counts.len()];
     for (repeat, set) in sets.iter().enumerate() {
         let training = TrainOptions { trees: most as u32, ..kind.training(set.seed) };
         let all = Trained::of(set, repeat, &training);
         for (place, trees) in counts.iter().enumerate() {
-            let asked = all.first_trees(*trees).ask_plainly(&kind.asking(set.seed));
-            lost[place].extend(asked.iter().filter_map(AskedFrame::iou).map(|iou| 1.0 - iou));
+            asked[place].extend(all.first_trees(*trees).ask_plainly(&kind.asking(set.seed)));
             progress(repeat * counts.len() + place + 1, sets.len() * counts.len());
         }
     }
-    for lost in &mut lost {
-        lost.sort_by(f64::total_cmp);
-    }
-    lost
+    asked
 }
 
 fn table(counts: &[usize], lost: &[Vec<f64>]) -> Table {

@@ -24,6 +24,8 @@ pub enum Verdict {
     Confirmed,
     /// It does not.
     Differs,
+    /// The difference is one that chance makes: its interval holds both.
+    Undecided,
     /// It cannot be measured here.
     NotMeasured,
 }
@@ -35,12 +37,26 @@ impl Verdict {
         if holds { Self::Confirmed } else { Self::Differs }
     }
 
+    /// Confirmed if the whole interval of a measurement lies above a number, different if all of it lies below.
+    #[must_use]
+    pub fn above(interval: [f64; 2], least: f64) -> Self {
+        let [low, high] = interval;
+        if low > least {
+            Self::Confirmed
+        } else if high < least {
+            Self::Differs
+        } else {
+            Self::Undecided
+        }
+    }
+
     /// For people.
     #[must_use]
     pub const fn describe(self) -> &'static str {
         match self {
             Self::Confirmed => "confirmed",
             Self::Differs => "differs",
+            Self::Undecided => "undecided",
             Self::NotMeasured => "not measured",
         }
     }
@@ -54,5 +70,18 @@ impl Claim {
             "verdict": self.verdict.describe(),
             "reason": self.reason,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_chance_may_have_made_is_not_decided() {
+        assert_eq!(Verdict::above([0.1, 0.3], 0.0), Verdict::Confirmed);
+        assert_eq!(Verdict::above([-0.1, 0.3], 0.0), Verdict::Undecided);
+        assert_eq!(Verdict::above([-0.3, -0.1], 0.0), Verdict::Differs);
+        assert_eq!(Verdict::above([f64::NAN; 2], 0.0), Verdict::Undecided);
     }
 }

@@ -158,12 +158,12 @@ impl Report {
     pub fn files(&self) -> Result<Vec<ReportFile>, FigureError> {
         let mut files = vec![
             (format!("{}.md", self.name), self.standing_alone(self.to_markdown()).into_bytes()),
-            (format!("{}.json", self.name), self.json(&self.blocks).into_bytes()),
+            (format!("{}.json", self.name), self.json(&self.blocks, false).into_bytes()),
         ];
         if !self.times.is_empty() {
             let times = self.standing_alone(self.times_to_markdown());
             files.push((format!("{}-times.md", self.name), times.into_bytes()));
-            files.push((format!("{}-times.json", self.name), self.json(&self.times).into_bytes()));
+            files.push((format!("{}-times.json", self.name), self.json(&self.times, true).into_bytes()));
         }
         for block in self.blocks.iter().chain(&self.times) {
             match block {
@@ -181,7 +181,8 @@ impl Report {
         Ok(files)
     }
 
-    fn json(&self, blocks: &[Block]) -> String {
+    /// The tables of these blocks, and the claims of times or the others.
+    fn json(&self, blocks: &[Block], of_times: bool) -> String {
         let tables = blocks.iter().filter_map(|block| match block {
             Block::Table { stem, table, .. } => Some((stem.clone(), table.to_json())),
             _ => None,
@@ -191,7 +192,7 @@ impl Report {
         if let Some(provenance) = &self.provenance {
             whole["made_by"] = provenance.json();
         }
-        let claims: Vec<&Claim> = self.claims.iter().filter(|claim| !claim.of_times).collect();
+        let claims: Vec<&Claim> = self.claims.iter().filter(|claim| claim.of_times == of_times).collect();
         if !claims.is_empty() {
             whole["claims"] = claims.into_iter().map(Claim::json).collect();
         }

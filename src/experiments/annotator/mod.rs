@@ -57,6 +57,14 @@ pub fn run(
         ("wrong", "wrong"),
         ("certain_and_wrong", "wrong at .95 or more"),
     ]);
+    let mut frames = Table::new(&[
+        ("way", "way of labelling"),
+        ("frame", "frame"),
+        ("clicked", "clicked"),
+        ("worst_corner_px", "worst corner off (px)"),
+        ("sigma_px", "stated, 1-σ (px)"),
+        ("confidence", "confidence"),
+    ]);
     let mut times = Table::new(&[("way", "way of labelling"), ("seconds", "s")]);
     let ways: [Way<'_>; 5] = [
         ("two clicks on every frame", &|| Ok(Some(two_clicks(&clip)))),
@@ -70,48 +78,90 @@ pub fn run(
         let labelled = way()?;
         times.push(vec![name.into(), Cell::Number(begun.elapsed().as_secs_f64())]);
         let nothing = || vec![name.into(), Cell::Number(0.0), Cell::Count(0), Cell::Count(0)];
-        let mut row = labelled.map_or_else(nothing, |labelled| row(name, &clip, &labelled));
+        let mut row = labelled.map_or_else(nothing, |labelled| {
+            let answers = answers(&clip, &labelled);
+            add_frames(&mut frames, name, &answers);
+            row(name, &clip, &labelled, &answers)
+        });
         row.resize(table.columns.len(), Cell::Empty);
         table.push(row);
     }
     report.table("ways", "One clip, labelled in five ways.", table);
+    report.data("frames", "Every frame with a camera, by way of labelling.", frames);
     report.time_table("times", "How long the program worked.", times);
     Ok(report)
 }
 
-fn row(name: &str, clip: &DrawnClip, labelled: &Labelled) -> Vec<Cell> {
-    let (mut corners, mut sigmas) = (Vec::new(), Vec::new());
-    let [mut answered, mut wrong, mut certain] = [0; 3];
-    for (frame, truth) in labelled.document.frames.iter().zip(&clip.truth) {
-        let Some(ptz) = frame.ptz.as_ref().map(FramePtz::ptz) else { continue };
-        answered += 1;
+/// What became of one frame.
+struct Answer {
+    frame: usize,
+    is_clicked: bool,
+    /// How far the corners of the picture are off, px.
+    corners: [f64; 4],
+    is_wrong: bool,
+    confidence: Option<f64>,
+    /// The stated error at the worst corner, 1-σ, px.
+    sigma_px: Option<f64>,
+    /// The square of the error in stated sigmas; none where the base is not the true one.
+    squared_sigmas: Option<f64>,
+}
+
+fn answers(clip: &DrawnClip, labelled: &Labelled) -> Vec<Answer> {
+    let each = labelled.document.frames.iter().zip(&clip.truth).enumerate();
+    each.filter_map(|(at, (frame, truth))| {
+        let ptz = frame.ptz.as_ref().map(FramePtz::ptz)?;
         // A base that was found is not the true one; what counts is where the picture is.
         let base = labelled.document.camera_of(frame).and_then(|camera| camera.base_for(frame));
-        let apart = corners_apart_px(truth, &PtzCamera::new(base.unwrap_or(*truth.base()), ptz), frame.image_size);
-        let worst = apart.iter().copied().fold(0.0, f64::max);
-        let is_wrong = worst > WRONG_PX * frame.image_size.scale_from_1920();
-        wrong += usize::from(is_wrong);
-        let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);
-        certain += usize::from(is_wrong && confidence.is_some_and(|confidence| confidence >= CERTAIN));
-        corners.extend(apart);
-        if base == Some(*truth.base()) {
-            sigmas.extend(in_sigmas(frame, ptz, truth.ptz()));
-        }
-    }
+        let corners = corners_apart_px(truth, &PtzCamera::new(base.unwrap_or(*truth.base()), ptz), frame.image_size);
+        let worst = corners.iter().copied().fold(0.0, f64::max);
+        let solution = frame.solution.as_ref();
+        Some(Answer {
+            frame: at,
+            is_clicked: labelled.clicked.contains(&at),
+            corners,
+            is_wrong: worst > WRONG_PX * frame.image_size.scale_from_1920(),
+            confidence: solution.and_then(|solution| solution.confidence),
+            sigma_px: solution.and_then(|solution| solution.worst_corner_sigma_px),
+            squared_sigmas: (base == Some(*truth.base())).then(|| in_sigmas(frame, ptz, truth.ptz())).flatten(),
+        })
+    })
+    .collect()
+}
+
+fn row(name: &str, clip: &DrawnClip, labelled: &Labelled, answers: &[Answer]) -> Vec<Cell> {
+    let wrong = || answers.iter().filter(|answer| answer.is_wrong);
+    let certain = wrong().filter(|answer| answer.confidence.is_some_and(|confidence| confidence >= CERTAIN)).count();
+    let sigmas: Vec<f64> = answers.iter().filter_map(|answer| answer.squared_sigmas).collect();
+    let mut corners: Vec<f64> = answers.iter().flat_map(|answer| answer.corners).collect();
     corners.sort_by(f64::total_cmp);
     let mut cells = vec![
         name.into(),
         Cell::Number(100.0 * labelled.clicked.len() as f64 / clip.truth.len() as f64),
         labelled.clicks.into(),
-        answered.into(),
+        answers.len().into(),
     ];
     cells.extend([0.5, 0.9, 0.99].map(|share| Cell::Number(quantile(&corners, share))));
     match SigmaCoverage::of(&sigmas) {
         Some(coverage) => cells.extend([coverage.within_68, coverage.error_over_sigma].map(Cell::Number)),
         None => cells.extend([Cell::Empty, Cell::Empty]),
     }
-    cells.extend([wrong.into(), certain.into()]);
+    cells.extend([wrong().count().into(), certain.into()]);
     cells
+}
+
+/// Adds the frames that a way gave a camera, a row each.
+fn add_frames(table: &mut Table, name: &str, answers: &[Answer]) {
+    for answer in answers {
+        let worst = answer.corners.iter().copied().fold(0.0, f64::max);
+        table.push(vec![
+            name.into(),
+            answer.frame.into(),
+            usize::from(answer.is_clicked).into(),
+            Cell::Number(worst),
+            answer.sigma_px.into(),
+            answer.confidence.into(),
+        ]);
+    }
 }
 
 /// The square of a frame's error in its stated sigmas.

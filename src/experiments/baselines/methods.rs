@@ -6,13 +6,11 @@ use crate::experiments::ransac::{Match, agreeing, by_four_points, through};
 use crate::experiments::sets::KnownFrame;
 use crate::experiments::setting::rng;
 use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
-use crate::relocalize::{PoseOptions, RayCandidate, RayMatches, pose_from_candidates};
+use crate::relocalize::{PoseOptions, PredictOptions, RayCandidate, RayMatches, pose_from_candidates};
 use crate::solve::pose_from_plane;
 
 /// A match counts if the nearest descriptor is nearer than this share of the second nearest (Lowe 2004), squared.
 const RATIO_SQUARED: f32 = 0.8 * 0.8;
-/// The gate on descriptors' distances, as the forest has it.
-const GATE: f32 = 0.2;
 /// References that are verified: those with most matches.
 const VERIFIED: usize = 5;
 /// Fewer matches make no homography.
@@ -83,12 +81,13 @@ impl<'a> Matched<'a> {
 
     /// Each feature's nearest neighbour among all references is its ray; then the pose from two points.
     pub fn by_neighbours(&self, references: &[Reference<'_>], options: &PoseOptions) -> Option<PtzCamera> {
+        let gate = PredictOptions::default().max_squared_distance;
         let mut matches = RayMatches::new();
         for (feature, keypoint) in self.asked.features.keypoints.iter().enumerate() {
             let of_all = self.nearest[..references.len()].iter().zip(references);
             let each = of_all.filter_map(|(nearest, reference)| Some((nearest.get(feature)?, reference)));
             let best = each.min_by(|a, b| a.0.squared_distance.total_cmp(&b.0.squared_distance));
-            if let Some((nearest, reference)) = best.filter(|(nearest, _)| nearest.squared_distance <= GATE) {
+            if let Some((nearest, reference)) = best.filter(|(nearest, _)| nearest.squared_distance <= gate) {
                 push_ray(&mut matches, keypoint.point, reference, nearest);
             }
         }

@@ -1,15 +1,14 @@
 //! The time of one frame over the number of references: all methods side by side, one after the other, in one run.
 
 use super::methods::{Matched, Reference};
-use super::{MARKS, METHODS};
-use crate::experiments::forests::ForestKind;
+use super::{MARKS, METHODS, no_more_than};
+use crate::experiments::forests::{ForestKind, trained_on};
 use crate::experiments::sets::{FrameSet, KnownFrame};
-use crate::relocalize::{PoseOptions, Samples, SeenRange, relocalize, train};
+use crate::relocalize::{PoseOptions, SeenRange, relocalize};
 use crate::report::figure::{Axis, Figure, Series};
 use crate::report::{Cell, Column, Report, Table};
 use crate::score::quantile;
 use std::hint::black_box;
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 /// Where times are taken.
@@ -29,8 +28,7 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
     let others = sets.iter().skip(1).flat_map(|set| &set.frames);
     let references: Vec<&KnownFrame> = own.chain(others).collect();
     let wanted: &[usize] = if quick { &QUICK_COUNTS } else { &COUNTS };
-    let mut counts: Vec<usize> = wanted.iter().map(|count| (*count).min(references.len())).collect();
-    counts.dedup();
+    let counts = no_more_than(references.len(), wanted);
     let stride = (split.asked.len() / ASKED).max(1);
     let asked: Vec<&KnownFrame> = split.asked.iter().step_by(stride).map(|&frame| &set.frames[frame]).collect();
     counts.into_iter().map(|count| (count, of_count(&references[..count], &asked, set.seed))).collect()
@@ -38,22 +36,13 @@ pub fn measured(sets: &[FrameSet], quick: bool) -> Times {
 
 fn of_count(references: &[&KnownFrame], asked: &[&KnownFrame], seed: u64) -> [f64; METHODS.len()] {
     let ready: Vec<Reference<'_>> = references.iter().map(|known| Reference::of(known)).collect();
-    let forests = ForestKind::BOTH.map(|kind| {
-        let mut samples = Samples::new();
-        for known in references {
-            let rays = known.features.keypoints.iter().map(|keypoint| known.truth.ray_from_image(keypoint.point));
-            let pairs = rays.zip(&known.features.descriptors);
-            samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
-        }
-        let looked: Vec<_> = references.iter().map(|known| known.truth.ptz()).collect();
-        let forest = train(&samples, &kind.training(seed), &|_| ControlFlow::Continue(())).ok();
-        (forest.zip(SeenRange::of(&looked)), kind.asking(seed))
-    });
+    let forests =
+        ForestKind::BOTH.map(|kind| (trained_on(references.iter().copied(), &kind.training(seed)), kind.asking(seed)));
+    let looked: Vec<_> = references.iter().map(|known| known.truth.ptz()).collect();
+    let ranges = SeenRange::of(&looked).map(|seen| seen.plausible());
+    let options = PoseOptions { ranges, seed, ..PoseOptions::default() };
     let mut times: [Vec<f64>; METHODS.len()] = std::array::from_fn(|_| Vec::new());
     for known in asked {
-        let looked: Vec<_> = references.iter().map(|known| known.truth.ptz()).collect();
-        let ranges = SeenRange::of(&looked).map(|seen| seen.plausible());
-        let options = PoseOptions { ranges, seed, ..PoseOptions::default() };
         let mut take = |method: usize, work: &dyn Fn()| {
             let start = Instant::now();
             work();

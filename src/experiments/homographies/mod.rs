@@ -25,6 +25,7 @@ const QUICK_STRIDE: usize = 8;
 
 /// A frame with its camera and how that scores.
 struct Scored {
+    name: String,
     sampled: Sampled,
     fitted: Fitted,
     iou_part: f64,
@@ -43,8 +44,8 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     let steps = read.frames.len() + 2 * WITHIN_PX.len();
     let done = AtomicUsize::new(0);
     let step = || progress(done.fetch_add(1, Ordering::Relaxed) + 1, steps);
-    let of_frame = |(_, image_from_ground): &(String, _)| {
-        let scored = score(&read, image_from_ground);
+    let of_frame = |(name, image_from_ground): &(String, _)| {
+        let scored = score(&read, name, image_from_ground);
         step();
         scored
     };
@@ -66,6 +67,7 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
         scored.len()
     ));
     report.table("fit", "The camera fitted to each homography.", fit_table(&scored));
+    report.data("frames", "Every frame.", frame_table(&scored));
     let residuals: Vec<f64> = scored.iter().map(|scored| scored.fitted.rms_px).collect();
     let shared_residual = Axis::log("distance from the homography, root mean square (px)");
     let share = || Axis::linear("share of frames").within(0.0, 1.0);
@@ -141,12 +143,13 @@ pub fn run(options: &ExperimentOptions, folder: &Path, progress: Progress) -> Re
     Ok(report)
 }
 
-fn score(read: &Homographies, image_from_ground: &crate::geometry::Mat3) -> Option<Scored> {
+fn score(read: &Homographies, name: &str, image_from_ground: &crate::geometry::Mat3) -> Option<Scored> {
     let view = PlaneView::new(image_from_ground, SIZE)?;
     let sampled = Sampled::new(&view, &read.field)?;
     let fitted = sampled.fitted(&read.field)?;
     let estimate = PlaneView::of_camera(&fitted.camera, SIZE)?;
     Some(Scored {
+        name: name.to_owned(),
         iou_part: view.iou_part(&read.field, &estimate)?,
         iou_whole: view.iou_whole(&read.field, &estimate),
         sampled,
@@ -175,6 +178,27 @@ fn fit_table(scored: &[Scored]) -> Table {
         let Some(summary) = Summary::of(&values, 0) else { continue };
         let mut row: Vec<Cell> = vec![name.into(), summary.count.into()];
         row.extend([summary.mean, summary.median, summary.p90, summary.p95, summary.max].map(|v| (sign * v).into()));
+        table.push(row);
+    }
+    table
+}
+
+/// Every frame, a row each.
+fn frame_table(scored: &[Scored]) -> Table {
+    let mut table = Table::new(&[
+        ("frame", "frame"),
+        ("rms_px", "distance, root mean square (px)"),
+        ("iou_part", "IoU_part"),
+        ("iou_whole", "IoU_whole"),
+        ("x_m", "camera, along (m)"),
+        ("y_m", "across (m)"),
+        ("z_m", "up (m)"),
+    ]);
+    for scored in scored {
+        let at = scored.fitted.camera.base().position_m;
+        let numbers = [scored.fitted.rms_px, scored.iou_part, scored.iou_whole, at.x, at.y, at.z];
+        let mut row = vec![Cell::from(scored.name.as_str())];
+        row.extend(numbers.map(Cell::Number));
         table.push(row);
     }
     table

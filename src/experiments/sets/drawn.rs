@@ -49,11 +49,7 @@ pub(super) fn take(
     let one = |order: &Order<'_>| {
         let mut options = order.shoot.frame(order.number, &order.step, order.size, order.seed);
         options.exposure_ev += order.exposure_ev;
-        let drawn = if order.moment == Moment::default() {
-            order.scene.render(&order.camera, order.size, &options)
-        } else {
-            order.scene.at(&order.moment).render(&order.camera, order.size, &options)
-        };
+        let drawn = order.scene.at(&order.moment).render(&order.camera, order.size, &options);
         let masks: Vec<PixelBox> =
             drawn.movers.iter().map(|mover| mover.area).chain(drawn.graphics.iter().copied()).collect();
         let mut jpeg = Vec::new();

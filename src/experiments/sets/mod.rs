@@ -15,12 +15,11 @@ pub use published::{PublishedKind, published, published_folder};
 pub use worldcup::{frames_a_game, worldcup};
 
 use super::ExperimentError;
-use crate::camera::{Ptz, PtzCamera};
+use crate::camera::PtzCamera;
 use crate::features::Features;
 use crate::field::FieldModel;
 use crate::geometry::PixelBox;
 use crate::media::{FrameReader, FrameRef};
-use crate::relocalize::{Samples, SeenRange};
 use image::{ImageFormat, RgbImage};
 
 /// A frame whose camera is known.
@@ -147,18 +146,6 @@ impl FrameSet {
             frame.is_masked = true;
         }
         set
-    }
-
-    /// The training samples of some frames, and where they looked; none without features.
-    pub fn training_samples(&self, frames: &[usize]) -> Option<(Samples, SeenRange)> {
-        let mut samples = Samples::new();
-        for frame in frames.iter().map(|&frame| &self.frames[frame]) {
-            let rays = frame.features.keypoints.iter().map(|keypoint| frame.truth.ray_from_image(keypoint.point));
-            let pairs = rays.zip(&frame.features.descriptors);
-            samples.add_frame(pairs.filter_map(|(ray, descriptor)| Some((*descriptor, ray.ok()?))));
-        }
-        let seen: Vec<Ptz> = frames.iter().map(|&frame| self.frames[frame].truth.ptz()).collect();
-        Some((samples, SeenRange::of(&seen)?))
     }
 
     /// The names of the splits, each once, in their order.

@@ -1,6 +1,7 @@
 //! Errors of many trials with many cameras.
 
 use crate::camera::{Ptz, PtzCamera};
+use crate::report::{Cell, Table};
 use crate::score::camera_error;
 
 /// What one estimate errs by.
@@ -32,31 +33,59 @@ fn pan_tilt_apart_deg(truth: Ptz, estimate: Ptz) -> f64 {
 /// Errors of many trials with some cameras.
 #[derive(Clone, Debug, Default)]
 pub struct Collected {
-    /// By camera: the mean over its trials.
-    pub by_camera: Vec<Errors>,
+    /// The cameras' numbers, and the mean of each over its trials.
+    pub by_camera: Vec<(usize, Errors)>,
     /// Trials that gave no camera.
     pub failed: usize,
 }
 
 impl Collected {
-    pub fn add_camera(&mut self, trials: &[Option<Errors>]) {
+    pub fn add_camera(&mut self, camera: usize, trials: &[Option<Errors>]) {
         let found: Vec<Errors> = trials.iter().flatten().copied().collect();
         self.failed += trials.len() - found.len();
         if !found.is_empty() {
             let mean = |of: fn(&Errors) -> f64| found.iter().map(of).sum::<f64>() / found.len() as f64;
-            self.by_camera.push(Errors {
+            let errors = Errors {
                 rotation_deg: mean(|e| e.rotation_deg),
                 pan_tilt_deg: mean(|e| e.pan_tilt_deg),
                 focal_px: mean(|e| e.focal_px),
-            });
+            };
+            self.by_camera.push((camera, errors));
         }
     }
 
     /// Mean and standard deviation over the cameras.
     pub fn spread(&self, of: fn(&Errors) -> f64) -> [f64; 2] {
         let count = self.by_camera.len() as f64;
-        let mean = self.by_camera.iter().map(of).sum::<f64>() / count;
-        let squares: f64 = self.by_camera.iter().map(|errors| (of(errors) - mean).powi(2)).sum();
+        let mean = self.by_camera.iter().map(|(_, errors)| of(errors)).sum::<f64>() / count;
+        let squares: f64 = self.by_camera.iter().map(|(_, errors)| (of(errors) - mean).powi(2)).sum();
         [mean, (squares / (count - 1.0).max(1.0)).sqrt()]
     }
+}
+
+/// Every camera at every noise by every method, a row each: the means over its trials.
+pub fn camera_table<'a, const N: usize>(
+    noise: &str,
+    methods: [&str; N],
+    by_noise: impl IntoIterator<Item = (f64, &'a [Collected; N])>,
+) -> Table {
+    let mut table = Table::new(&[
+        ("sigma", noise),
+        ("method", "method"),
+        ("camera", "camera"),
+        ("rotation_deg", "rotation error (°)"),
+        ("pan_tilt_deg", "pan and tilt (°)"),
+        ("focal_px", "focal length error (px)"),
+    ]);
+    for (sigma, collected) in by_noise {
+        for (method, collected) in methods.iter().zip(collected) {
+            for (camera, errors) in &collected.by_camera {
+                let numbers = [errors.rotation_deg, errors.pan_tilt_deg, errors.focal_px];
+                let mut row = vec![sigma.into(), (*method).into(), (*camera).into()];
+                row.extend(numbers.map(Cell::Number));
+                table.push(row);
+            }
+        }
+    }
+    table
 }

@@ -1,7 +1,7 @@
 //! Figures (c) and (d): the base is known wrongly, pixels are exact.
 
 use super::Setting;
-use super::collected::{Collected, Errors};
+use super::collected::{Collected, Errors, camera_table};
 use super::methods::{farthest_pair, refined, two_points};
 use crate::camera::{CameraBase, PtzCamera};
 use crate::experiments::setting::{Sighting, normals};
@@ -21,7 +21,7 @@ const COMPARED: f64 = 0.1;
 const PERCENT_A_PX: f64 = 3.2 / 100.0;
 
 /// The errors of all cameras at each noise.
-type Measured = Vec<(f64, Collected)>;
+type Measured = Vec<(f64, [Collected; 1])>;
 
 /// Figure (c): the base's position is known wrongly.
 pub(super) fn position_noise(setting: &Setting<'_>, report: &mut Report) {
@@ -73,7 +73,7 @@ fn measure(
     wrong: impl Fn(&CameraBase, f64, crate::geometry::Vec3) -> CameraBase + Sync,
 ) -> Measured {
     let of_noise = |(number, sigma): (usize, &f64)| {
-        let [collected] = setting.collect(place + number as u64, |camera, seen, rng| {
+        let collected = setting.collect(place + number as u64, |camera, seen, rng| {
             [with_wrong_base(camera, seen, &wrong(camera.base(), *sigma, normals(rng)))]
         });
         (*sigma, collected)
@@ -93,13 +93,13 @@ const ERRORS: [fn(&Errors) -> f64; 3] =
 /// Mean rotation, pan and tilt (°) and focal length error (px) at a noise.
 fn means(measured: &Measured, sigma: f64) -> [f64; 3] {
     let at = measured.iter().find(|(noise, _)| *noise == sigma);
-    at.map_or([f64::NAN; 3], |(_, collected)| ERRORS.map(|of| collected.spread(of)[0]))
+    at.map_or([f64::NAN; 3], |(_, [collected])| ERRORS.map(|of| collected.spread(of)[0]))
 }
 
 fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
     let series = |name: &str, colour: usize, of: fn(&Errors) -> f64| {
         let spreads: Vec<(f64, [f64; 2])> =
-            measured.iter().map(|(noise, of_all)| (*noise, of_all.spread(of))).collect();
+            measured.iter().map(|(noise, [of_all])| (*noise, of_all.spread(of))).collect();
         let points = spreads.iter().map(|(noise, [mean, _])| [*noise, *mean]).collect();
         let bars = spreads.iter().map(|(_, [mean, sd])| [(mean - sd).max(mean * 0.05), mean + sd]).collect();
         Series::new(name, colour, points).with_bars(bars)
@@ -128,7 +128,7 @@ fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
         ("focal_px", "focal length error (px)"),
         ("focal_sd_px", "SD"),
     ]);
-    for (sigma, collected) in measured {
+    for (sigma, [collected]) in measured {
         let mut row = vec![Cell::Fixed(*sigma, 2)];
         for (of, decimals) in ERRORS.into_iter().zip([4, 4, 3]) {
             row.extend(collected.spread(of).map(|value| Cell::Fixed(value, decimals)));
@@ -136,4 +136,6 @@ fn part(report: &mut Report, part: &str, noise: &str, measured: &Measured) {
         table.push(row);
     }
     report.table(part, "Mean errors of the full refinement; SD over the cameras.", table);
+    let every = camera_table(noise, ["all rays, refined"], measured.iter().map(|(sigma, of)| (*sigma, of)));
+    report.data(&format!("{part}-cameras"), "Every camera at every noise.", every);
 }
