@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench reliability demo film experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema bench reliability demo film pictures experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -57,6 +57,10 @@ demo: build-packages ## draw projects/demo again
 film: build-packages ## film the window at work, the picture at the top of README (wants Xvfb, openbox, xdotool, ffmpeg)
 	cargo build --release
 	assets/readme/film target/release/touchline
+
+pictures: build-packages ## take the pictures of the user guide and of README in the window (wants the same)
+	cargo build --release
+	assets/guide/take-pictures target/release/touchline
 
 # What the reports say they were built from.
 experiments experiments-real: export TOUCHLINE_COMMIT = $(shell git describe --always --dirty 2>/dev/null)

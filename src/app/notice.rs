@@ -35,3 +35,32 @@ pub enum Level {
     /// Something failed; stays until it is closed.
     Error,
 }
+
+/// The message that stands in the row: the latest. A question stands before warnings that came after it, as nothing else would
+/// bring it back; information leaves by itself, and what failed is said at once.
+#[must_use]
+pub fn in_row(notices: &[Notice]) -> Option<&Notice> {
+    let latest = notices.last()?;
+    let question = notices.iter().rfind(|notice| notice.level == Level::Question);
+    if latest.level == Level::Warning { question.or(Some(latest)) } else { Some(latest) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_question_is_not_hidden_by_warnings() {
+        let notice = |id: u64, level: Level| Notice { id, level, text: String::new(), offers: Vec::new() };
+        let shown = |levels: &[Level]| {
+            let notices: Vec<Notice> = (0..).zip(levels).map(|(id, level)| notice(id, *level)).collect();
+            in_row(&notices).map(|notice| notice.id)
+        };
+        assert_eq!(shown(&[]), None);
+        assert_eq!(shown(&[Level::Question, Level::Warning, Level::Warning]), Some(0));
+        assert_eq!(shown(&[Level::Question, Level::Warning, Level::Info]), Some(2));
+        assert_eq!(shown(&[Level::Question, Level::Question, Level::Warning]), Some(1));
+        assert_eq!(shown(&[Level::Question, Level::Error]), Some(1));
+        assert_eq!(shown(&[Level::Warning, Level::Warning]), Some(1));
+    }
+}

@@ -3,7 +3,7 @@
 pub use super::dialog::{Dialog, Leaving, Question, SidePanel};
 pub use super::filter::{Filter, is_to_do, status_label};
 pub use super::mode::{Mode, Naming, OFFERED};
-pub use super::notice::{Level, Notice};
+pub use super::notice::{Level, Notice, in_row};
 
 use super::base::BaseWork;
 use super::bulk::BulkWork;

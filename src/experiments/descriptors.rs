@@ -1,7 +1,7 @@
 //! SIFT against ORB and AKAZE: each feature's nearest neighbour among all references' features is its ray, then the pose.
 
 use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, frame_table, tally_table};
-use super::matching::{Rows, nearest};
+use super::matching::{DescriptorRows, nearest};
 use super::paper::SIFT_SURF;
 use super::progress::Progress;
 use super::sequences::introduce;
@@ -26,7 +26,7 @@ const BATCH: usize = 16;
 
 /// The features of all frames of a set, of one kind.
 enum Described {
-    Sift(Vec<Rows>),
+    Sift(Vec<DescriptorRows>),
     Bits { frames: Vec<(Vec<Keypoint>, Vec<BinaryDescriptor>)>, kind: BinaryKind },
 }
 
@@ -35,7 +35,7 @@ type Neighbour = (f32, usize);
 
 impl Described {
     fn sift(set: &FrameSet) -> Self {
-        Self::Sift(set.frames.iter().map(|known| Rows::of(&known.features.descriptors)).collect())
+        Self::Sift(set.frames.iter().map(|known| DescriptorRows::of(&known.features.descriptors)).collect())
     }
 
     fn keypoints<'a>(&'a self, set: &'a FrameSet, frame: usize) -> &'a [Keypoint] {
@@ -48,7 +48,7 @@ impl Described {
     /// For each feature of a frame the nearest of another frame, where that has any.
     fn neighbours(&self, frame: usize, other: usize) -> Vec<Option<Neighbour>> {
         match self {
-            Self::Sift(rows) if rows[other].len() == 0 => vec![None; rows[frame].len()],
+            Self::Sift(rows) if rows[other].is_empty() => vec![None; rows[frame].len()],
             Self::Sift(rows) => {
                 let found = nearest(&rows[frame], &rows[other]);
                 found.iter().map(|found| Some((found.squared_distance / MAX_SQUARED_DISTANCE, found.feature))).collect()

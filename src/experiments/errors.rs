@@ -1,6 +1,8 @@
 //! The distributions of rotation and focal length errors.
 
-use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, difference, tally_table};
+use super::answers::{
+    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, by_seed, difference, interval_over_seeds, tally_table,
+};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::ROTATION;
@@ -62,9 +64,17 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     report.table("summary", "In numbers.", tally_table(("set", "set and forest"), &tallies));
     let (degrees, share) = ROTATION;
     if one[0].kind != SetKind::Own {
-        let shown = tallies.iter().map(|(name, tally)| format!("{name} {:.0} %", 100.0 * tally.within_rotation));
+        let within = |asked: Vec<&AskedFrame>| Tally::of(asked.into_iter()).within_rotation;
+        let interval = |asked: &[AskedFrame]| -> [f64; 2] {
+            interval_over_seeds(&by_seed(asked).into_iter().map(within).collect::<Vec<_>>())
+        };
+        let intervals: Vec<[f64; 2]> = asked.iter().map(|(_, asked)| interval(asked)).collect();
+        let shown = tallies.iter().zip(&intervals).map(|((name, tally), [low, high])| {
+            let [mean, low, high] = [tally.within_rotation, *low, high.min(1.0)].map(|share| 100.0 * share);
+            format!("{name} {mean:.0} % ({low:.0} to {high:.0})")
+        });
         report.claim(
-            Verdict::of(tallies.iter().all(|(_, tally)| tally.within_rotation > share)),
+            Verdict::all(intervals.iter().map(|interval| Verdict::above(*interval, share))),
             &format!("Rotation error below {degrees}° for more than about {:.0} % of the images", 100.0 * share),
             &shown.collect::<Vec<_>>().join(", "),
             "not found counts as not below",

@@ -8,12 +8,15 @@ use crate::features::{DESCRIPTOR_BYTES, DESCRIPTOR_NORM, Descriptor};
 use nalgebra::DMatrix;
 
 /// Descriptors as rows of a matrix, with their squared lengths.
-pub struct Rows {
+#[derive(Clone, Debug)]
+pub struct DescriptorRows {
     matrix: DMatrix<f32>,
     squared: Vec<f32>,
 }
 
-impl Rows {
+impl DescriptorRows {
+    /// Of some descriptors.
+    #[must_use]
     pub fn of(descriptors: &[Descriptor]) -> Self {
         let values = descriptors.iter().flat_map(|descriptor| descriptor.0.map(f32::from));
         let matrix = DMatrix::from_row_iterator(descriptors.len(), DESCRIPTOR_BYTES, values);
@@ -24,14 +27,23 @@ impl Rows {
         Self { matrix, squared }
     }
 
+    /// How many there are.
+    #[must_use]
     pub const fn len(&self) -> usize {
         self.squared.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.squared.is_empty()
     }
 }
 
 /// The feature of a reference that is nearest to one of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
+    /// Its number in the reference.
     pub feature: usize,
     /// Of descriptors of unit length.
     pub squared_distance: f32,
@@ -40,8 +52,9 @@ pub struct Nearest {
 }
 
 /// For each feature of a picture the nearest of a reference; empty where the reference has none.
-pub fn nearest(asked: &Rows, reference: &Rows) -> Vec<Nearest> {
-    if reference.len() == 0 {
+#[must_use]
+pub fn nearest(asked: &DescriptorRows, reference: &DescriptorRows) -> Vec<Nearest> {
+    if reference.is_empty() {
         return Vec::new();
     }
     // A column for each feature asked.
@@ -82,7 +95,7 @@ mod tests {
             (0..count).map(one).collect()
         };
         let (asked, reference) = (descriptors(40), descriptors(90));
-        let found = nearest(&Rows::of(&asked), &Rows::of(&reference));
+        let found = nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&reference));
         assert_eq!(found.len(), asked.len());
         for (descriptor, found) in asked.iter().zip(found) {
             let mut distances: Vec<(f32, usize)> =
@@ -91,6 +104,6 @@ mod tests {
             assert_eq!((found.squared_distance, found.feature), distances[0]);
             assert_eq!(found.second, distances[1].0);
         }
-        assert_eq!(nearest(&Rows::of(&asked), &Rows::of(&[])), []);
+        assert_eq!(nearest(&DescriptorRows::of(&asked), &DescriptorRows::of(&[])), []);
     }
 }

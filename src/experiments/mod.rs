@@ -3,6 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | the experiments | [`Experiment`], [`SharedInputs`] |
+//! | the matching of the baselines | [`nearest`] |
 //! | two annotators' agreement | [`agreement_tables`], [`agreement_json`] |
 //! | an evaluation for people | [`evaluation_report`], [`evaluation_tables`] |
 //!
@@ -44,6 +45,7 @@ pub use agreement::{agreement_by_frame, agreement_by_landmark, agreement_json, a
 pub use error::ExperimentError;
 pub use evaluation::{evaluation_report, evaluation_tables, frame_scores};
 pub use inputs::SharedInputs;
+pub use matching::{DescriptorRows, Nearest, nearest};
 pub use options::{Experiment, ExperimentOptions, UnknownExperiment};
 pub use page::page;
 pub use progress::Progress;

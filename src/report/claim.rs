@@ -50,6 +50,17 @@ impl Verdict {
         }
     }
 
+    /// Of several measurements together: confirmed if all are, different if one is.
+    #[must_use]
+    pub fn all(verdicts: impl IntoIterator<Item = Self>) -> Self {
+        let rank = |verdict: &Self| {
+            [Self::Confirmed, Self::NotMeasured, Self::Undecided, Self::Differs]
+                .iter()
+                .position(|other| other == verdict)
+        };
+        verdicts.into_iter().max_by_key(rank).unwrap_or(Self::NotMeasured)
+    }
+
     /// For people.
     #[must_use]
     pub const fn describe(self) -> &'static str {
@@ -83,5 +94,8 @@ mod tests {
         assert_eq!(Verdict::above([-0.1, 0.3], 0.0), Verdict::Undecided);
         assert_eq!(Verdict::above([-0.3, -0.1], 0.0), Verdict::Differs);
         assert_eq!(Verdict::above([f64::NAN; 2], 0.0), Verdict::Undecided);
+        assert_eq!(Verdict::all([Verdict::Confirmed, Verdict::Undecided]), Verdict::Undecided);
+        assert_eq!(Verdict::all([Verdict::Differs, Verdict::Undecided]), Verdict::Differs);
+        assert_eq!(Verdict::all([Verdict::Confirmed; 2]), Verdict::Confirmed);
     }
 }

@@ -6,7 +6,7 @@ use super::{
     Panel,
     theme::{Palette, Themed as _},
 };
-use crate::app::session::{Level, Notice};
+use crate::app::session::{Level, Notice, in_row};
 use crate::app::{Action, App, Command};
 use egui::{Align, Button, Color32, Id, Label, Layout, RichText, Role, Ui, WidgetInfo};
 use std::time::Duration;
@@ -21,14 +21,14 @@ const HOVERED_SECONDS: f64 = 2.0;
 /// A message by its number and text (numbers begin anew with every document), and since when it is in the row.
 type Seen = ((u64, String), f64);
 
-/// Shows the latest message, the number of the others, and the way to all of them.
+/// Shows one message, the number of the others, and the way to all of them.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     let app = panel.app;
-    let latest = app.session.notices.last();
-    let opacity = latest.map_or(1.0, |notice| opacity(panel.actions, ui, notice));
+    let shown = in_row(&app.session.notices);
+    let opacity = shown.map_or(1.0, |notice| opacity(panel.actions, ui, notice));
     ui.multiply_opacity(opacity);
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        if let Some(notice) = latest {
+        if let Some(notice) = shown {
             let tip = format!("Dismiss: {}", notice.text);
             let palette = ui.palette();
             if symbol::button(ui, Symbol::Cross, &tip, palette.weak).on_hover_text("Dismiss this message.").clicked() {
@@ -36,7 +36,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             }
         }
         others(app, panel.actions, ui);
-        let Some(notice) = latest else { return };
+        let Some(notice) = shown else { return };
         // They are laid out from the right.
         for &(says, command) in notice.offers.iter().rev() {
             if ui.add(Button::new(says).small()).on_hover_text(app.settings.keys.tooltip(command)).clicked() {

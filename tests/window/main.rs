@@ -17,6 +17,7 @@ mod parts;
 mod preferences;
 mod quality;
 mod review;
+mod timeline;
 mod tour;
 mod trainer;
 mod transfer;
@@ -39,6 +40,7 @@ fn main() -> ExitCode {
         preferences::TESTS,
         quality::TESTS,
         review::TESTS,
+        timeline::TESTS,
         tour::TESTS,
         trainer::TESTS,
         transfer::TESTS,

@@ -35,6 +35,9 @@ const MOST_CLICKED: f64 = 0.05;
 /// Frames beside the one in doubt that may be clicked in its place.
 const BESIDE: usize = 12;
 
+/// While a person labels for the forest, one frame in this many is asked for, as its neighbours look alike; all of them are in the end.
+const ASKED_MEANWHILE: usize = 8;
+
 impl Labelled {
     /// Nothing yet.
     pub fn nothing(clip: &DrawnClip) -> Self {
@@ -67,20 +70,29 @@ impl Labelled {
         near.into_iter().any(|at| !self.clicked.contains(&at) && self.click(clip, at, landmarks))
     }
 
+    /// Where the program advises to label next, in the clip as if it had the frames at some places alone.
+    fn advised(&self, clip: &DrawnClip, places: &[usize]) -> Option<usize> {
+        let frames = places.iter().map(|at| self.document.frames[*at].clone()).collect();
+        let some = Document { frames, ..self.document.clone() };
+        let coverage = Coverage::of_cameras(some.at(clip.folder()), &TrainingFrames::of_solved(&some).frames);
+        label_advice(&some, &coverage).next.map(|next| places[next.frame])
+    }
+
     fn is_over(&self) -> bool {
         self.clicked.len() as f64 >= MOST_CLICKED * self.document.frames.len() as f64
     }
 
-    /// The frame that is most in doubt: without a camera, or with the largest stated error beyond what a person lets pass.
-    fn most_doubtful(&self) -> Option<usize> {
-        let frames = self.document.frames.iter().map(|frame| &**frame).enumerate();
-        let doubt = |(at, frame): (usize, &Frame)| {
+    /// The frame that is most in doubt of those at some places: without a camera, or with the largest stated error beyond what a
+    /// person lets pass.
+    fn most_doubtful(&self, places: impl IntoIterator<Item = usize>) -> Option<usize> {
+        let doubt = |at: usize| {
+            let frame = &self.document.frames[at];
             let sigma = frame.solution.as_ref().and_then(|solution| solution.worst_corner_sigma_px);
             let px = if frame.ptz.is_some() { sigma.unwrap_or(f64::INFINITY) } else { f64::INFINITY };
             (!self.clicked.contains(&at) && px > DOUBTFUL_PX).then_some((at, px))
         };
         // Where several are without a camera, the middle of them.
-        let doubts: Vec<(usize, f64)> = frames.filter_map(doubt).collect();
+        let doubts: Vec<(usize, f64)> = places.into_iter().filter_map(doubt).collect();
         let worst = doubts.iter().map(|(_, px)| *px).fold(0.0, f64::max);
         let alike: Vec<usize> = doubts.iter().filter(|(_, px)| *px >= worst).map(|(at, _)| *at).collect();
         alike.get(alike.len() / 2).copied()
@@ -114,7 +126,7 @@ pub fn carried(clip: &DrawnClip, mut labelled: Labelled) -> Result<Labelled, Exp
         });
         let tracked = tracked.map_err(|error| wrong(clip, &error))?;
         record_tracked(&mut labelled.document, &tracked);
-        let Some(worst) = labelled.most_doubtful() else { return Ok(labelled) };
+        let Some(worst) = labelled.most_doubtful(0..clip.truth.len()) else { return Ok(labelled) };
         if labelled.is_over() || !labelled.click_near(clip, worst, 4) {
             return Ok(labelled);
         }
@@ -148,8 +160,8 @@ pub fn no_click(clip: &DrawnClip) -> Result<Option<Labelled>, ExperimentError> {
 /// Frames that are looked at where nothing is clicked.
 const LOOK_AT: usize = 40;
 
-/// Frames that teach a forest are labelled one after the other where the program advises it, until every frame has an answer that it is
-/// sure of.
+/// Frames that teach a forest are labelled one after the other where the program advises it, until it is sure of every frame that is
+/// asked for meanwhile; then all are.
 ///
 /// # Errors
 /// A picture cannot be read.
@@ -158,20 +170,24 @@ pub fn forest(clip: &DrawnClip, is_snapped: bool) -> Result<Labelled, Experiment
     labelled.click_near(clip, clip.truth.len() / 2, 4);
     let store = FeatureStore::in_memory();
     loop {
-        propose_all(clip, &mut labelled, &store, is_snapped)?;
-        let document = &labelled.document;
-        let coverage = Coverage::of_cameras(document.at(clip.folder()), &TrainingFrames::of_solved(document).frames);
-        let advised = label_advice(document, &coverage).next.map(|next| next.frame);
-        let Some(next) = advised.or_else(|| labelled.most_doubtful()) else { return Ok(labelled) };
+        let meanwhile = |at: &usize| at.is_multiple_of(ASKED_MEANWHILE) || labelled.clicked.contains(at);
+        let asked: Vec<usize> = (0..clip.truth.len()).filter(meanwhile).collect();
+        propose_some(clip, &mut labelled, &asked, &store, is_snapped)?;
+        let Some(next) = labelled.advised(clip, &asked).or_else(|| labelled.most_doubtful(asked)) else { break };
         if labelled.is_over() || !labelled.click_near(clip, next, 4) {
-            return Ok(labelled);
+            break;
         }
     }
+    let all: Vec<usize> = (0..clip.truth.len()).collect();
+    propose_some(clip, &mut labelled, &all, &store, is_snapped)?;
+    Ok(labelled)
 }
 
-fn propose_all(
+/// The forest of what is labelled proposes the cameras of those frames at some places that nobody has decided on.
+fn propose_some(
     clip: &DrawnClip,
     labelled: &mut Labelled,
+    places: &[usize],
     store: &FeatureStore,
     is_snapped: bool,
 ) -> Result<(), ExperimentError> {
@@ -184,7 +200,7 @@ fn propose_all(
     let studied = study(&pictures, &mut reader, &training.frames, &go_on).unwrap_or_default();
     let model =
         learn(&before, &studied, &options, &|_| ControlFlow::Continue(())).map_err(|error| wrong(clip, &error))?;
-    let asked: Vec<usize> = (0..before.frames.len()).filter(|at| before.frames[*at].is_open()).collect();
+    let asked: Vec<usize> = places.iter().copied().filter(|at| before.frames[*at].is_open()).collect();
     let asking = RelocalizeOptions::default();
     let proposals = pictures.each(&mut reader, &asked, |frame, _, found| {
         ControlFlow::Continue(propose(&before, frame, found, (&model, 0), &asking))

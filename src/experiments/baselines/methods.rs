@@ -1,7 +1,7 @@
 //! The methods that the forest is compared with, each as strong as it is known to be.
 
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::experiments::matching::{Nearest, Rows, nearest};
+use crate::experiments::matching::{DescriptorRows, Nearest, nearest};
 use crate::experiments::ransac::{Match, agreeing, by_four_points, through};
 use crate::experiments::sets::KnownFrame;
 use crate::experiments::setting::rng;
@@ -19,12 +19,12 @@ const LEAST: usize = 4;
 /// A frame whose camera is known, ready to be matched to.
 pub struct Reference<'a> {
     pub known: &'a KnownFrame,
-    pub rows: Rows,
+    pub rows: DescriptorRows,
 }
 
 impl<'a> Reference<'a> {
     pub fn of(known: &'a KnownFrame) -> Self {
-        Self { known, rows: Rows::of(&known.features.descriptors) }
+        Self { known, rows: DescriptorRows::of(&known.features.descriptors) }
     }
 }
 
@@ -39,7 +39,7 @@ pub struct Matched<'a> {
 impl<'a> Matched<'a> {
     /// Matches a picture to references.
     pub fn to(asked: &'a KnownFrame, references: &[Reference<'_>], seed: u64) -> Self {
-        let rows = Rows::of(&asked.features.descriptors);
+        let rows = DescriptorRows::of(&asked.features.descriptors);
         let nearest = references.iter().map(|reference| nearest(&rows, &reference.rows)).collect();
         Self { asked, nearest, seed }
     }

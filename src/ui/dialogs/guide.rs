@@ -1,4 +1,4 @@
-//! The user guide: the Markdown of `assets/guide`, a page at a time.
+//! The user guide: the Markdown of `assets/guide`, a page at a time, with the pictures that it names.
 
 use super::sheet;
 use crate::app::Action;
@@ -8,7 +8,11 @@ use crate::ui::{
     theme::{self, Palette, Themed as _},
 };
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Button, Context, FontFamily, FontId, Label, RichText, ScrollArea, Ui, vec2};
+use egui::{
+    Button, ColorImage, Context, FontFamily, FontId, Id, Image, Label, RichText, Role, ScrollArea, TextureHandle,
+    TextureOptions, Ui, WidgetInfo, vec2,
+};
+use image::ImageFormat;
 
 /// The text of a page.
 const fn text(page: GuidePage) -> &'static str {
@@ -26,12 +30,25 @@ const fn text(page: GuidePage) -> &'static str {
     }
 }
 
+/// The pictures by the names that pages give them (`make pictures` takes them).
+const PICTURES: [(&str, &[u8]); 9] = [
+    ("pictures/camera.webp", include_bytes!("../../../assets/guide/pictures/camera.webp")),
+    ("pictures/export.webp", include_bytes!("../../../assets/guide/pictures/export.webp")),
+    ("pictures/naming.webp", include_bytes!("../../../assets/guide/pictures/naming.webp")),
+    ("pictures/quality.webp", include_bytes!("../../../assets/guide/pictures/quality.webp")),
+    ("pictures/review.webp", include_bytes!("../../../assets/guide/pictures/review.webp")),
+    ("pictures/solved.webp", include_bytes!("../../../assets/guide/pictures/solved.webp")),
+    ("pictures/timeline.webp", include_bytes!("../../../assets/guide/pictures/timeline.webp")),
+    ("pictures/uncertainty.webp", include_bytes!("../../../assets/guide/pictures/uncertainty.webp")),
+    ("pictures/window.webp", include_bytes!("../../../assets/guide/pictures/window.webp")),
+];
+
 /// The width of the list of pages, points.
 const LIST: f32 = 120.0;
 
 /// Shows a page of the guide; closing it leads back to a dialog if `leads_back`.
 pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: bool) {
-    sheet(panel, ctx, "User guide", vec2(760.0, 520.0), |panel, ui| {
+    sheet(panel, ctx, "User guide", vec2(860.0, 580.0), |panel, ui| {
         ui.horizontal_top(|ui| {
             ui.vertical(|ui| {
                 ui.set_width(LIST);
@@ -61,10 +78,19 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context, page: GuidePage, leads_back: b
     });
 }
 
-/// A line of Markdown: a title, an entry of a list, or a paragraph.
+/// A line of Markdown: a title, the heading of a section, a picture, an entry of a list, or a paragraph.
 fn show_line(ui: &mut Ui, line: &str) {
     if let Some(title) = line.strip_prefix("# ") {
         ui.label(RichText::new(title).heading().color(ui.palette().strong));
+        return;
+    }
+    if let Some(heading) = line.strip_prefix("## ") {
+        ui.add_space(theme::SPACE);
+        ui.label(RichText::new(heading).size(15.0).strong().color(ui.palette().strong));
+        return;
+    }
+    if let Some((caption, name)) = picture(line) {
+        show_picture(ui, caption, name);
         return;
     }
     let Some(text) = Some(line.trim()).filter(|line| !line.is_empty()) else {
@@ -83,6 +109,32 @@ fn show_line(ui: &mut Ui, line: &str) {
         }
         ui.add(Label::new(laid_out(ui.palette(), text)).wrap().selectable(true));
     });
+}
+
+/// The caption and the name of the picture that a line is.
+fn picture(line: &str) -> Option<(&str, &str)> {
+    line.strip_prefix("![")?.strip_suffix(')')?.split_once("](")
+}
+
+/// Shows a picture as wide as there is room, its caption for those who do not see it.
+fn show_picture(ui: &mut Ui, caption: &str, name: &str) {
+    let memory = Id::unique(("picture of the guide", name));
+    let known = ui.data(|data| data.get_temp::<TextureHandle>(memory));
+    let Some(texture) = known.or_else(|| decoded(ui.ctx(), name)) else { return };
+    ui.data_mut(|data| data.insert_temp(memory, texture.clone()));
+    let size = texture.size_vec2();
+    let width = ui.available_width().min(size.x);
+    let shown = ui.add(Image::from_texture(&texture).fit_to_exact_size(size * (width / size.x)).corner_radius(4.0));
+    shown.widget_info(|| WidgetInfo::labeled(Role::Image, true, caption));
+    shown.on_hover_text(caption);
+}
+
+/// A picture of the guide on the graphics adapter.
+fn decoded(ctx: &Context, name: &str) -> Option<TextureHandle> {
+    let (_, bytes) = PICTURES.iter().find(|(known, _)| *known == name)?;
+    let picture = image::load_from_memory_with_format(bytes, ImageFormat::WebP).ok()?.into_rgb8();
+    let image = ColorImage::from_rgb([picture.width() as usize, picture.height() as usize], picture.as_raw());
+    Some(ctx.load_texture(name, image, TextureOptions::LINEAR))
 }
 
 /// A text with what stands between pairs of `**`, `*` and `` ` `` set off.
@@ -134,9 +186,23 @@ mod tests {
         for page in GuidePage::ALL {
             let (name, text) = (page.title(), text(page));
             assert!(text.starts_with("# "), "{name}");
-            for line in text.lines() {
+            for line in text.lines().filter(|line| picture(line).is_none()) {
                 assert!(!line.contains('<') && !line.contains("](") && !line.starts_with("  "), "{name}: {line}");
             }
         }
+    }
+
+    #[test]
+    fn every_picture_that_a_page_names_is_there_and_has_a_caption() {
+        let named: Vec<(&str, &str)> =
+            GuidePage::ALL.into_iter().flat_map(|page| text(page).lines().filter_map(picture)).collect();
+        let ctx = Context::default();
+        for (caption, name) in &named {
+            assert!(caption.len() > 20, "{name}");
+            let size = decoded(&ctx, name).map(|texture| texture.size());
+            assert!(size.is_some_and(|[width, _]| width >= 900), "{name}: {size:?}");
+        }
+        let unused: Vec<_> = PICTURES.iter().filter(|(name, _)| !named.iter().any(|(_, used)| used == name)).collect();
+        assert_eq!(unused.len(), 0);
     }
 }
