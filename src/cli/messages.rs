@@ -1,5 +1,6 @@
 //! Messages of a command on standard error: text lines, or one JSON object per line.
 
+use crate::files::plain;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
 
@@ -46,7 +47,7 @@ impl Messages {
         let _ = writeln!(std::io::stderr(), "{line}");
     }
 
-    fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
+    pub(super) fn line(self, level: &str, frame: Option<&str>, message: &str) -> String {
         let (frame, message) = (frame.map(bounded), &bounded(message));
         match (self, frame) {
             (Self::Text, None) => plain(&one_line(&format!("touchline: {message}"))),
@@ -72,23 +73,6 @@ fn bounded(message: &str) -> String {
     let begin: String = message.chars().take(first).collect();
     let end: String = message.chars().skip(length - last).collect();
     format!("{begin} … {} characters … {end}", length - first - last)
-}
-
-/// A line without characters that a terminal obeys or that turn the order of the others around.
-fn plain(line: &str) -> String {
-    let is_obeyed = |letter: char| {
-        letter.is_control()
-            || matches!(letter, '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}')
-    };
-    let mut plain = String::with_capacity(line.len());
-    for letter in line.chars() {
-        if is_obeyed(letter) {
-            plain.extend(letter.escape_default());
-        } else {
-            plain.push(letter);
-        }
-    }
-    plain
 }
 
 fn one_line(text: &str) -> String {

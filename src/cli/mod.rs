@@ -146,16 +146,28 @@ fn exit_code(result: anyhow::Result<Outcome>, messages: Messages) -> ExitCode {
     }
 }
 
-/// Says in one line what was wrong with the arguments.
+/// Says what was wrong with the arguments.
 fn wrong_usage(error: &clap::Error) -> ExitCode {
+    let messages = if std::env::args_os().any(|arg| arg == "--json") { Messages::Json } else { Messages::Text };
+    messages.error(&usage_line(error));
+    ExitCode::from(2)
+}
+
+/// In one line what was wrong with the arguments.
+fn usage_line(error: &clap::Error) -> String {
     let text = error.to_string();
     let what =
         text.lines().take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more")).map(str::trim);
     let what = what.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
     let what = what.strip_prefix("error: ").unwrap_or(&what);
-    let messages = if std::env::args_os().any(|arg| arg == "--json") { Messages::Json } else { Messages::Text };
-    messages.error(&format!("{what}; see touchline --help"));
-    ExitCode::from(2)
+    format!("{what}; see touchline --help")
+}
+
+/// What is said of arguments that are wrong. `tests/fuzz` gives it any; nothing is run.
+#[cfg(fuzzing)]
+pub fn said_of<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    let error = Cli::try_parse_from(std::iter::once("touchline").chain(arguments)).err()?;
+    error.use_stderr().then(|| Messages::Text.line("error", None, &usage_line(&error)))
 }
 
 #[cfg(test)]

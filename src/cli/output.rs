@@ -1,9 +1,9 @@
 //! Results that go to files: whole or not at all, and never over something that exists without `--force`. Links,
 //! pipes and devices are written through.
 
-use crate::files::{remove_stray_files, temporary_file_in};
+use crate::files::{remove_stray_files, temporary_file_in, way_out};
 use crate::store::{write_new, write_output};
-use anyhow::{Context as _, bail};
+use anyhow::{Context as _, anyhow, bail};
 use std::io::Write as _;
 use std::path::Path;
 
@@ -24,9 +24,10 @@ pub fn refuse_existing(path: &Path, force: bool) -> anyhow::Result<()> {
     // Folders that are missing are made; what holds them must take them.
     let Some(folder) = path.ancestors().skip(1).find(|folder| folder.exists()) else { return Ok(()) };
     remove_stray_files(folder);
-    temporary_file_in(folder)
-        .map(drop)
-        .with_context(|| format!("cannot write {}: nothing can be made in {}", path.display(), folder.display()))
+    temporary_file_in(folder).map(drop).map_err(|error| {
+        let (path, folder, way_out) = (path.display(), folder.display(), way_out(&error));
+        anyhow!("cannot write {path}: nothing can be made in {folder}: {error}{way_out}")
+    })
 }
 
 /// An empty folder counts as absent.
@@ -57,7 +58,7 @@ pub fn write_file(path: &Path, bytes: &[u8], force: bool) -> anyhow::Result<()> 
     if written.as_ref().is_err_and(|error| error.kind() == std::io::ErrorKind::AlreadyExists) {
         bail!("{} was made by another program meanwhile; give --force to replace it, or another -o", path.display());
     }
-    written.with_context(|| format!("cannot write {}", path.display()))
+    written.map_err(|error| anyhow!("cannot write {}: {error}{}", path.display(), way_out(&error)))
 }
 
 #[cfg(test)]

@@ -156,6 +156,9 @@ impl Change {
                 if place.revision != revision {
                     return Err(EditMismatch::Revision { id, made_on: revision, found: place.revision });
                 }
+                if frame.id != id {
+                    return Err(EditMismatch::OtherFrame { id, found: frame.id.clone() });
+                }
                 *place = frame;
             }
             Self::Remove(ids) => {
@@ -178,6 +181,8 @@ impl Change {
             Self::Rest { conventions, click_noise, shots, mut extra } => {
                 // Journals of earlier versions have it among the unknown keys.
                 let among_unknown = extra.shift_remove("click_noise").map(StoredClickNoise::from);
+                // No program writes it there; as an unknown key it would be read as the document's own.
+                extra.shift_remove("shots");
                 document.conventions = conventions;
                 document.click_noise = click_noise.or(among_unknown);
                 document.shots = shots;
@@ -210,7 +215,8 @@ impl Document {
             let known = before.frames.get(position).filter(|known| known.id == frame.id);
             let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
             if frame.revision <= known.revision && frame != known {
-                let revision = known.revision + 1;
+                // After the last number comes another one all the same.
+                let revision = known.revision.wrapping_add(1);
                 self.frames[position].revision = revision;
             }
         }
@@ -263,6 +269,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::document::{document_from_bytes, document_to_string};
     use crate::geometry::ImageSize;
     use proptest::prelude::*;
 
@@ -333,6 +340,27 @@ mod tests {
     }
 
     #[test]
+    fn a_frame_of_the_last_revision_is_edited_once() {
+        let mut before = document(&[1]);
+        before.frames[0].revision = u64::MAX;
+        let mut after = before.clone();
+        after.frames[0].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        let edit = Edit::between(&before, &after, "Comment");
+        edit.clone().apply(&mut before).unwrap();
+        assert!(matches!(edit.apply(&mut before), Err(EditMismatch::Revision { made_on: u64::MAX, .. })));
+    }
+
+    #[test]
+    fn shots_among_the_unknown_keys_of_an_edit_are_not_written_as_the_documents() {
+        let json = r#"{"name": "", "changes": [{"rest": {"conventions": {}, "extra": {"shots": 5, "a": 1}}}]}"#;
+        let mut edited = document(&[1]);
+        serde_json::from_str::<Edit>(json).unwrap().apply(&mut edited).unwrap();
+        let text = document_to_string(&edited).unwrap();
+        assert_eq!(document_from_bytes(text.as_bytes()).unwrap().extra, edited.extra);
+    }
+
+    #[test]
     fn frames_that_come_and_go_do_so_once() {
         let (before, after) = (document(&[1, 2]), document(&[3, 2]));
         let edit = Edit::between(&before, &after, "Exchange");
@@ -343,6 +371,10 @@ mod tests {
         let of = |change| Edit { name: String::new(), kind: EditKind::NoStep, changes: vec![change] };
         let only_new = of(Change::Insert { after: None, frames: vec![after.frames[0].clone()] });
         assert_eq!(only_new.apply(&mut exchanged), Err(EditMismatch::Present { id: after.frames[0].id.clone() }));
+        let id = exchanged.frames[0].id.clone();
+        let other = of(Change::Frame { id: id.clone(), revision: 0, frame: exchanged.frames[1].clone() });
+        let found = exchanged.frames[1].id.clone();
+        assert_eq!(other.apply(&mut exchanged), Err(EditMismatch::OtherFrame { id, found }), "an id is no one else's");
         let order = of(Change::Order(vec![after.frames[0].id.clone(); 2]));
         assert_eq!(order.apply(&mut exchanged), Err(EditMismatch::Order { ordered: 2, frames: 2 }));
     }

@@ -22,6 +22,14 @@ pub enum EditMismatch {
         /// The document's.
         found: u64,
     },
+    /// What the frame is to become has the id of another.
+    #[error("the edit makes frame {id} into frame {found}")]
+    OtherFrame {
+        /// The frame.
+        id: FrameId,
+        /// What it would be called.
+        found: FrameId,
+    },
     /// A frame that is to come is there.
     #[error("the edit brings frame {id}, which the document has")]
     Present {

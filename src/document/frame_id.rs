@@ -45,13 +45,31 @@ impl FrameId {
         Self(format!("{:012x}", u64::from_be_bytes(first)).into())
     }
 
-    /// The first of `id`, `id-2`, `id-3`, … that is not taken.
+    /// `id`, or one of `id-2`, `id-3`, … that is not taken while the one before it is: the first, where none was left out. Frames
+    /// of one picture may be many, so they are not tried one after the other.
     pub(super) fn free(self, is_taken: impl Fn(&Self) -> bool) -> Self {
         if !is_taken(&self) {
             return self;
         }
-        let numbered = (2_u64..).map(|number| Self(format!("{self}-{number}").into()));
-        numbered.into_iter().find(|id| !is_taken(id)).unwrap_or(self)
+        let is_free = |number: u64| !is_taken(&self.numbered(number));
+        let (mut taken, mut step) = (1, 1);
+        while !is_free(taken + step) {
+            taken += step;
+            step *= 2;
+        }
+        let mut free = taken + step;
+        while free - taken > 1 {
+            let between = taken.midpoint(free);
+            *(if is_free(between) { &mut free } else { &mut taken }) = between;
+        }
+        self.numbered(free)
+    }
+
+    /// The id with a number behind it, cut so that it is still one.
+    fn numbered(&self, number: u64) -> Self {
+        let number = format!("-{number}");
+        let end = self.0.floor_char_boundary(MAX_BYTES - number.len());
+        Self((self.0[..end].to_owned() + &number).into())
     }
 }
 
@@ -97,6 +115,17 @@ mod tests {
         let taken = ["a", "a-2", "b"].map(FrameId::from);
         let free = |id: &str| FrameId::from(id).free(|id| taken.contains(id)).to_string();
         assert_eq!([free("a"), free("b"), free("c")], ["a-3", "b-2", "c"]);
+        let taken = 2..=1000;
+        let is_taken =
+            |id: &FrameId| id.as_str().strip_prefix("a-").is_none_or(|n| taken.contains(&n.parse().unwrap()));
+        assert_eq!(FrameId::from("a").free(is_taken).as_str(), "a-1001");
+    }
+
+    #[test]
+    fn a_long_id_with_a_number_is_still_an_id() {
+        let long = FrameId::from("é".repeat(MAX_BYTES / 2).as_str());
+        let numbered = long.clone().free(|id| *id == long);
+        assert!(numbered.as_str().ends_with("é-2") && numbered.as_str().len() <= MAX_BYTES, "{numbered}");
     }
 
     #[test]

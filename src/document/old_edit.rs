@@ -2,6 +2,7 @@
 
 use super::{Document, EditMismatch, Frame, FrameId, Shared};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A change of frames by their positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,13 +33,13 @@ impl OldChange {
             Self::Frame { index, mut frame } => {
                 let place = document.frames.get_mut(index).ok_or(EditMismatch::Position { index, frames })?;
                 frame.id = place.id.clone();
-                frame.revision = place.revision + 1;
+                frame.revision = place.revision.wrapping_add(1);
                 *place = frame;
             }
             Self::Frames { at, remove, insert } => {
                 let end = at.checked_add(remove).filter(|end| *end <= frames);
                 let end = end.ok_or(EditMismatch::Position { index: at, frames })?;
-                let gone: Vec<FrameId> = document.frames.range(at..end).map(|frame| frame.id.clone()).collect();
+                let gone: BTreeSet<FrameId> = document.frames.range(at..end).map(|frame| frame.id.clone()).collect();
                 document.frames.retain(|frame| !gone.contains(&frame.id));
                 document.frames.insert_all(at, insert);
             }

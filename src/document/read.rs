@@ -6,6 +6,7 @@ use super::{
     Camera, DOCUMENT_VERSION, Document, Extra, FORMAT_NAME, FieldSpec, Frame, FrameId, Frames, Shared, Shot,
     StoredClickNoise,
 };
+use crate::files::plain;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use thiserror::Error;
@@ -239,30 +240,30 @@ fn explain(text: &str, error: &serde_json::Error) -> ReadError {
         return header;
     }
     let (place, message) = place(&value).unwrap_or_else(|| ("the document".to_owned(), message_of(error)));
-    ReadError::Schema { place, message, line: error.line(), column: error.column() }
+    ReadError::Schema { place: plain(&place), message: plain(&message), line: error.line(), column: error.column() }
 }
 
 /// Where the first thing lies that does not fit the schema, and what it is.
 fn place(document: &Value) -> Option<(String, String)> {
     let fails = |value: &Value| FieldSpec::deserialize(value).err().map(|error| error.to_string());
-    if let Some(found) = document.get("field").and_then(|field| descend(field, "field", &fails)) {
+    if let Some(found) = document.get("field").and_then(|field| found(field, "field", &fails)) {
         return Some(found);
     }
     let fails = |value: &Value| Camera::deserialize(value).err().map(|error| error.to_string());
     for (index, camera) in elements(document, "cameras") {
-        if let Some((place, message)) = descend(camera, &format!("cameras[{index}]"), &fails) {
+        if let Some((place, message)) = found(camera, &format!("cameras[{index}]"), &fails) {
             return Some((named(place, camera, "id"), message));
         }
     }
     let fails = |value: &Value| Frame::deserialize(value).err().map(|error| error.to_string());
     for (index, frame) in elements(document, "frames") {
-        if let Some((place, message)) = descend(frame, &format!("frames[{index}]"), &fails) {
+        if let Some((place, message)) = found(frame, &format!("frames[{index}]"), &fails) {
             return Some((named(place, frame, "image"), message));
         }
     }
     let fails = |value: &Value| Shot::deserialize(value).err().map(|error| error.to_string());
     let mut shots = elements(document, "shots");
-    shots.find_map(|(index, shot)| descend(shot, &format!("shots[{index}]"), &fails))
+    shots.find_map(|(index, shot)| found(shot, &format!("shots[{index}]"), &fails))
 }
 
 fn elements<'a>(document: &'a Value, key: &str) -> impl Iterator<Item = (usize, &'a Value)> {
@@ -276,39 +277,79 @@ fn named(place: String, value: &Value, key: &str) -> String {
     }
 }
 
+/// How many values are looked at to find out which of them is wrong. A file may have any number; beyond, the place that is known
+/// by then is said.
+const MOST_LOOKS: usize = 1_000_000;
+
+/// Where in a value a failure lies, and what it is; none where it does not fail.
+fn found(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+    let mut looks = MOST_LOOKS;
+    descend(&Part { value, place, around: 0 }, &mut looks, fails)
+}
+
+/// A part of a value that fails.
+struct Part<'a> {
+    value: &'a Value,
+    place: &'a str,
+    /// How many values are looked at beside it when it is.
+    around: usize,
+}
+
 /// Follows a failure down to the key whose absence changes it.
-fn descend(value: &Value, place: &str, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+fn descend(part: &Part, looks: &mut usize, fails: &dyn Fn(&Value) -> Option<String>) -> Option<(String, String)> {
+    let &Part { value, place, around } = part;
     let message = fails(value)?;
+    // Whether so many values may still be looked at.
+    let mut may_look = |values: usize| {
+        let left = looks.checked_sub(around + values);
+        *looks = left.unwrap_or(0);
+        left.is_some()
+    };
     match value {
         Value::Object(map) => {
-            for (key, inner) in map {
+            let size = count(value);
+            for (index, (key, inner)) in map.iter().enumerate() {
+                if !may_look(size) {
+                    break;
+                }
                 let mut without = map.clone();
                 without.shift_remove(key);
-                if fails(&Value::Object(without)).as_ref() == Some(&message) {
+                if fails(&Value::Object(without.clone())).as_ref() == Some(&message) {
                     continue;
                 }
                 let with = |inner: &Value| {
-                    let mut map = map.clone();
-                    map.insert(key.clone(), inner.clone());
+                    let mut map = without.clone();
+                    map.shift_insert(index, key.clone(), inner.clone());
                     fails(&Value::Object(map))
                 };
                 // What is wrong may be the value as a whole: a list that is too long.
                 let within = format!("{place}.{key}");
-                return descend(inner, &within, &with).or(Some((within, message)));
+                let part = Part { value: inner, place: &within, around: around + size - count(inner) };
+                return descend(&part, looks, &with).or(Some((within, message)));
             }
         }
         Value::Array(items) if items.iter().all(Value::is_object) => {
+            let alone = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
             for (index, inner) in items.iter().enumerate() {
-                let mut without = items.clone();
-                without.remove(index);
-                if fails(&Value::Array(without)).as_ref() == Some(&message) {
-                    continue;
+                if !may_look(count(inner)) {
+                    break;
                 }
-                let with = |inner: &Value| fails(&Value::Array(vec![inner.clone()]));
-                return descend(inner, &format!("{place}[{index}]"), &with).or(Some((place.to_owned(), message)));
+                if alone(inner).is_some() {
+                    let within = format!("{place}[{index}]");
+                    return descend(&Part { value: inner, place: &within, around }, looks, &alone);
+                }
             }
         }
         _ => {}
     }
     Some((place.to_owned(), message))
+}
+
+/// How many values a value is, with those in it.
+fn count(value: &Value) -> usize {
+    1 + match value {
+        Value::Array(items) => items.iter().map(count).sum(),
+        Value::Object(map) => map.values().map(count).sum(),
+        _ => 0,
+    }
 }

@@ -211,6 +211,7 @@ mod tests {
         for (text, wanted) in [
             (String::new(), "the file is empty"),
             ("not xml".to_owned(), "not valid XML: "),
+            ("<a\u{14}/>".to_owned(), "not valid XML: expected a whitespace not '\\u{14}'"),
             (GOOD[..200].to_owned(), "not valid XML: "),
             (entities.to_owned(), "not valid XML: it has a document type (<!DOCTYPE …>), which is not read"),
             ("<html></html>".to_owned(), "not CVAT's XML: it begins with <html>"),

@@ -2,6 +2,7 @@
 
 use super::format::Format;
 use crate::field::FieldError;
+use crate::files::{plain, way_out};
 use std::io;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -19,7 +20,7 @@ pub enum ExchangeError {
         source: io::Error,
     },
     /// The result cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {source}{}", path.display(), way_out(source))]
     Write {
         /// Where.
         path: PathBuf,
@@ -268,7 +269,7 @@ pub enum Problem {
     #[error("not valid JSON: {0}")]
     NotJson(String),
     /// It is no XML, or holds a document type or entities.
-    #[error("not valid XML: {0}")]
+    #[error("not valid XML: {}", plain(.0))]
     NotXml(String),
     /// It begins or is built otherwise than the format.
     #[error("not {wanted}: {found}")]

@@ -4,7 +4,7 @@ use super::build::{check_distinct, check_symmetry};
 use super::file::{FORMAT, Header, TemplateFile, VERSION};
 use super::read::read_parts;
 use super::{FieldError, Template};
-use crate::files::read_named_text;
+use crate::files::{plain, read_named_text};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -18,7 +18,7 @@ impl Template {
     /// What is wrong, where in the file, and what could stand there. The template is tried with its default parameters
     /// and with each of them at its smallest and largest value, so one that is accepted can be filled in.
     pub fn from_json(text: &str, place: &str) -> Result<Self, FieldError> {
-        let json = |problem: String| FieldError::Json { place: place.to_owned(), problem };
+        let json = |problem: String| FieldError::Json { place: place.to_owned(), problem: plain(&problem) };
         if text.trim().is_empty() {
             return Err(json("the file is empty; a field template is a JSON object".to_owned()));
         }

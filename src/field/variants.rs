@@ -4,6 +4,8 @@
 //! `{l,r}`) sets `x_side`, and a list of numbers sets `number`. The expressions of the entry use these names. The id
 //! says which choices there are; label, code and the names of landmarks repeat them in any order and spelling.
 
+use crate::files::plain;
+
 /// What a group in braces chooses between.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Axis {
@@ -118,8 +120,9 @@ fn pieces(text: &str) -> Result<Vec<Piece<'_>>, String> {
         let numbers = options.iter().all(|option| !option.is_empty() && option.bytes().all(|b| b.is_ascii_digit()));
         let Some(axis) = spelled.or(numbers.then_some(Axis::Number)) else {
             return Err(format!(
-                "{text:?}: {{{inside}}} is not a group; groups are {{near,far}}, {{n,f}}, {{left,right}}, {{l,r}} and \
-                 numbers such as {{10,20}}"
+                "{text:?}: {{{}}} is not a group; groups are {{near,far}}, {{n,f}}, {{left,right}}, {{l,r}} and \
+                 numbers such as {{10,20}}",
+                plain(inside)
             ));
         };
         pieces.push(Piece::Group { axis, options });
@@ -158,6 +161,7 @@ mod tests {
             "\"a_{one,two}\": {one,two} is not a group; groups are {near,far}, {n,f}, {left,right}, {l,r} and numbers \
              such as {10,20}"
         );
+        assert!(variants("{a\u{1b}}").unwrap_err().starts_with("\"{a\\u{1b}}\": {a\\u{1b}} is not a group"));
         assert_eq!(variants("a_{near").unwrap_err(), "\"a_{near\" has a brace without its other half");
         assert_eq!(variants("a}").unwrap_err(), "\"a}\" has a brace without its other half");
         assert_eq!(variants("{n,f}{near,far}").unwrap_err(), "\"{n,f}{near,far}\" has two groups of the same kind");

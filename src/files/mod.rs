@@ -9,10 +9,14 @@
 
 mod named_file;
 mod not_readable;
+mod plain;
 mod regular_file;
 mod temporary;
+mod way_out;
 
 pub use named_file::{open_named, read_named, read_named_text};
 pub use not_readable::NotReadable;
+pub(crate) use plain::plain;
 pub use regular_file::{WrongKind, open_regular, read_regular, read_regular_within, refuse_linked_folder};
 pub(crate) use temporary::{remove_stray_files, temporary_file_in, temporary_folder_in};
+pub(crate) use way_out::way_out;

@@ -2,7 +2,7 @@
 
 use super::ReadOnly;
 use crate::document::{ReadError, WriteError};
-use crate::files::WrongKind;
+use crate::files::{WrongKind, way_out};
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -24,6 +24,12 @@ pub enum StoreError {
     /// There is nothing at this path.
     #[error("{} does not exist; give a project folder, its project.json or a dataset file", path.display())]
     NotFound {
+        /// The path.
+        path: PathBuf,
+    },
+    /// A relative path, and nothing that it starts from.
+    #[error("cannot find {}: the folder that the program was started in was removed; start it in another one", path.display())]
+    NoWorkingFolder {
         /// The path.
         path: PathBuf,
     },
@@ -104,17 +110,12 @@ impl StoreError {
         }
         let path = path.to_path_buf();
         match source.kind() {
+            io::ErrorKind::NotFound if path.is_relative() && std::env::current_dir().is_err() => {
+                Self::NoWorkingFolder { path }
+            }
             io::ErrorKind::NotFound if action == "find" => Self::NotFound { path },
             _ => Self::Io { action, path, source },
         }
-    }
-}
-
-fn way_out(error: &io::Error) -> &'static str {
-    match error.kind() {
-        io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "; free some space, or save elsewhere",
-        io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem => "; save elsewhere",
-        _ => "",
     }
 }
 

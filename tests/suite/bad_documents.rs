@@ -16,6 +16,26 @@ fn with(from: &str, into: &str) -> Vec<u8> {
     SAMPLE.replacen(from, into, 1).into_bytes()
 }
 
+/// The sample with many entries in a list of its first frame, the last of which is wrong; or with many unknown keys before it.
+fn long(key: &str, entry: &str, wrong: &str, count: usize) -> Vec<u8> {
+    let entries = format!("{entry}, ").repeat(count);
+    with("\"comment\"", &format!("\"{key}\": [{entries}{wrong}], \"comment\""))
+}
+
+#[test]
+fn what_is_wrong_at_the_end_of_long_lists_is_found_soon() {
+    let repeat = "{\"landmark\": \"centre_mark\", \"image_px\": [1, 2], \"round\": 1}";
+    let wrong = "{\"landmark\": \"centre_mark\", \"image_px\": [1, 2], \"round\": -1}";
+    let said = |bytes: &[u8]| document_from_bytes(bytes).unwrap_err().to_string();
+    let found = said(&long("repeats", repeat, wrong, 3000));
+    assert!(found.starts_with("frames[0].repeats[3000].round (images/0001.jpg): invalid value"), "{found}");
+    let far = said(&long("repeats", repeat, wrong, 100_000));
+    assert!(far.starts_with("frames[0] (images/0001.jpg): invalid value"), "{far}");
+    let keys: String = (0..100_000).map(|number| format!("\"x{number}\": 0, ")).collect();
+    let unknown = said(&with("\"comment\"", &format!("{keys}\"comment\": 5, \"x\"")));
+    assert!(unknown.starts_with("frames[0] (images/0001.jpg): invalid type: integer `5`"), "{unknown}");
+}
+
 /// (what is broken, the bytes, the message after the path)
 fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let truncated = SAMPLE.as_bytes()[..SAMPLE.len() / 2].to_vec();
@@ -33,6 +53,11 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "nested too deeply",
             nested,
             "lists and objects lie more than 100 deep within each other at line 1; flatten what is there",
+        ),
+        (
+            "a word that a terminal obeys",
+            with("\"close_up\"", "\"\\u001b[2J\""),
+            "frames[1].reason (images/0002.jpg): unknown variant `\\u{1b}[2J`, expected one of `close_up`, `replay`, `other_camera`, `graphic`, `blur`, `too_little_field` at line 49 column 126",
         ),
         (
             "another JSON",

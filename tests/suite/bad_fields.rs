@@ -34,6 +34,13 @@ const BROKEN: &[(&str, &str, &str, &str)] = &[
         "yard.json: version 7 of the template format is newer than this program knows (1); update touchline",
     ),
     (
+        "a key that a terminal obeys",
+        "\"landmarks\"",
+        "\"\\u001b[2J\"",
+        "yard.json: unknown field `\\u{1b}[2J`, expected one of `format`, `version`, `name`, `title`, `notes`, `params`, \
+         `dimensions`, `extent_m`, `symmetry`, `click_sigma_px`, `landmarks`, `lines` at line 7 column 13",
+    ),
+    (
         "a misspelt key",
         "\"landmarks\"",
         "\"landmark\"",

@@ -27,6 +27,7 @@ mod document;
 mod evaluate_command;
 mod exchange_commands;
 mod experiment_command;
+mod failing_places;
 mod features;
 mod fields;
 mod fields_command;

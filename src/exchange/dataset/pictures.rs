@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The quality of JPEG pictures, of 100.
 const JPEG_QUALITY: u8 = 95;
@@ -21,13 +21,15 @@ const JPEG_QUALITY: u8 = 95;
 /// A folder that is being filled, and the SHA-256 of every file in it.
 pub struct Folder<'a> {
     root: &'a Path,
+    /// Where it will be: what errors name.
+    place: &'a Path,
     hashes: BTreeMap<String, String>,
 }
 
 impl<'a> Folder<'a> {
-    /// An empty folder.
-    pub const fn new(root: &'a Path) -> Self {
-        Self { root, hashes: BTreeMap::new() }
+    /// An empty folder, which will be renamed to `place`.
+    pub const fn new(root: &'a Path, place: &'a Path) -> Self {
+        Self { root, place, hashes: BTreeMap::new() }
     }
 
     /// Every file and its SHA-256, as `sha256sum` writes and checks them.
@@ -41,19 +43,19 @@ impl<'a> Folder<'a> {
 
     /// Writes a file; its SHA-256.
     pub fn write(&mut self, name: &str, bytes: &[u8]) -> Result<String, ExchangeError> {
-        let path = self.place(name)?;
-        fs::write(&path, bytes).map_err(|source| ExchangeError::Write { path, source })?;
+        let path = self.file(name)?;
+        fs::write(path, bytes).map_err(|source| self.failed(name, source))?;
         Ok(self.note(name, hex(&Sha256::digest(bytes))))
     }
 
     /// Copies a file, or makes a hard link to it; its SHA-256.
     pub fn take_over(&mut self, name: &str, from: &Path, as_link: bool) -> Result<String, ExchangeError> {
-        let path = self.place(name)?;
-        let failed = |source| ExchangeError::Write { path: path.clone(), source };
+        let path = self.file(name)?;
+        let failed = |source| self.failed(name, source);
         if as_link {
             let from = fs::canonicalize(from).map_err(failed)?;
             fs::hard_link(&from, &path).map_err(|source| match source.kind() {
-                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk { from, to: path.clone() },
+                io::ErrorKind::CrossesDevices => ExchangeError::OtherDisk { from, to: self.place.join(name) },
                 _ => failed(source),
             })?;
         } else {
@@ -66,8 +68,11 @@ impl<'a> Folder<'a> {
     /// Takes a file away again.
     pub fn remove(&mut self, name: &str) -> Result<(), ExchangeError> {
         self.hashes.remove(name);
-        let path = self.root.join(name);
-        fs::remove_file(&path).map_err(|source| ExchangeError::Write { path, source })
+        fs::remove_file(self.root.join(name)).map_err(|source| self.failed(name, source))
+    }
+
+    fn failed(&self, name: &str, source: io::Error) -> ExchangeError {
+        ExchangeError::Write { path: self.place.join(name), source }
     }
 
     fn note(&mut self, name: &str, hash: String) -> String {
@@ -75,10 +80,10 @@ impl<'a> Folder<'a> {
         hash
     }
 
-    fn place(&self, name: &str) -> Result<std::path::PathBuf, ExchangeError> {
+    /// Where a file is written until the folder is whole.
+    fn file(&self, name: &str) -> Result<PathBuf, ExchangeError> {
         let path = self.root.join(name);
-        let folder = parent(&path);
-        fs::create_dir_all(folder).map_err(|source| ExchangeError::Write { path: folder.to_path_buf(), source })?;
+        fs::create_dir_all(parent(&path)).map_err(|source| self.failed(name, source))?;
         Ok(path)
     }
 }
@@ -102,4 +107,21 @@ pub fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, Imag
         }
     }
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_written_is_named_where_it_was_to_be() {
+        let temporary = tempfile::tempdir().unwrap();
+        let mut folder = Folder::new(temporary.path(), Path::new("/data/set"));
+        fs::create_dir(temporary.path().join("a.txt")).unwrap();
+        let said = |error: ExchangeError| error.to_string();
+        let in_the_way = said(folder.write("a.txt", b"").unwrap_err());
+        assert!(in_the_way.starts_with("cannot write /data/set/a.txt: "), "{in_the_way}");
+        let missing = said(folder.take_over("b.png", Path::new("/no/such.png"), false).unwrap_err());
+        assert!(missing.starts_with("cannot write /data/set/b.png: "), "{missing}");
+    }
 }

@@ -46,7 +46,7 @@ pub fn write_dataset(
     refuse_existing(folder, force)?;
     let failed = |source| ExchangeError::Write { path: folder.to_path_buf(), source };
     let temporary = temporary_folder_in(parent(folder)).map_err(failed)?;
-    let mut files = Folder::new(temporary.path());
+    let mut files = Folder::new(temporary.path(), folder);
     let mut written = Written { of_frame: BTreeMap::new(), left_out: plan.left_out.clone(), pictures: 0 };
     for frame in &plan.frames {
         written.add(at, frame, options, reader, &mut files)?;
