@@ -10,7 +10,7 @@ TEST_PACKAGES  = ffmpeg
 DIALOG_PACKAGES = zenity xdg-desktop-portal
 
 .DEFAULT_GOAL := help
-.PHONY: help run test test-formats check schema bench reliability demo film pictures experiments experiments-real build-packages run-packages test-packages
+.PHONY: help run test test-formats check schema bench reliability fuzz demo film pictures experiments experiments-real build-packages run-packages test-packages
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1\t\2/p' $(MAKEFILE_LIST) | expand -t 24
@@ -47,6 +47,10 @@ bench: build-packages ## run the benchmarks (tests/benches/README.md has past fi
 
 reliability: run-packages ## kills, failing and full disks, damaged files (tests/reliability/README.md)
 	@.ci/reliability
+
+SECONDS ?= 60
+fuzz: build-packages ## every reader fuzzed with coverage, SECONDS=60 each (tests/fuzz/README.md)
+	@.ci/fuzz $(SECONDS)
 
 demo: build-packages ## draw projects/demo again
 	cargo build --release

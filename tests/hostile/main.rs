@@ -16,6 +16,7 @@ mod mat_writer;
 mod damage;
 mod damage_cameras;
 mod damage_clicks;
+mod json_values;
 mod memory;
 mod messages;
 mod mutations;

@@ -1,7 +1,6 @@
 //! Something valid in every format that is imported: exported here where that is possible.
 
 use crate::mat_writer::{CAMERA, frame, sequence};
-use crate::memory::alone;
 use std::path::Path;
 use touchline::camera::{BaseAngles, CameraBase, FocalCurve, Ptz};
 use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
@@ -142,15 +141,3 @@ const PNLCALIB: &str = r#"{"cam_params":{"pan_degrees":12.5,"tilt_degrees":78.8,
  "x_focal_length":2410.0,"y_focal_length":2410.0,"principal_point":[960.0,540.0],"radial_distortion":[0,0,0,0,0,0],
  "tangential_distortion":[0,0],"thin_prism_distortion":[0,0,0,0],"rotation_matrix":[[1,0,0],[0,1,0],[0,0,1]]}}
 "#;
-
-#[test]
-fn every_sample_is_imported() {
-    let _alone = alone();
-    let folder = tempfile::tempdir().unwrap();
-    for format in formats() {
-        let sample = Sample::of(format);
-        let imported = sample.import(&sample.files, folder.path());
-        let imported = imported.unwrap_or_else(|error| panic!("{format}: {error}"));
-        assert!(!imported.document.frames.is_empty(), "{format}");
-    }
-}

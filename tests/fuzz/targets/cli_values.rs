@@ -1,0 +1,12 @@
+//! A command's arguments, one a line: what is wrong with them is said in one line. Nothing is run.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use touchline::cli::said_of;
+use touchline_fuzz::{bounded, one_line};
+
+fuzz_target!(|text: &str| {
+    if let Some(said) = bounded(text.as_bytes(), || said_of(text.lines())) {
+        one_line(&said, text.as_bytes());
+    }
+});

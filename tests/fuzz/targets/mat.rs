@@ -1,0 +1,16 @@
+//! A MATLAB file of the authors' annotations.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::sync::LazyLock;
+use touchline::exchange::read_authors_sequence;
+use touchline_fuzz::{Folder, bounded, one_line};
+
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
+
+fuzz_target!(|data: &[u8]| {
+    let path = FOLDER.file("seq1_anno.mat", data);
+    if let Err(error) = bounded(data, || read_authors_sequence(&path)) {
+        one_line(&error, data);
+    }
+});

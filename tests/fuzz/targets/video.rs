@@ -1,0 +1,21 @@
+//! A video's container, and its first frame. What decodes it is FFmpeg, which is not instrumented.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use std::sync::LazyLock;
+use touchline::media::Video;
+use touchline_fuzz::{Folder, bounded, one_line};
+
+static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
+
+fuzz_target!(|data: &[u8]| {
+    let path = FOLDER.file("a.mp4", data);
+    match bounded(data, || Video::open(&path)) {
+        Ok(mut video) => {
+            if let Err(error) = video.frame(0) {
+                one_line(&error, data);
+            }
+        }
+        Err(error) => one_line(&error, data),
+    }
+});
