@@ -50,6 +50,7 @@ mod pose;
 mod program;
 mod published_figures;
 mod quality_in_app;
+mod random_kills;
 mod refine_base_command;
 mod relocalize_command;
 mod review_in_app;
