@@ -31,7 +31,7 @@ fn what_is_wrong_at_the_end_of_long_lists_is_found_soon() {
     assert!(found.starts_with("frames[0].repeats[3000].round (images/0001.jpg): invalid value"), "{found}");
     let far = said(&long("repeats", repeat, wrong, 100_000));
     assert!(far.starts_with("frames[0] (images/0001.jpg): invalid value"), "{far}");
-    let keys: String = (0..100_000).map(|number| format!("\"x{number}\": 0, ")).collect();
+    let keys = (0..100_000).map(|number| format!("\"x{number}\": 0, ")).collect::<Vec<_>>().concat();
     let unknown = said(&with("\"comment\"", &format!("{keys}\"comment\": 5, \"x\"")));
     assert!(unknown.starts_with("frames[0] (images/0001.jpg): invalid type: integer `5`"), "{unknown}");
 }

@@ -119,9 +119,8 @@ fn what_a_person_did_survives_kills_at_random_moments() {
 }
 
 /// The commands that are killed: what they write, and what tells that it is whole.
-const COMMANDS: [(&str, &str); 7] = [
+const COMMANDS: [(&str, &str); 6] = [
     ("solve ask.json -o ask.json --force", "ask.json"),
-    ("refine-base references.json -o base.json --force", "base.json"),
     ("train references.json -o new.tlf --force", "new.tlf"),
     ("relocalize forest.tlf ask.json -o answers.json --force", "answers.json"),
     ("track references.json -o tracked.json --force", "tracked.json"),
