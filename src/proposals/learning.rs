@@ -1,13 +1,17 @@
 //! From references to training samples, and the forest trained on them.
 
 use super::burnt_in::{leave_out_burnt_in, with_found_masks};
-use super::label::label_covariance;
+use super::label::label_of;
 use super::{FoundMask, FrameFeatures, FramePictures, PictureError, TrainingSample};
+use crate::camera::PtzCamera;
 use crate::document::{CameraId, Document, Fields, Frame, Frames, WriteError, document_to_string};
 use crate::features::FeatureOptions;
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, train};
+use crate::relocalize::{
+    CameraForest, ForestModel, Label, Reference, Samples, SeenRange, Stopped, TrainOptions, TrainProgress, aligned,
+    train,
+};
 use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
@@ -116,11 +120,8 @@ fn training_sample(
         return Err(TrainingSampleError::Changed);
     }
     let features = Arc::clone(&found.features);
-    let rays = features.keypoints.iter().map(|keypoint| pointed.ray_from_image(keypoint.point));
-    // Beyond the fold of a lens a point shows no ray.
-    let shown = (0..).zip(rays).filter_map(|(feature, ray)| Some((feature, ray.ok()?))).collect();
-    let label = label_covariance(frame, field, &pointed);
-    Ok(TrainingSample { frame: index, camera: frame.camera.clone(), ptz: pointed.ptz(), label, features, rays: shown })
+    let label = label_of(frame, field, &pointed);
+    Ok(TrainingSample::new((index, frame), &pointed, label, features))
 }
 
 /// The forests trained on references, one for each camera that has any, in the document's order. `progress` is called
@@ -138,6 +139,8 @@ pub fn learn(
     let mut cameras = Vec::new();
     for camera in &document.cameras {
         let of_camera = training_samples.iter().filter(|sample| sample.camera == camera.id);
+        let pointed = |sample: &TrainingSample| document.pointed(document.frames.get(sample.frame)?);
+        let of_camera = of_camera.filter_map(|sample| Some((sample, pointed(sample)?)));
         cameras.extend(learn_camera(&camera.id, of_camera, &options.train, progress)?);
     }
     if cameras.is_empty() {
@@ -147,24 +150,34 @@ pub fn learn(
     Ok(ForestModel { document: document_to_string(&document)?, features: options.features, cameras })
 }
 
-/// The forest of one camera; none where it has no training sample.
+/// The forest of one camera, its references' labels made to fit each other; none where it has no training sample.
 ///
 /// # Errors
 /// `progress` ended it, or there are too many samples.
 fn learn_camera<'a>(
     camera: &CameraId,
-    training_samples: impl Iterator<Item = &'a TrainingSample>,
+    training_samples: impl Iterator<Item = (&'a TrainingSample, PtzCamera)>,
     options: &TrainOptions,
     progress: &(dyn Fn(TrainProgress) -> ControlFlow<()> + Sync),
 ) -> Result<Option<CameraForest>, Stopped> {
-    let (mut samples, mut seen, mut labels) = (Samples::new(), Vec::new(), Vec::new());
-    for sample in training_samples.filter(|sample| !sample.rays.is_empty()) {
-        sample.add_to(&mut samples);
-        seen.push(sample.ptz);
-        labels.push(sample.label);
+    let (training_samples, cameras): (Vec<&TrainingSample>, Vec<PtzCamera>) =
+        training_samples.filter(|(sample, _)| !sample.rays.is_empty()).unzip();
+    let references: Vec<Reference> = training_samples
+        .iter()
+        .zip(&cameras)
+        .map(|(sample, camera)| Reference { features: &sample.features, camera: *camera })
+        .collect();
+    let labels: Vec<Label> = training_samples.iter().map(|sample| sample.label).collect();
+    let (mut samples, mut seen, mut known) = (Samples::new(), Vec::new(), Vec::new());
+    for ((sample, camera), (ptz, covariance)) in
+        training_samples.iter().zip(&cameras).zip(aligned(&references, &labels))
+    {
+        sample.turned_to(&PtzCamera::new(*camera.base(), ptz)).add_to(&mut samples);
+        seen.push(ptz);
+        known.push(covariance);
     }
     let Some(seen) = SeenRange::of(&seen) else { return Ok(None) };
-    let seen = seen.with_labels(labels);
+    let seen = seen.with_labels(known);
     let forest = train(&samples, options, progress)?;
     Ok(Some(CameraForest { camera: camera.as_str().to_owned(), seen, forest }))
 }

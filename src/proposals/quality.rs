@@ -196,7 +196,7 @@ impl Collected {
             for sample in training_samples.iter().filter(|sample| !sample.rays.is_empty()) {
                 sample.add_to(&mut collected.samples);
                 collected.frames.push(sample.frame);
-                collected.cameras.push((sample.ptz, sample.label));
+                collected.cameras.push((sample.ptz, sample.label.covariance));
             }
         }
         Some(collected)

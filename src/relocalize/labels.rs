@@ -1,11 +1,17 @@
 //! What the labels of references leave open in an answer.
 //!
-//! The forest's rays were read off references whose cameras were clicked. What a reference's camera errs by, all its rays err by:
-//! an answer repeats the error, however many features agree. An error δ of a reference's (pan, tilt, focal length) moves the
+//! The forest's rays were read off references whose cameras are known by clicks. What a reference's camera errs by, all its rays err
+//! by: an answer repeats the error, however many features agree. An error δ of a reference's (pan, tilt, focal length) moves the
 //! camera that its rays alone would give by T δ, where T adds to pan and tilt what the wrong focal length does far from the
-//! reference's middle. Where several references are seen, each moves the answer by its share of the information: B T δ, with
-//! B = (Σ Jᵀ J)⁻¹ Σ Jᵀ J over its features. The references' errors are independent of each other; what they share, an error of the
-//! base, is told by [`Uncertainty::of_known`].
+//! reference's middle.
+//!
+//! Where several references show a feature, its ray may be any one's: a consensus is where rays crowd, not their mean, and labels that
+//! were made to fit each other (see [`super::aligned`]) err together. So nothing averages out: the covariance is that of one reference,
+//! the mean over those that show the features. An error of the base, which all share, is told by [`Uncertainty::of_known`].
+//!
+//! Taken to be independent of each other, with each its share of the information, labels left 17 % and 19 % of answers about two drawn
+//! matches within the stated 68 % (16 references of four clicks; `cargo bench --bench relocalize clicked`), at 2.2 to 2.5 times the
+//! stated error.
 
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
@@ -35,32 +41,31 @@ pub(super) fn label_covariance(
     let camera = PtzCamera::new(at_base, *ptz);
     let near = nearest(ptz, &seen.cameras, NEAREST);
     let references: Vec<PtzCamera> = near.iter().map(|&number| PtzCamera::new(at_base, seen.cameras[number])).collect();
-    let mut shares = vec![Mat3::zeros(); references.len()];
+    let mut shares = vec![0.0; references.len()];
     let every = inliers.len().div_ceil(FEATURES).max(1);
     for &feature in inliers.iter().step_by(every) {
         let Some((_, ray)) = matches.nearest(&camera, feature) else { continue };
-        let Ok((_, by_ptz)) = camera.image_from_world_by_ptz(ray) else { continue };
         let shows = |reference: &PtzCamera| {
             reference.image_from_world(ray).is_ok_and(|image: ImagePoint| image_size.contains(image))
         };
         let showing: Vec<usize> = (0..references.len()).filter(|&number| shows(&references[number])).collect();
         let showing = if showing.is_empty() { (0..references.len()).take(1).collect() } else { showing };
         for &number in &showing {
-            shares[number] += by_ptz.transpose() * by_ptz / showing.len() as f64;
+            shares[number] += 1.0 / showing.len() as f64;
         }
     }
-    let Some(all) = shares.iter().sum::<Mat3>().try_inverse() else { return Mat3::zeros() };
+    let all: f64 = shares.iter().sum();
     let mut covariance = Mat3::zeros();
-    for ((&number, reference), share) in near.iter().zip(&references).zip(&shares) {
+    for ((&number, reference), share) in near.iter().zip(&references).zip(shares).filter(|(_, share)| *share > 0.0) {
         let label = seen.labels.get(number).copied().unwrap_or_else(|| usual_label(reference, image_size));
-        let moved = all * share * moved_by_label(ptz, &reference.ptz());
-        covariance += moved * label * moved.transpose();
+        let moved = moved_by_label(ptz, &reference.ptz());
+        covariance += moved * label * moved.transpose() * (share / all);
     }
     (covariance + covariance.transpose()) * 0.5
 }
 
 /// T: how an answer moves with the (pan, tilt, focal length) of the reference that all its rays are read off.
-fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
+pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
     let (pan, tilt) = (answer.pan.turn_from(reference.pan).radians(), (answer.tilt - reference.tilt).radians());
     let focal_px = reference.focal_px;
     Mat3::new(1.0, 0.0, -pan / focal_px, 0.0, 1.0, -tilt / focal_px, 0.0, 0.0, answer.focal_px / focal_px)
@@ -116,11 +121,11 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_repeats_the_error_of_its_one_reference_and_halves_that_of_two() {
+    fn an_answer_repeats_the_error_of_one_reference_however_many_show_it() {
         let (one, label) = left_open(5.0, &[5.0]);
         assert!((one - label).norm() < 1e-6 * label.norm(), "{one}");
         let (two, _) = left_open(5.0, &[5.0, 5.0]);
-        assert!((two * 2.0 - label).norm() < 1e-6 * label.norm(), "{two}");
+        assert!((two - label).norm() < 1e-6 * label.norm(), "{two}");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. References whose labels
 //! do not agree are found by [`contradictions()`].
 
+mod alignment;
 mod answer;
 mod confidence;
 mod consensus;
@@ -17,12 +18,14 @@ mod nearest_references;
 mod not_found;
 mod pose;
 mod pose_options;
+mod reference_pairs;
 mod shown;
 mod standing;
 
+pub use alignment::{Label, Misfit, aligned};
 pub use answer::{RelocalizeOptions, Relocalized, candidates_of, relocalize};
 pub use confidence::{Evidence, FromReference};
-pub use contradictions::{Contradiction, ContradictionOptions, Reference, contradictions, suspects};
+pub use contradictions::{Contradiction, ContradictionOptions, contradictions, suspects};
 pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
     TrainProgress, train, train_without,
@@ -33,5 +36,6 @@ pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;
 pub use pose::{Pose, pose_from_candidates};
 pub use pose_options::PoseOptions;
+pub use reference_pairs::Reference;
 pub use shown::Shown;
 pub(crate) use standing::pose_of_moving;

@@ -26,8 +26,8 @@ mod view;
 
 pub use camera_error::{CameraError, camera_error, horizontal_view};
 pub use click_scatter::ClickScatter;
-pub use coverage::SigmaCoverage;
-pub(crate) use coverage::squared_sigmas;
+pub use coverage::{SigmaCoverage, squared_sigmas};
+
 pub(crate) use distribution::{chi_squared_quantile, median_normal_size, median_rayleigh, rayleigh_share};
 pub(crate) use ground::seen_field;
 pub use landmarks::{LandmarkError, ground_error_m, landmark_errors};

@@ -95,7 +95,7 @@ impl Uncertainty {
     }
 
     /// What the base's uncertainty adds to the expectation of χ² over the observations that took part.
-    pub(super) fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
+    pub(crate) fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
         if self.base_root == Matrix6::zeros() {
             return 0.0;
         }

@@ -7,6 +7,7 @@
     reason = "a test says what failed by failing"
 )]
 
+mod alignment;
 mod annotators;
 mod app;
 mod architecture;
@@ -23,6 +24,7 @@ mod calibrate_command;
 mod cli_documents;
 mod contradictions;
 mod dataset_command;
+mod described_scene;
 mod document;
 mod evaluate_command;
 mod exchange_commands;

@@ -2,9 +2,10 @@
 //!
 //! Not a divan bench: what counts is the accuracy over whole sets of frames, the times beside it. Times are those of the
 //! thread's own processor time, as far as the system tells them. Needs the folder of real frames in `TOUCHLINE_DATA`;
-//! `cargo bench --bench relocalize [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
+//! `cargo bench --bench relocalize [clicked] [rendered] [frames] [pose] [candidates] [scouting] [unmasked] [trust] [videos] [reliability] [growth]`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
+mod clicked;
 mod growth;
 mod pose;
 mod reliability;
@@ -25,6 +26,9 @@ fn main() {
     }
     if wants("growth") {
         growth::growth();
+    }
+    if wants("clicked") {
+        clicked::clicked();
     }
     let Some(data) = std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) else {
         println!("the rest is skipped: TOUCHLINE_DATA names no folder of real frames");
