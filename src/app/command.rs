@@ -25,6 +25,7 @@ pub enum Command {
     Redo,
     DeleteClick,
     RenameClick,
+    NameNext,
     PlaceOnLine,
     ToggleCheck,
     NextClick,
@@ -168,6 +169,7 @@ rows! {
     Redo, "redo", Edit, "Redo", "Redo the last change that was undone.", ["Ctrl+Shift+Z", "Ctrl+Y"];
     DeleteClick, "delete_click", Edit, "Delete point", "Delete the selected point.", ["Delete"];
     RenameClick, "rename_click", Edit, "Name point…", "Give the selected point another name.", ["C"];
+    NameNext, "name_next", Edit, "Name the next point…", "Go to the first point of this frame that has no name, and name it.", [];
     PlaceOnLine, "place_on_line", Edit, "Point on a line", "Mark the next or the selected point as lying on a line of the field, not on a landmark.", ["L"];
     ToggleCheck, "toggle_check", Edit, "Check point", "Leave the selected point out of the solve and show its error instead.", ["K"];
     NextClick, "next_click", Edit, "Next point", "Select the next point of this frame.", ["Tab"];

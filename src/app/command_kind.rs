@@ -50,6 +50,7 @@ impl Command {
             Self::ClickAgain | Self::SkipAgain => CommandKind::Round,
             Self::DeleteClick
             | Self::RenameClick
+            | Self::NameNext
             | Self::PlaceOnLine
             | Self::ToggleCheck
             | Self::NextClick

@@ -101,6 +101,9 @@ fn settled(app: &App, frame: &Frame) -> Option<Guidance> {
                 frame.reason.map(|reason| format!(": {}", reason_label(reason).to_lowercase())).unwrap_or_default();
             Some(Guidance::say(format!("Not calibratable{why}. X removes the mark, N goes on.")))
         }
+        FrameStatus::Reference if app.open().is_some_and(|open| open.counts().to_do == 0) => {
+            Some(Guidance::say(ALL_DONE).offer("Export…", Command::Export))
+        }
         FrameStatus::Reference => {
             let label_next = app.review().advice.next.is_some() && only_labels_help(app);
             Some(match app.where_to_label().filter(|_| label_next) {
@@ -118,11 +121,10 @@ fn of_reference(app: &App) -> String {
     let (left, missing) = (open.counts().to_do, missing_references(open.counts()));
     let label =
         app.frame().is_some_and(|frame| frame.status == FrameStatus::Reference && !frame.is_used_for_training());
-    match (left, missing) {
-        (0, _) => ALL_DONE.to_owned(),
+    match missing {
         _ if label => format!("Accepted (not used for training). N goes to the next of {left} to do."),
-        (_, 0) => format!("Reference. N goes to the next of {left} to do; a click here changes it."),
-        (_, missing) => {
+        0 => format!("Reference. N goes to the next of {left} to do; a click here changes it."),
+        missing => {
             format!("Reference saved. {missing} more, spread left to right, and proposals become useful.")
         }
     }
@@ -134,9 +136,9 @@ fn only_labels_help(app: &App) -> bool {
 }
 
 fn unnamed(frame: &Frame) -> Option<Guidance> {
-    let index = frame.clicks.iter().position(|click| click.target.is_none())?;
+    let index = frame.unnamed_click()?;
     let text = format!("Point {} has no name. Name it, or delete it with Del.", index + 1);
-    Some(Guidance::say(text).offer("Name point", Command::RenameClick))
+    Some(Guidance::say(text).offer("Name it", Command::NameNext))
 }
 
 /// A base that is being estimated, or was found and waits for a decision.
@@ -354,6 +356,15 @@ mod tests {
         assert!(said(&app).starts_with("Nothing matches “zzz”."));
         app.session.mode = Mode::Idle;
         assert!(said(&app).starts_with("Point 1 has no name"));
+        // The point that it speaks of is the one that is named, whichever is selected.
+        app.update(Action::Press { at: ImagePoint::new(600.0, 300.0), on: None });
+        app.update(Action::Release);
+        app.session.mode = Mode::Idle;
+        app.session.selected = Some(1);
+        let (_, offered) = next_step(&app).offers[0];
+        app.update(Action::Command(offered));
+        assert_eq!(app.session.selected, Some(0));
+        assert!(matches!(&app.session.mode, Mode::Naming(naming) if naming.click == 0));
     }
 
     #[test]

@@ -156,7 +156,7 @@ pub(super) fn describe_tracked(tracked: &TrackedClip, taken: usize) -> String {
     };
     let painted = match tracked.painted {
         0 => String::new(),
-        many => format!("; {many} were held to their painted lines"),
+        many => format!("; {many} also checked against their painted lines"),
     };
     let ended = if let Some(stop) = tracked.stops.first() {
         format!(". It stopped at {}: only {} of {} points agree", stop.picture, stop.agreeing, stop.seen)

@@ -11,6 +11,19 @@ impl Frame {
         self.ptz.is_some() && matches!(source, Some(SolutionSource::Forest | SolutionSource::Tracking))
     }
 
+    /// Whether its camera was carried to it from its neighbours in a clip.
+    #[must_use]
+    pub fn is_carried(&self) -> bool {
+        let source = self.solution.as_ref().and_then(|solution| solution.source);
+        self.ptz.is_some() && source == Some(SolutionSource::Tracking)
+    }
+
+    /// The first of its clicks that has no name.
+    #[must_use]
+    pub fn unnamed_click(&self) -> Option<usize> {
+        self.clicks.iter().position(|click| click.target.is_none())
+    }
+
     /// Whether its camera is as the painted lines have it, not corrected by a click since.
     #[must_use]
     pub fn is_snapped(&self) -> bool {

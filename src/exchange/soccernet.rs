@@ -76,9 +76,9 @@ pub fn pitch_note(context: &WriteContext<'_>) -> Option<String> {
     let [length, width] = PITCH_M;
     let same = (field.length_m - length).abs() < 1e-9 && (field.width_m - width).abs() < 1e-9;
     (!same).then(|| {
+        let [own_length, own_width] = [field.length_m, field.width_m].map(|metres| (metres * 100.0).round() / 100.0);
         format!(
-            "the field is {} × {} m; the tools that read this assume {length} × {width} m and will score it badly",
-            field.length_m, field.width_m
+            "the field is {own_length} × {own_width} m; the tools that read this assume {length} × {width} m and will score it badly"
         )
     })
 }

@@ -1,13 +1,18 @@
 //! The top row: menus, the open document, and whether it is saved.
 
 use super::{
-    Panel, symbol,
+    Panel,
+    symbol::{self, Symbol},
     theme::{self, Themed as _},
 };
 use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
-use egui::{Align, Button, Event, FocusDirection, Id, Key, Layout, Modifiers, Response, RichText, Ui};
+use egui::accesskit::Role;
+use egui::{
+    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText, TextStyle, Ui,
+    WidgetInfo, vec2,
+};
 use std::path::Path;
 
 /// A line is drawn above these.
@@ -192,10 +197,18 @@ pub fn entries(panel: &mut Panel<'_>, ui: &mut Ui, commands: &[Command]) {
 /// One entry; if it is not available, its tooltip gives the reason.
 fn entry(panel: &mut Panel<'_>, ui: &mut Ui, command: Command) {
     let why_not = panel.app.why_not(command);
-    let button = Button::new(command.name())
-        .shortcut_text(panel.app.settings.keys.shown(command))
-        .selected(is_on(panel.app, command));
-    let response = ui.add_enabled(why_not.is_none(), button).on_hover_text(command.about());
+    let button = Button::new(command.name()).shortcut_text(panel.app.settings.keys.shown(command));
+    let response = ui.add_enabled(why_not.is_none(), button);
+    if is_on(panel.app, command) {
+        let font = TextStyle::Button.resolve(ui.style());
+        let name = ui.painter().layout_no_wrap(command.name().to_owned(), font, Color32::PLACEHOLDER);
+        let after = ui.spacing().button_padding.x + name.size().x + theme::SPACE;
+        let within =
+            Rect::from_center_size(response.rect.left_center() + vec2(after, 0.0), vec2(theme::SPACE, theme::SPACE));
+        symbol::paint(ui.painter(), Symbol::Tick, within, ui.palette().accent);
+        response.widget_info(|| WidgetInfo::selected(Role::Button, why_not.is_none(), true, command.name()));
+    }
+    let response = response.on_hover_text(command.about());
     let response = match why_not {
         Some(reason) => response.on_disabled_hover_text(format!("{} {reason}", command.about())),
         None => response,

@@ -30,7 +30,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
         refine(panel, ctx);
         return;
     };
-    if ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
+    if keys_are_taken(panel, ctx) {
         return;
     }
     let mut typed = naming.typed.clone();
@@ -57,7 +57,7 @@ pub fn read(panel: &mut Panel<'_>, ctx: &egui::Context) {
 /// Reads the keys for a moment after a point has named itself: letters refine that name from the first one on, and Enter only
 /// confirms it. What a hand that types a code means by them is never a command.
 fn refine(panel: &mut Panel<'_>, ctx: &egui::Context) {
-    if !is_fresh(panel.app, ctx) || ctx.text_edit_focused() || panel.app.session.dialog.is_some() {
+    if !is_fresh(panel.app, ctx) || keys_are_taken(panel, ctx) {
         return;
     }
     let actions = &mut *panel.actions;
@@ -78,6 +78,11 @@ fn refine(panel: &mut Panel<'_>, ctx: &egui::Context) {
             _ => true,
         });
     });
+}
+
+/// Whether a text field, a dialog or a menu has the keys.
+fn keys_are_taken(panel: &Panel<'_>, ctx: &egui::Context) -> bool {
+    ctx.text_edit_focused() || panel.app.session.dialog.is_some() || egui::Popup::is_any_open(ctx)
 }
 
 /// Whether the point that was placed last has named itself within the last [`REFINED_S`] seconds.

@@ -53,9 +53,8 @@ fn errors(rng: &mut Pcg64Mcg, sigma: f64) -> Vec<Vec3> {
     (0..COUNT).map(|_| Vec3::from_fn(|_, _| sigma * normal(rng))).collect()
 }
 
-fn usual() -> Option<Misfit> {
-    Some(Misfit { chi_squared: SURPLUS, expected: SURPLUS })
-}
+/// Clicks that scatter as they are supposed to.
+const USUAL: Option<Misfit> = Some(Misfit { chi_squared: SURPLUS, expected: SURPLUS });
 
 #[test]
 fn aligned_labels_are_better_and_say_by_how_much() {
@@ -65,7 +64,7 @@ fn aligned_labels_are_better_and_say_by_how_much() {
     for _ in 0..draws {
         let offs = errors(&mut rng, 1.0);
         before += offs.iter().map(Vec3::norm_squared).sum::<f64>();
-        for (off, covariance) in align(&mut rng, &offs, usual()) {
+        for (off, covariance) in align(&mut rng, &offs, USUAL) {
             after += off.norm_squared();
             in_stated += off.dot(&(covariance.try_inverse().unwrap() * off));
         }
@@ -80,7 +79,7 @@ fn clicks_that_scatter_more_than_usual_are_known_by_it() {
     let mut rng = rng("clicks_that_scatter_more_than_usual_are_known_by_it");
     let trace = |found: &[(Vec3, Mat3)]| found.iter().map(|(_, covariance)| covariance.trace()).sum::<f64>();
     let offs = errors(&mut rng, 1.0);
-    let as_usual = trace(&align(&mut rng.clone(), &offs, usual()));
+    let as_usual = trace(&align(&mut rng.clone(), &offs, USUAL));
     let twice: Vec<Vec3> = offs.iter().map(|off| off * 2.0).collect();
     let scattered = Some(Misfit { chi_squared: 4.0 * SURPLUS, expected: SURPLUS });
     let ratio = trace(&align(&mut rng.clone(), &twice, scattered)) / as_usual;
@@ -95,7 +94,7 @@ fn a_wrong_label_moves_no_other() {
     let mut rng = rng("a_wrong_label_moves_no_other");
     let mut offs = errors(&mut rng, 0.3);
     offs[4] = Vec3::new(40.0, 0.0, 0.0);
-    let found = align(&mut rng, &offs, usual());
+    let found = align(&mut rng, &offs, USUAL);
     for (i, (off, _)) in found.iter().enumerate() {
         let expected = if i == 4 { offs[4] } else { Vec3::zeros() };
         assert!((off - expected).norm() < 1.5, "{i}: {off}");

@@ -58,6 +58,7 @@ fn a_row_has_a_menu_of_what_can_be_done_with_its_frame() {
     window.harness.get_by_label_contains("Suggestion, frame 2, 0002.png").click_secondary();
     window.harness.run_steps(5);
     assert_eq!(window.app().session.frame, 2, "the menu is about the row's frame, which is shown");
+    window.wait_for(|shell| !shell.app().session.video.picture_awaited);
     window.harness.get_by_label_contains("Accept and stay").click();
     window.harness.run_steps(4);
     assert_eq!(statuses(&window), [FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Reference]);

@@ -50,7 +50,7 @@ fn a_dataset_is_shown_before_it_is_written() {
     let mut window = Window::open_referenced(4, SIZE);
     window.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::E);
     window.harness.run_steps(2);
-    window.harness.get_by_label("divide").click();
+    window.harness.get_by_label("split into training, validation and test, %:").click();
     window.harness.run_steps(2);
     looked(&mut window);
     assert_eq!(window.harness.unnamed_widgets(), Vec::<String>::new());

@@ -80,10 +80,14 @@ impl BulkAccept {
     }
 
     /// What a person looks at before: the most doubtful, then samples over the whole range of confidence up to the most certain.
+    /// Where all are as certain as each other, samples alone.
     #[must_use]
     pub fn preview(&self) -> Vec<ReviewRow> {
-        let (doubtful, others) = self.rows.split_at(Self::DOUBTFUL.min(self.rows.len()));
-        let samples = Self::SAMPLES.min(others.len());
+        let shown = |row: &ReviewRow| row.confidence.map(percent);
+        let certain = self.rows.last().and_then(shown);
+        let less_certain = self.rows.iter().take(Self::DOUBTFUL).take_while(|row| shown(row) != certain).count();
+        let (doubtful, others) = self.rows.split_at(less_certain);
+        let samples = (Self::DOUBTFUL + Self::SAMPLES - doubtful.len()).min(others.len());
         let spread = (1..=samples).map(|sample| others[sample * others.len() / samples - 1]);
         doubtful.iter().copied().chain(spread).collect()
     }
@@ -393,6 +397,13 @@ mod tests {
         assert!((all.mean - bulk.expected_wrong().mean - 0.796).abs() < 1e-9);
         let few = review.bulk(&ReviewChoice { threshold: 0.885, ..choice });
         assert_eq!(few.preview(), few.rows);
+    }
+
+    #[test]
+    fn where_all_are_as_certain_samples_over_all_of_them_are_shown() {
+        let review = self::review(&[Some(0.99); 48], ReviewOrder::Time);
+        let shown: Vec<usize> = review.bulk(&ReviewChoice::default()).preview().iter().map(|row| row.frame).collect();
+        assert_eq!(shown, [3, 7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47]);
     }
 
     #[test]

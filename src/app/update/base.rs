@@ -84,6 +84,7 @@ impl App {
         match found {
             Ok(found) => {
                 let text = describe(&found);
+                self.session.retract(Command::EstimateBase);
                 self.session.base = BaseWork::Proposed(found.into());
                 self.session.notify(Level::Info, text);
             }

@@ -72,6 +72,9 @@ impl App {
             C::DeleteClick | C::RenameClick | C::ToggleCheck | C::ZoomToClick if no_selection => {
                 Some("No point is selected.")
             }
+            C::NameNext if self.frame().and_then(Frame::unnamed_click).is_none() => {
+                Some("Every point of this frame has a name.")
+            }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
             C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
             C::CompareAnnotators if self.session.comparison == Comparison::UnderWay => {
@@ -190,6 +193,7 @@ impl App {
                     self.open_naming(click);
                 }
             }
+            C::NameNext => self.name_next(),
             C::PlaceOnLine => match &self.session.mode {
                 Mode::Naming(naming) => self.offer_lines(!naming.lines),
                 _ => self.session.next_on_line = !self.session.next_on_line,

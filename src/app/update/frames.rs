@@ -54,7 +54,7 @@ impl App {
         if self.decides_about_base() {
             return Some("An estimated base is shown. Use it or discard it first.".to_owned());
         }
-        if let Some(unnamed) = unnamed(frame) {
+        if let Some(unnamed) = frame.unnamed_click() {
             return Some(format!("Point {} has no name. Name it (C) or delete it (Del), then accept.", unnamed + 1));
         }
         if frame.ptz.is_some() || self.current.solved().is_some() {
@@ -68,8 +68,8 @@ impl App {
 
     pub(super) fn accept(&mut self, stay: bool) {
         if let Some(reason) = self.unacceptable() {
-            self.session.notify(Level::Warning, reason);
-            self.session.selected = self.frame().and_then(unnamed).or(self.session.selected);
+            self.session.notify(Level::Info, reason);
+            self.session.selected = self.frame().and_then(Frame::unnamed_click).or(self.session.selected);
             return;
         }
         if self.asks_about_doubt(stay) {
@@ -164,9 +164,4 @@ impl App {
             self.commit();
         }
     }
-}
-
-/// The first click of a frame that has no name.
-fn unnamed(frame: &Frame) -> Option<usize> {
-    frame.clicks.iter().position(|click| click.target.is_none())
 }

@@ -4,8 +4,8 @@ use super::App;
 use crate::app::Command;
 use crate::app::current::rank_names;
 use crate::app::naming::certain;
-use crate::app::session::{Level, Mode, OFFERED};
-use crate::document::{BetterName, Target};
+use crate::app::session::{Level, Mode, OFFERED, PictureView};
+use crate::document::{BetterName, Frame, Target};
 
 impl App {
     /// The label of a landmark or line; its id where the field lacks it.
@@ -29,6 +29,16 @@ impl App {
             self.session.selected = Some(click);
             self.session.mode = Mode::Naming(naming);
         }
+    }
+
+    /// Asks for the name of the first click that has none, in the middle of the picture where that is zoomed.
+    pub(super) fn name_next(&mut self) {
+        let Some(click) = self.frame().and_then(Frame::unnamed_click) else { return };
+        let at = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image);
+        if let (PictureView::Zoomed { centre, .. }, Some(at)) = (&mut self.session.view, at) {
+            *centre = at;
+        }
+        self.open_naming(click);
     }
 
     /// Names a click that is being placed while there is just one plausible name; the name follows the pointer.

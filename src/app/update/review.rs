@@ -1,6 +1,7 @@
 //! Reviewing proposals: the order, accepting several together, what is used for training.
 
 use super::App;
+use crate::app::Command;
 use crate::app::progress::ALL_DONE;
 use crate::app::review::{AcceptSheet, BulkAccept};
 use crate::app::session::{Dialog, Level, SidePanel, is_to_do};
@@ -99,7 +100,11 @@ impl App {
         }
         self.commit();
         self.session.unticked.clear();
-        let undo = self.settings.keys.shown(crate::app::Command::Undo);
+        let waits = |frame: &Frame| is_suggested(frame) && frame.is_carried();
+        if self.open.as_ref().is_some_and(|open| !open.document.frames.iter().any(|frame| waits(frame))) {
+            self.session.retract(Command::DiscardCarried);
+        }
+        let undo = self.settings.keys.shown(Command::Undo);
         self.session.notify(Level::Info, format!("{count} accepted. {undo} undoes all of it."));
     }
 

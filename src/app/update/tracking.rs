@@ -8,7 +8,7 @@ use crate::app::tracking::{
     CarriedShot, LastCarried, TrackAction, TrackFailure, TrackOrder, Tracking, describe_followed, describe_tracked,
 };
 use crate::calibrate::{ClipEvidence, TrackedClip, TrackedFrame, record_tracked};
-use crate::document::{Camera, Frame, SolutionSource, Step};
+use crate::document::{Camera, Frame, Step};
 use std::sync::Arc;
 
 impl App {
@@ -150,8 +150,7 @@ impl App {
         for before in before {
             let Some(open) = &mut self.open else { break };
             let Some(frame) = open.document.frames.by_id_mut(&before.id) else { continue };
-            let source = frame.solution.as_ref().and_then(|solution| solution.source);
-            if frame.is_open() && source == Some(SolutionSource::Tracking) {
+            if frame.is_open() && frame.is_carried() {
                 open.journalled.forget(frame);
                 (frame.status, frame.ptz, frame.solution) = (before.status, before.ptz, before.solution);
                 discarded += 1;

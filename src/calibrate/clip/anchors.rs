@@ -31,7 +31,7 @@ fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)
     let solution = frame.solution.as_ref();
     let is_persons = frame.status == FrameStatus::Reference || frame.is_solved_by_clicks();
     let confidence = if is_persons { 1.0 } else { solution?.confidence? };
-    if !is_persons && (confidence < SURE || tracked(frame)) {
+    if !is_persons && (confidence < SURE || frame.is_carried()) {
         return None;
     }
     let camera = PtzCamera::new(*base, ptz);
@@ -44,12 +44,6 @@ fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)
     };
     let loss = if is_persons { BY_PEOPLE } else { BY_PROGRAM };
     Some((Anchor { frame: at, ptz, covariance, loss }, confidence))
-}
-
-/// Whether its camera was itself carried there.
-fn tracked(frame: &Frame) -> bool {
-    use crate::document::SolutionSource;
-    frame.solution.as_ref().is_some_and(|solution| solution.source == Some(SolutionSource::Tracking))
 }
 
 fn unstated(ptz: Ptz, sigma_px: f64, frame: &Frame) -> Mat3 {

@@ -82,7 +82,7 @@ fn card(ui: &mut Ui, title: &str, field: &FieldModel, chosen: bool, guessed: boo
     painter.text(at, Align2::CENTER_TOP, rules.trim_end_matches(')'), FontId::proportional(11.0), ui.palette().text);
     if guessed {
         let style = PlateStyle::new(FontId::proportional(11.0), ui.palette().on_accent, ui.palette().accent);
-        plate(painter, rect.left_top() + vec2(10.0, 12.0), Align2::LEFT_CENTER, "by the file's name", style);
+        plate(painter, rect.left_top() + vec2(10.0, 12.0), Align2::LEFT_CENTER, "guessed from its name", style);
     }
     response.on_hover_text(format!("{title}: {:.1} × {:.1} m.", field.length_m, field.width_m))
 }

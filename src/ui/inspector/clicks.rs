@@ -37,7 +37,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, room: f32) {
         let clicks = panel.app.frame().map(|frame| frame.clicks.clone()).unwrap_or_default();
         if clicks.is_empty() {
             ui.add_space(theme::SPACE);
-            ui.label(RichText::new("Two points that you can name are enough.").color(ui.palette().weak));
+            let says = if panel.app.current().base.is_some() {
+                "Two points that you can name are enough."
+            } else {
+                "Points that you click in the picture are listed here."
+            };
+            ui.label(RichText::new(says).color(ui.palette().weak));
         }
         for (index, click) in clicks.iter().enumerate() {
             row(panel, ui, index, click);

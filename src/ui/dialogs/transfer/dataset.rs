@@ -20,7 +20,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     ui.horizontal(|ui| {
         ui.label("Licence");
         let mut text = options.licence.clone().unwrap_or_default();
-        let field = TextEdit::singleline(&mut text).hint_text("CC BY 4.0").desired_width(200.0);
+        let field = TextEdit::singleline(&mut text).hint_text("such as CC BY 4.0").desired_width(200.0);
         ui.add(field).accessible_name("Licence").on_hover_text("The licence of labels and pictures, for the card.");
         options.licence = Some(text).filter(|text| !text.is_empty());
         let mut replace = transfer.replace;
@@ -66,8 +66,8 @@ fn pictures(ui: &mut Ui, options: &mut DatasetOptions) {
 fn splits(ui: &mut Ui, options: &mut DatasetOptions) {
     ui.horizontal(|ui| {
         let mut divided = options.splitting.is_some();
-        let tip = "For training, validation and test. Neighbouring frames are never separated.";
-        ui.checkbox(&mut divided, "divide").on_hover_text(tip);
+        let tip = "Neighbouring frames are never separated.";
+        ui.checkbox(&mut divided, "split into training, validation and test, %:").on_hover_text(tip);
         let mut splitting = options.splitting.unwrap_or_default();
         if divided {
             for (share, split) in splitting.shares.iter_mut().zip(Split::ALL) {
