@@ -160,7 +160,7 @@ impl Default for Settings {
             details: false,
             snap_points: true,
             base_on_paint: false,
-            snap_suggestions: false,
+            snap_suggestions: true,
             told_about_adapter: String::new(),
         }
     }

@@ -17,7 +17,7 @@ use touchline::media::FrameReader;
 use touchline::proposals::{
     Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, Proposal, WorkFolder, learn, propose, study,
 };
-use touchline::relocalize::{PoseOptions, RelocalizeOptions};
+use touchline::relocalize::RelocalizeOptions;
 use touchline::solve::Uncertainty;
 
 /// χ² with two degrees of freedom of a 68 % region.
@@ -84,7 +84,8 @@ impl Match {
     }
 
     /// Every frame asked of references of other clips; of few references every `every`-th frame.
-    fn asked(&self, references: References, every: usize, options: &RelocalizeOptions) -> Vec<Asked> {
+    fn asked(&self, references: References, every: usize, is_snapped: bool) -> Vec<Asked> {
+        let options = &RelocalizeOptions::default();
         let clip = |index: usize| self.document.frames[index].clip.clone();
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
@@ -106,7 +107,7 @@ impl Match {
         }
         let at = self.document.at(&self.folder);
         let mut reader = FrameReader::new();
-        let evidence = LineEvidence::of(at, &mut reader, false).unwrap();
+        let evidence = LineEvidence::of(at, &mut reader, is_snapped).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
             let going_on = || ControlFlow::Continue(());
@@ -161,17 +162,19 @@ pub fn trust(data: &Path) {
         "| references | match | frames | answered | within 10 px of all | stated ≥ .5 and > 20 px off | ≥ .95 and > 10 px off | \
          68 % regions hold, rms z: with the click's own noise / without | stated σ, median px |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     let matches = MATCHES.map(|name| Match::of(data, name));
-    let options = RelocalizeOptions { pose: PoseOptions::default(), ..RelocalizeOptions::default() };
-    for (label, references, every) in [
-        ("all of other clips", References::All, 1),
-        ("none within 8°", References::Apart, 1),
-        ("two", References::Few(2), 2),
+    for (label, references, every, is_snapped) in [
+        ("all of other clips", References::All, 1, false),
+        ("none within 8°", References::Apart, 1, false),
+        ("two", References::Few(2), 2, false),
+        ("all of other clips, snapped", References::All, 1, true),
+        ("none within 8°, snapped", References::Apart, 1, true),
+        ("two, snapped", References::Few(2), 2, true),
     ] {
         let mut all = Vec::new();
         for (name, of) in MATCHES.iter().zip(&matches) {
-            let asked = of.asked(references, every, &options);
+            let asked = of.asked(references, every, is_snapped);
             row(label, name, &asked.iter().collect::<Vec<_>>());
             all.extend(asked);
         }
@@ -197,8 +200,9 @@ fn row(label: &str, name: &str, asked: &[&Asked]) {
         format!("{:.1} %, {rms:.2}", share(held, all.len()))
     };
     let mut sigmas: Vec<f64> = given.iter().map(|(answer, _)| answer.worst_corner_sigma_px).collect();
+    let mut errors: Vec<f64> = given.iter().map(|(_, asked)| asked.error_px).collect();
     println!(
-        "| {label} | {name} | {} | {} ({:.1} %) | {:.1} % | {wrong} | {certain_off} of {} ({:.1} %) | {} / {} | {:.1} |",
+        "| {label} | {name} | {} | {} ({:.1} %) | {:.1} % | {wrong} | {certain_off} of {} ({:.1} %) | {} / {} | {:.1} | {:.2} |",
         asked.len(),
         given.len(),
         share(given.len(), asked.len()),
@@ -207,7 +211,8 @@ fn row(label: &str, name: &str, asked: &[&Asked]) {
         share(certain_off, certain.len()),
         true_sigma(0),
         true_sigma(1),
-        quantile(&mut sigmas, 0.5)
+        quantile(&mut sigmas, 0.5),
+        quantile(&mut errors, 0.5),
     );
     for (answer, asked) in given.iter().filter(|(_, asked)| asked.error_px > 10.0) {
         let sigma_px = answer.evidence.labelled_sigma_px;
