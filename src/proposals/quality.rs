@@ -1,5 +1,7 @@
 //! What the forest is worth: a reference is left out together with all others of its shot, and asked for.
 //!
+//! Labels are taken as they were clicked: made to fit each other, those that are kept would know of those that are left out.
+//!
 //! Memory is bounded however many references there are: at most 1000 of them take part, spread over all; of each only what
 //! the forest learns from is held, once for all forests, 152 bytes a feature. With 1000 features each that is 150 MB, beside one
 //! forest at a time and the few pictures' features that are being looked at.

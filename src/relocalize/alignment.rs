@@ -66,11 +66,15 @@ const SUPPOSED: f64 = 12.0;
 /// The clicks of one reference count by no more than this multiple of what is expected of them: a wrong one is no scatter.
 const MOST_OF_ONE: f64 = 9.0;
 
+/// No label is corrected by more: a turn, rad, and a share of the focal length.
+const MOST_TURN: f64 = 0.1;
+const MOST_FOCAL: f64 = 0.3;
+
 /// Rounds of adjusting and learning the scatter.
 const ROUNDS: usize = 4;
 
 /// References as they look when their labels fit each other, with what is known of them then: the covariance of (pan rad, tilt rad, focal
-/// px), if the base is exact.
+/// px), if the base is exact. Labels that leave the problem without a solution stay as they are.
 #[must_use]
 pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     let Some(seen) = AngleRange::smallest(references.iter().map(|reference| reference.camera.ptz().pan)) else {
@@ -96,7 +100,7 @@ pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
     }
     let mut found: Vec<(Ptz, Mat3)> =
         references.iter().zip(labels).map(|(reference, label)| (reference.camera.ptz(), label.covariance)).collect();
-    for group in &groups {
+    for group in groups.iter().filter(|group| group.is_adjusted) {
         for (place, &member) in group.members.iter().enumerate() {
             let by = group.correction(place);
             let ptz = found[member].0;
@@ -138,10 +142,14 @@ struct Tie {
 struct Group {
     /// Their places among all.
     members: Vec<usize>,
+    /// Their focal lengths by their labels, px.
+    focal_px: Vec<f64>,
     ties: Vec<Tie>,
     /// Their corrections, (rad, rad, px) after each other, and the covariance of those.
     corrections: DVector<f64>,
     covariance: DMatrix<f64>,
+    /// The problem has a solution.
+    is_adjusted: bool,
 }
 
 impl Tie {
@@ -179,9 +187,11 @@ impl Group {
         let size = 3 * members.len();
         Self {
             members: members.to_vec(),
+            focal_px: together.iter().map(|reference| reference.camera.ptz().focal_px).collect(),
             ties,
             corrections: DVector::zeros(size),
             covariance: DMatrix::zeros(size, size),
+            is_adjusted: false,
         }
     }
 
@@ -222,9 +232,11 @@ impl Group {
         // In units of each number's own σ, so that radians and px do not spoil the factorisation.
         let sigmas = normal.diagonal().map(|information| information.max(f64::MIN_POSITIVE).sqrt().recip());
         let scale = DMatrix::from_diagonal(&sigmas);
+        self.is_adjusted = false;
         let Some(factor) = (&scale * normal * &scale).cholesky() else { return };
         self.covariance = &scale * factor.inverse() * &scale;
         self.corrections = &self.covariance * right;
+        self.is_adjusted = (0..self.members.len()).all(|place| self.is_small(place));
     }
 
     /// χ² of all clicks after the adjustment, in the σ that they are taken to have.
@@ -254,6 +266,12 @@ impl Group {
             Some(Misfit { chi_squared: left.dot(&(information * left)), expected })
         };
         self.believed(labels, scatter).into_iter().filter_map(of_tie).fold(Misfit::default(), |sum, one| sum + one)
+    }
+
+    /// Whether a correction is as small as a label's error can be: what is linear here is that nowhere else.
+    fn is_small(&self, place: usize) -> bool {
+        let by = self.correction(place);
+        by.x.hypot(by.y) < MOST_TURN && by.z.abs() < MOST_FOCAL * self.focal_px[place]
     }
 
     fn correction(&self, place: usize) -> Vec3 {

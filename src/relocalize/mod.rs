@@ -2,8 +2,8 @@
 //!
 //! A pan-tilt forest learns from references which ray a descriptor shows ([`train`]); a new picture's features get candidate
 //! rays from it, and [`pose_from_candidates`] finds the camera that most of them agree on, or says by name why there is
-//! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. References whose labels
-//! do not agree are found by [`contradictions()`].
+//! none ([`NotFound`]). [`relocalize()`] is both together; [`ForestModel`] is a forest on disk. Labels of references are made
+//! to fit each other by [`aligned`]; those that do not agree at all are found by [`contradictions()`].
 
 mod alignment;
 mod answer;

@@ -114,3 +114,14 @@ fn a_label_without_neighbours_stays_as_it_is() {
         assert!((covariance - label.covariance).norm() < 1e-9 * label.covariance.norm(), "{covariance}");
     }
 }
+
+#[test]
+fn labels_that_say_nothing_stay_as_they_are() {
+    let nothing = Features { image_size: SIZE, ..Features::default() };
+    let references = [0, 1].map(|i| Reference { features: &nothing, camera: PtzCamera::new(base(), looks(i)) });
+    for covariance in [Mat3::zeros(), Mat3::repeat(f64::NAN), Mat3::repeat(f64::INFINITY)] {
+        let found = aligned(&references, &[Label { covariance, misfit: USUAL }; 2]);
+        assert_eq!([found[0].0, found[1].0], [looks(0), looks(1)], "{covariance}");
+        assert!(found.iter().all(|(_, stated)| stated.norm().total_cmp(&covariance.norm()).is_eq()), "{covariance}");
+    }
+}

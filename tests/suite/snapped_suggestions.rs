@@ -88,7 +88,7 @@ fn after_recording(frame: &mut touchline::document::Frame, proposal: &Proposal) 
 fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
     use crate::bench::Bench;
     use crate::review_in_app::blank;
-    use touchline::app::{Command, Effect, TrainerOrder};
+    use touchline::app::{Action, App, Command, Effect, Opened, Settings, TrainerOrder};
 
     let mut bench = Bench::new(blank(1));
     let orders = |bench: &Bench| -> Vec<bool> {
@@ -98,10 +98,12 @@ fn the_choice_is_kept_and_the_trainer_is_told_of_it() {
         });
         orders.collect()
     };
-    assert!(!bench.app.settings.snap_suggestions);
-    assert_eq!(orders(&bench), [] as [bool; 0]);
+    assert!(bench.app.settings.snap_suggestions, "unless it is switched off");
+    let opened = Action::Opened(Box::new(Opened::new(blank(1), "/nowhere/project.json")));
+    let told = App::new(Settings::default()).update(opened);
+    assert!(told.contains(&Effect::Trainer(TrainerOrder::Snap(true))));
     bench.command(Command::SnapSuggestions);
-    assert!(bench.app.settings.snap_suggestions && bench.effects.contains(&Effect::SaveSettings));
+    assert!(!bench.app.settings.snap_suggestions && bench.effects.contains(&Effect::SaveSettings));
     bench.command(Command::SnapSuggestions);
-    assert_eq!(orders(&bench), [true, false]);
+    assert_eq!(orders(&bench), [false, true]);
 }

@@ -6,7 +6,7 @@ use crate::app::OpenProject;
 use crate::app::Opened;
 use crate::app::camera_watch::Watched;
 use crate::app::effect::Effect;
-use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session};
+use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
 use std::path::PathBuf;
 
 impl App {
@@ -69,9 +69,7 @@ impl App {
         let Opened { prepared, history, folder, file, read_only, .. } = opened;
         let mut open = OpenProject::of(prepared, file, folder, read_only);
         open.history = history;
-        // Go on where work is left.
-        let first = open.document.frames.iter().position(|frame| crate::app::session::is_to_do(frame));
-        self.session.frame = first.unwrap_or(0);
+        self.session.frame = left_at(&open);
         self.open = Some(open);
         self.current = Current::default();
         self.review = super::Review::default();
@@ -138,5 +136,46 @@ impl App {
         if std::mem::take(&mut self.session.closing) {
             self.asks_before(Leaving::Close);
         }
+    }
+}
+
+/// Where work goes on: at the frame that was changed last, or the next one from there that is to do; at the first frame where all are done.
+fn left_at(open: &OpenProject) -> usize {
+    let frames = &open.document.frames;
+    let changed = open.history.next_undo().and_then(|step| frames.position_of(step.frame.as_ref()?)).unwrap_or(0);
+    let to_do = |position: &usize| frames.get(*position).is_some_and(|frame| is_to_do(frame));
+    (changed..frames.len()).chain(0..changed).find(to_do).unwrap_or(0)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::app::{Action, App, Opened, Settings};
+    use crate::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
+    use crate::geometry::{ImagePoint, ImageSize};
+
+    #[test]
+    fn a_project_opens_where_it_was_left() {
+        let size = ImageSize::new(1280, 720);
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        for index in 0..6 {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            if index < 2 {
+                frame.status = FrameStatus::Rejected;
+            }
+            document.frames.push(frame.into());
+        }
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        assert_eq!(app.session.frame, 2, "the first that is to do");
+        app.update(Action::GoTo(4));
+        app.update(Action::Press { at: ImagePoint::new(300.0, 400.0), on: None });
+        app.update(Action::Release);
+        let left = app.open().unwrap();
+        let mut again = Opened::new(left.document.clone(), "/match/project.json");
+        again.history = left.history.clone();
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(again)));
+        assert_eq!(app.session.frame, 4, "its last point was placed there");
     }
 }

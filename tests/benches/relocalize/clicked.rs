@@ -149,7 +149,7 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
         outcome.labels.extend(squared_sigmas(off(frame.ptz.as_ref().unwrap().ptz(), number), &covariance));
     }
     for proposal in proposals {
-        let number = document.frames.iter().position(|frame| frame.id == proposal.frame).unwrap();
+        let number = document.frames.position_of(&proposal.frame).unwrap();
         let Ok(answer) = proposal.outcome else { continue };
         let camera = PtzCamera::new(*drawn.truth[number].base(), answer.ptz.ptz());
         let error_px = overlay_error_px(&drawn.truth[number], &camera, SIZE);
