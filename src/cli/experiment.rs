@@ -23,8 +23,8 @@ use std::path::{Path, PathBuf};
 /// `N.homographyMatrix`) and for a published motion (`soccer_ground_truth.json`).
 #[derive(clap::Args, Debug)]
 pub struct ExperimentArgs {
-    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose, those
-    /// that need --data: homographies, motion; or all.
+    /// Which one: synthetic, ransac, highlights, worldcup, errors, threshold, trees, fov, baselines, descriptors, pose,
+    /// annotator, those that need --data: homographies, motion; or all.
     #[arg(value_name = "NAME", value_parser = named)]
     experiments: Chosen,
     /// The folder to write; an empty one counts as absent.

@@ -211,7 +211,7 @@ fn interval_of_mean(all: &[&AskedFrame]) -> [f64; 2] {
 }
 
 /// The frames asked, a list for each seed.
-pub fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a AskedFrame>> {
+fn by_seed<'a>(asked: impl IntoIterator<Item = &'a AskedFrame>) -> Vec<Vec<&'a AskedFrame>> {
     let mut seeds: Vec<Vec<&AskedFrame>> = Vec::new();
     for asked in asked {
         if seeds.len() <= asked.repeat {
@@ -231,6 +231,14 @@ pub fn interval_over_seeds(values: &[f64]) -> [f64; 2] {
     let t = STUDENT_975.get(values.len() - 2).copied().unwrap_or(1.96);
     let half = t * sd / (values.len() as f64).sqrt();
     [mean - half, mean + half]
+}
+
+/// The 95 % interval of a number of answers over their seeds.
+pub fn over_seeds<'a>(
+    asked: impl IntoIterator<Item = &'a AskedFrame>,
+    number: impl Fn(Vec<&'a AskedFrame>) -> f64,
+) -> [f64; 2] {
+    interval_over_seeds(&by_seed(asked).into_iter().map(number).collect::<Vec<_>>())
 }
 
 /// By how much a number of some answers is greater than that of others, both in each seed: its 95 % interval over the seeds.

@@ -1,8 +1,6 @@
 //! The distributions of rotation and focal length errors.
 
-use super::answers::{
-    AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, by_seed, difference, interval_over_seeds, tally_table,
-};
+use super::answers::{AskedFrame, FoundCamera, TALLY_EXPLAINED, Tally, difference, over_seeds, tally_table};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::ROTATION;
@@ -65,10 +63,7 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
     let (degrees, share) = ROTATION;
     if one[0].kind != SetKind::Own {
         let within = |asked: Vec<&AskedFrame>| Tally::of(asked.into_iter()).within_rotation;
-        let interval = |asked: &[AskedFrame]| -> [f64; 2] {
-            interval_over_seeds(&by_seed(asked).into_iter().map(within).collect::<Vec<_>>())
-        };
-        let intervals: Vec<[f64; 2]> = asked.iter().map(|(_, asked)| interval(asked)).collect();
+        let intervals: Vec<[f64; 2]> = asked.iter().map(|(_, asked)| over_seeds(*asked, within)).collect();
         let shown = tallies.iter().zip(&intervals).map(|((name, tally), [low, high])| {
             let [mean, low, high] = [tally.within_rotation, *low, high.min(1.0)].map(|share| 100.0 * share);
             format!("{name} {mean:.0} % ({low:.0} to {high:.0})")

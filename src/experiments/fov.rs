@@ -1,6 +1,6 @@
 //! `IoU` over the field of view: where answers fail.
 
-use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, by_seed, interval_over_seeds, tally_table};
+use super::answers::{AskedFrame, TALLY_EXPLAINED, Tally, over_seeds, tally_table};
 use super::forests::ForestKind;
 use super::inputs::{Masks, Sets};
 use super::paper::{FAILURE_IOU, FAILURES_BELOW_DEG, NO_FAILURE_ABOVE_DEG};
@@ -53,16 +53,13 @@ pub fn run(inputs: &SharedInputs, progress: Progress) -> Result<Report, Experime
             )
         };
         let share = |of: [usize; 2]| of[0] as f64 / of[1].max(1) as f64;
-        let more_below: Vec<f64> = by_seed(published.0)
-            .into_iter()
-            .map(|asked| {
-                let [below, between, _] = failed_by_bound(asked);
-                share(below) - share(between)
-            })
-            .collect();
+        let more_below = over_seeds(published.0, |asked| {
+            let [below, between, _] = failed_by_bound(asked);
+            share(below) - share(between)
+        });
         let verdict = match published.1[2] {
             [_, 0] => Verdict::NotMeasured,
-            [0, _] => Verdict::above(interval_over_seeds(&more_below), 0.0),
+            [0, _] => Verdict::above(more_below, 0.0),
             _ => Verdict::Differs,
         };
         report.claim(

@@ -58,6 +58,15 @@ impl AngleRange {
         directions.smallest_arc_without(left_out).map(|[start, end]| Self { start, end })
     }
 
+    /// The places of some directions in the order in which the smallest arc runs through them; equal ones as they come.
+    pub(crate) fn along_smallest(angles: &[Angle]) -> Vec<usize> {
+        let Some(arc) = Self::smallest(angles.iter().copied()) else { return Vec::new() };
+        let from_start = |place: &usize| arc.unwrapped(angles[*place]).radians();
+        let mut order: Vec<usize> = (0..angles.len()).collect();
+        order.sort_by(|a, b| from_start(a).total_cmp(&from_start(b)));
+        order
+    }
+
     /// Where it begins, within (−π, π]; −π for the full circle.
     #[must_use]
     pub const fn start(&self) -> Angle {
@@ -187,6 +196,14 @@ mod tests {
             assert!((found.end().degrees() - end).abs() < 1e-12, "{of:?}: {found:?}");
         }
         assert_eq!(AngleRange::smallest([]), None);
+    }
+
+    #[test]
+    fn directions_are_ordered_along_the_smallest_arc() {
+        let along = |of: &[f64]| AngleRange::along_smallest(&of.iter().copied().map(degrees).collect::<Vec<_>>());
+        assert_eq!(along(&[10.0, -20.0, 5.0, -20.0]), [1, 3, 2, 0]);
+        assert_eq!(along(&[-178.0, 176.0, 179.0]), [1, 2, 0], "over the seam");
+        assert_eq!(along(&[]), [0_usize; 0]);
     }
 
     #[test]

@@ -172,7 +172,7 @@ fn learn_camera<'a>(
     for ((sample, camera), (ptz, covariance)) in
         training_samples.iter().zip(&cameras).zip(aligned(&references, &labels))
     {
-        sample.turned_to(&PtzCamera::new(*camera.base(), ptz)).add_to(&mut samples);
+        sample.add_as_taken_by(&PtzCamera::new(*camera.base(), ptz), &mut samples);
         seen.push(ptz);
         known.push(covariance);
     }

@@ -33,16 +33,14 @@ pub fn find_suspects(
     let document = pictures.document;
     let mut found = Vec::new();
     for camera in &document.cameras {
-        let mut of_camera: Vec<(Angle, usize)> = training_frames
+        let of_camera = training_frames
             .iter()
             .map(|&index| (index, &*document.frames[index]))
             .filter(|(_, frame)| frame.camera == camera.id)
-            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)))
-            .collect();
-        let Some(seen) = AngleRange::smallest(of_camera.iter().map(|(pan, _)| *pan)) else { continue };
-        let from_left = |pan: Angle| seen.unwrapped(pan).radians();
-        of_camera.sort_by(|a, b| from_left(a.0).total_cmp(&from_left(b.0)).then(a.1.cmp(&b.1)));
-        let of_camera: Vec<usize> = of_camera.into_iter().map(|(_, index)| index).collect();
+            .filter_map(|(index, frame)| Some((document.pointed(frame)?.ptz().pan, index)));
+        let (pans, of_camera): (Vec<Angle>, Vec<usize>) = of_camera.unzip();
+        let of_camera: Vec<usize> =
+            AngleRange::along_smallest(&pans).into_iter().map(|place| of_camera[place]).collect();
         for together in of_camera.chunks(TOGETHER) {
             let Studied { training_samples, .. } = study(pictures, reader, together, progress)?;
             found.extend(suspects_among(document, &training_samples));

@@ -2,7 +2,7 @@
 
 use crate::camera::{PanTilt, Ptz, PtzCamera};
 use crate::document::{CameraId, Frame};
-use crate::features::Features;
+use crate::features::{Descriptor, Features};
 use crate::relocalize::{Label, Samples};
 use std::sync::Arc;
 
@@ -31,25 +31,29 @@ impl TrainingSample {
         label: Label,
         features: Arc<Features>,
     ) -> Self {
-        let rays = rays(camera, 0..features.len() as u32, &features);
+        let ray = |feature: u32| Some((feature, ray(camera, &features, feature)?));
+        let rays = (0..features.len() as u32).filter_map(ray).collect();
         Self { frame: index, camera: frame.camera.clone(), ptz: camera.ptz(), label, features, rays }
-    }
-
-    /// The same features as another camera shows them.
-    pub(super) fn turned_to(&self, camera: &PtzCamera) -> Self {
-        let shown = self.rays.iter().map(|(feature, _)| *feature);
-        Self { ptz: camera.ptz(), rays: rays(camera, shown, &self.features), ..self.clone() }
     }
 
     /// Adds it as one frame.
     pub(super) fn add_to(&self, samples: &mut Samples) {
-        let descriptor = |feature: u32| self.features.descriptors[feature as usize];
-        samples.add_frame(self.rays.iter().map(|&(feature, ray)| (descriptor(feature), ray)));
+        samples.add_frame(self.rays.iter().map(|&(feature, ray)| (self.descriptor(feature), ray)));
+    }
+
+    /// Adds it as one frame that another camera took.
+    pub(super) fn add_as_taken_by(&self, camera: &PtzCamera, samples: &mut Samples) {
+        let shown = self.rays.iter().map(|(feature, _)| *feature);
+        let of_camera = |feature: u32| Some((self.descriptor(feature), ray(camera, &self.features, feature)?));
+        samples.add_frame(shown.filter_map(of_camera));
+    }
+
+    fn descriptor(&self, feature: u32) -> Descriptor {
+        self.features.descriptors[feature as usize]
     }
 }
 
-/// The rays that some features show; beyond the fold of a lens a point shows none.
-fn rays(camera: &PtzCamera, some: impl Iterator<Item = u32>, features: &Features) -> Vec<(u32, PanTilt)> {
-    let ray = |feature: u32| camera.ray_from_image(features.keypoints[feature as usize].point).ok();
-    some.filter_map(|feature| Some((feature, ray(feature)?))).collect()
+/// The ray that a feature shows; beyond the fold of a lens a point shows none.
+fn ray(camera: &PtzCamera, features: &Features, feature: u32) -> Option<PanTilt> {
+    camera.ray_from_image(features.keypoints[feature as usize].point).ok()
 }

@@ -14,8 +14,8 @@
 //! neighbours are seen from each other as well, as lenses and bases are known more or less well: χ² of each after the adjustment, over
 //! what is surplus (Förstner's estimate of variance components), scales `Λᵢ` and `Cᵢⱼ`.
 
+use super::confidence::FromReference;
 use super::labels::moved_by_label;
-use super::nearest_references::apart;
 use super::reference_pairs::{Reference, pairs, seen_from};
 use crate::camera::Ptz;
 use crate::geometry::{Angle, AngleRange, Mat3, Vec3};
@@ -77,12 +77,8 @@ const ROUNDS: usize = 4;
 /// px), if the base is exact. Labels that leave the problem without a solution stay as they are.
 #[must_use]
 pub fn aligned(references: &[Reference], labels: &[Label]) -> Vec<(Ptz, Mat3)> {
-    let Some(seen) = AngleRange::smallest(references.iter().map(|reference| reference.camera.ptz().pan)) else {
-        return Vec::new();
-    };
-    let from_left = |index: usize| seen.unwrapped(references[index].camera.ptz().pan).radians();
-    let mut order: Vec<usize> = (0..references.len()).collect();
-    order.sort_by(|&a, &b| from_left(a).total_cmp(&from_left(b)).then(a.cmp(&b)));
+    let pans: Vec<Angle> = references.iter().map(|reference| reference.camera.ptz().pan).collect();
+    let order = AngleRange::along_smallest(&pans);
     let mut groups: Vec<Group> = order.chunks(TOGETHER).map(|members| Group::of(members, references)).collect();
     let mut scatter = Scatter { clicks: 1.0, ties: 1.0 };
     for _ in 0..ROUNDS {
@@ -162,7 +158,7 @@ impl Tie {
         let off = Vec3::new(pan, (told.ptz.tilt - other.tilt).radians(), told.ptz.focal_px - other.focal_px);
         let image_size = second.features.image_size;
         let width_px = f64::from(image_size.width);
-        let turn = apart(&one, &other).0 * other.focal_px / width_px;
+        let turn = FromReference::between(&other, &one, image_size).turn;
         let [sigma_px, edge_px] =
             PER_TURN_PX.map(|per_turn| LEAST_PX.hypot(per_turn * turn) * image_size.scale_from_1920());
         let (axis, focal_px) = (sigma_px / other.focal_px, edge_px * 2.0 * other.focal_px / width_px);

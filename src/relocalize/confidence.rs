@@ -54,7 +54,12 @@ impl FromReference {
     /// How far a camera is from the nearest reference; nothing where none is known.
     pub(super) fn of(ptz: &Ptz, image_size: ImageSize, seen: &SeenRange) -> Self {
         let Some(number) = nearest(ptz, &seen.cameras, 1).into_iter().next() else { return Self::default() };
-        let (turn, zoom) = apart(ptz, &seen.cameras[number]);
+        Self::between(ptz, &seen.cameras[number], image_size)
+    }
+
+    /// How far a camera is from a reference.
+    pub(super) fn between(ptz: &Ptz, reference: &Ptz, image_size: ImageSize) -> Self {
+        let (turn, zoom) = apart(ptz, reference);
         Self { turn: turn * ptz.focal_px / f64::from(image_size.width), zoom: zoom.abs() }
     }
 }

@@ -8,10 +8,9 @@ use super::{
 use crate::app::session::{Saving, SidePanel};
 use crate::app::{Action, App, Command, MenuGroup};
 use crate::store::{PROJECT_FILE, PROJECT_SUFFIX};
-use egui::accesskit::Role;
 use egui::{
-    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText, TextStyle, Ui,
-    WidgetInfo, vec2,
+    Align, Button, Color32, Event, FocusDirection, Id, Key, Layout, Modifiers, Rect, Response, RichText, Role,
+    TextStyle, Ui, WidgetInfo, vec2,
 };
 use std::path::Path;
 

@@ -1,8 +1,8 @@
 //! Drawn matches whose references a person clicked: what the references' own errors do to the answers, and whether these state it.
 
+use super::proposed::proposed;
 use super::set::quantile;
 use rayon::prelude::*;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline::calibrate::{FrameLookup, calibrate};
 use touchline::camera::PtzCamera;
@@ -11,10 +11,7 @@ use touchline::features::FeatureOptions;
 use touchline::field::FieldModel;
 use touchline::geometry::{ImageSize, PixelBox, Vec3};
 use touchline::media::FrameReader;
-use touchline::proposals::{
-    FeatureStore, FramePictures, LearnOptions, LineEvidence, WRONG_PX, learn, overlay_error_px, propose, study,
-};
-use touchline::relocalize::RelocalizeOptions;
+use touchline::proposals::{FeatureStore, FramePictures, LineEvidence, overlay_error_px};
 use touchline::score::{SigmaCoverage, squared_sigmas};
 use touchline::synthetic::{ClickOptions, ClickTarget, Preset, ShootOptions, StadiumOptions};
 use touchline::synthetic::{camera_path, drawn_clicks, stadium};
@@ -30,6 +27,9 @@ const REFERENCE_EVERY: usize = 10;
 
 /// One frame in so many of the others is asked for.
 const ASKED_EVERY: usize = 3;
+
+/// An answer is wrong whose worst corner is off by more, px at 1920 px width.
+const WRONG_PX: f64 = 10.0;
 
 /// The 1-σ of a click that a document takes for granted, px at 1280 px width.
 const SUPPOSED_PX: f64 = 2.0 * 1280.0 / 1920.0;
@@ -121,19 +121,10 @@ fn asked(drawn: &Drawn, sigma_px: f64) -> Outcome {
     let options = FeatureOptions::default();
     let pictures = FramePictures { document: &document, folder: &drawn.folder, options, store: &drawn.store };
     let mut reader = FrameReader::new();
-    let going_on = || ControlFlow::Continue(());
-    let studied = study(&pictures, &mut reader, &references, &going_on).unwrap();
-    let model = learn(&document, &studied, &LearnOptions::default(), &|_| going_on()).unwrap();
     let others = (0..FRAMES).filter(|number| document.frames[*number].is_open());
     let others: Vec<usize> = others.step_by(ASKED_EVERY).collect();
-    let asking = RelocalizeOptions::default();
-    let proposals = pictures.each(&mut reader, &others, |index, _, found| {
-        ControlFlow::Continue(propose(&document, index, found, (&model, 0), &asking))
-    });
-    let mut proposals = proposals.unwrap();
-    let at = document.at(&drawn.folder);
-    let evidence = LineEvidence::of(at, &mut reader, false).unwrap();
-    evidence.judge(at, &mut reader, &mut proposals, asking.pose.min_confidence);
+    let evidence = LineEvidence::of(document.at(&drawn.folder), &mut reader, false).unwrap();
+    let proposals = proposed(&pictures, &mut reader, &evidence, &references, &others).unwrap();
     let mut outcome = Outcome { references: references.len(), asked: others.len(), ..Outcome::default() };
     let off = |ptz: touchline::camera::Ptz, number: usize| {
         let truth = drawn.truth[number].ptz();

@@ -8,6 +8,7 @@
 mod clicked;
 mod growth;
 mod pose;
+mod proposed;
 mod reliability;
 mod rendered;
 mod scouting;

@@ -1,12 +1,12 @@
 //! Proposals as the program makes them, line check included, without a single mask, against people's clicks: how many frames are
 //! answered, how often certain answers are wrong, and whether the stated σ is true.
 
+use super::proposed::proposed;
 use super::scouting::{MATCHES, document, is_usable};
 use super::set::quantile;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 use rand_pcg::Pcg64Mcg;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use touchline::calibrate::observations;
 use touchline::camera::PtzCamera;
@@ -14,10 +14,7 @@ use touchline::document::{Document, Fields};
 use touchline::features::FeatureOptions;
 use touchline::geometry::rotation::{angle_between, q_pan, q_tilt};
 use touchline::media::FrameReader;
-use touchline::proposals::{
-    Answer, FeatureStore, FramePictures, LearnOptions, LineEvidence, Proposal, WorkFolder, learn, propose, study,
-};
-use touchline::relocalize::RelocalizeOptions;
+use touchline::proposals::{Answer, FeatureStore, FramePictures, LineEvidence, Proposal, WorkFolder};
 use touchline::solve::Uncertainty;
 
 /// χ² with two degrees of freedom of a 68 % region.
@@ -85,7 +82,6 @@ impl Match {
 
     /// Every frame asked of references of other clips; of few references every `every`-th frame.
     fn asked(&self, references: References, every: usize, is_snapped: bool) -> Vec<Asked> {
-        let options = &RelocalizeOptions::default();
         let clip = |index: usize| self.document.frames[index].clip.clone();
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         let mut groups: Vec<(Vec<usize>, Vec<usize>)> = Vec::new();
@@ -110,16 +106,7 @@ impl Match {
         let evidence = LineEvidence::of(at, &mut reader, is_snapped).unwrap();
         let mut all = Vec::new();
         for (asked, training) in groups {
-            let going_on = || ControlFlow::Continue(());
-            let studied = study(&self.pictures(), &mut reader, &training, &going_on).unwrap();
-            let Ok(model) = learn(&self.document, &studied, &LearnOptions::default(), &|_| going_on()) else {
-                continue;
-            };
-            let proposals = self.pictures().each(&mut reader, &asked, |index, _, found| {
-                ControlFlow::Continue(propose(&self.document, index, found, (&model, 0), options))
-            });
-            let mut proposals = proposals.unwrap();
-            evidence.judge(at, &mut reader, &mut proposals, options.pose.min_confidence);
+            let Ok(proposals) = proposed(&self.pictures(), &mut reader, &evidence, &training, &asked) else { continue };
             all.extend(proposals.into_iter().map(|proposal| self.against_clicks(proposal)));
         }
         all
