@@ -16,7 +16,7 @@ use super::{Chord, Command, Compared, TrainerStatus, VideoAction, WatchPanicked}
 use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, FieldSpec, RejectReason, Target};
-use crate::field::Symmetry;
+use crate::field::{FieldError, Symmetry, Template};
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
 use crate::proposals::{FoundMask, Proposal, UsedFeatures};
@@ -358,6 +358,15 @@ pub enum Action {
     Opened(Box<Opened>),
     /// This window has the document open already.
     AlreadyOpen(PathBuf),
+    /// A field template of the user's own was read, or cannot be.
+    TemplateRead {
+        /// The file of the document that names it.
+        of: PathBuf,
+        /// Its path as the document writes it.
+        name: String,
+        /// What it says.
+        template: Result<Box<Template>, FieldError>,
+    },
     /// Something that was asked for could not be done: one line.
     Failed(String),
     /// A camera base was read from another document.

@@ -121,6 +121,7 @@ impl Action {
             | Self::Open(_)
             | Self::Progress(_)
             | Self::Opened(_)
+            | Self::TemplateRead { .. }
             | Self::Failed(_)
             | Self::CameraLoaded(_)
             | Self::Saved { .. }

@@ -149,7 +149,7 @@ impl WithProposal {
         let frame = open.document.frames.get(index).filter(|frame| frame.camera == found.camera)?;
         let mut document = open.document.clone();
         found.write_camera(&mut document);
-        let field = document.at(&open.folder).model_of_frame(frame).ok()?;
+        let field = open.derived.field_in(&document, frame).ok()?;
         let base = document.camera_of(frame)?.base_for(frame)?;
         let is_named = frame.clicks.iter().any(|click| click.target.is_some());
         let solution =

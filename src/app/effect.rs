@@ -15,6 +15,15 @@ use std::path::PathBuf;
 pub enum Effect {
     /// Read a document, folder or video and report `Action::Opened`.
     Open(PathBuf),
+    /// Read a field template of the user's own and report `Action::TemplateRead`.
+    ReadTemplate {
+        /// The document's file.
+        of: PathBuf,
+        /// The folder that its relative paths start from.
+        folder: PathBuf,
+        /// Its path as the document writes it.
+        name: String,
+    },
     /// Append an edit to the journal.
     Journal {
         /// What changed.

@@ -5,7 +5,7 @@ use super::derived::{Derived, FrameCounts};
 use super::prepared::Prepared;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
-use crate::field::{FieldError, FieldModel};
+use crate::field::{FieldError, FieldModel, Template};
 use crate::proposals::{Layered, Proposal};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
@@ -109,7 +109,7 @@ impl OpenProject {
             Some(frame) => self.document.field_of(frame),
             None => &self.document.field,
         };
-        self.derived.field(&self.document, &self.folder, spec)
+        self.derived.field(&self.document, spec)
     }
 
     /// The fields of all cameras, each built once.
@@ -117,7 +117,13 @@ impl OpenProject {
     /// # Errors
     /// One of them is not valid.
     pub fn fields(&mut self) -> Result<Arc<Fields>, FieldError> {
-        self.derived.fields(&self.document, &self.folder)
+        self.derived.fields(&self.document)
+    }
+
+    /// A field template was read, or cannot be.
+    pub(super) fn template_read(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
+        self.derived.template_read(name, template);
+        self.document.raise_version();
     }
 
     /// How many frames there were of each kind after the last action.

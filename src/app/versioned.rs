@@ -25,6 +25,11 @@ impl<T> Versioned<T> {
 }
 
 impl<T> Versioned<T> {
+    /// Something else that is derived from has changed.
+    pub(super) const fn raise_version(&mut self) {
+        self.version += 1;
+    }
+
     /// The value, to change what nothing is derived from: the version stays.
     pub(super) const fn keeping_version(&mut self) -> &mut T {
         &mut self.value
@@ -40,7 +45,7 @@ impl<T> Deref for Versioned<T> {
 
 impl<T> DerefMut for Versioned<T> {
     fn deref_mut(&mut self) -> &mut T {
-        self.version += 1;
+        self.raise_version();
         &mut self.value
     }
 }

@@ -16,7 +16,7 @@
 //! - `f_l`² = (ν₁ f² + `ν_l` `s_l`²) / (ν₁ + `ν_l`) for a landmark with eight repeats or more, ν₁ = 10: one annotator's noise
 //!   on single landmarks departs from the template's ratios by a factor of about 1.25. f for all others and for lines.
 
-use crate::document::{ClickNoise, DocumentAt, Extra, Fields};
+use crate::document::{ClickNoise, Document, DocumentAt, Extra, Fields, Frame, Shared};
 use crate::field::{CLICKING_SHARE, FieldError, LandmarkId};
 use crate::geometry::Vec2;
 use crate::score::ClickScatter;
@@ -82,27 +82,25 @@ impl OwnNoise {
     /// # Errors
     /// One of its fields is not valid.
     pub fn of(document: DocumentAt<'_>) -> Result<Self, FieldError> {
-        let frames = document.frames.iter().enumerate();
-        Self::of_frames(document, frames.filter(|(_, frame)| !frame.repeats.is_empty()).map(|(index, _)| index))
+        let repeated = |(index, frame): (usize, &Shared<Frame>)| (!frame.repeats.is_empty()).then_some(index);
+        let places: Vec<usize> = document.frames.iter().enumerate().filter_map(repeated).collect();
+        if places.is_empty() {
+            Ok(Self::default())
+        } else {
+            Ok(Self::of_frames(&document, &Fields::as_stated(document)?, places))
+        }
     }
 
-    /// The same, where it is known which frames have repeats: by their places, ascending.
-    ///
-    /// # Errors
-    /// One of the document's fields is not valid.
-    pub fn of_frames(document: DocumentAt<'_>, places: impl IntoIterator<Item = usize>) -> Result<Self, FieldError> {
-        let mut places = places.into_iter().peekable();
+    /// The same, where it is known which frames have repeats: by their places, ascending. The fields are as their templates state.
+    #[must_use]
+    pub fn of_frames(document: &Document, fields: &Fields, places: impl IntoIterator<Item = usize>) -> Self {
         let mut found = Self::default();
-        if places.peek().is_none() {
-            return Ok(found);
-        }
-        let fields = Fields::as_stated(document)?;
         let (mut all, mut normalised) = (Vec::new(), Vec::new());
         let mut by_landmark: BTreeMap<LandmarkId, [Vec<Vec2>; 2]> = BTreeMap::new();
-        for (index, frame) in places.filter_map(|index| Some((index, document.frames.get(index)?))) {
+        for (index, frame) in places.into_iter().filter_map(|index| Some((index, document.frames.get(index)?))) {
             found.frames += 1;
             let scale = frame.image_size.scale_from_1920();
-            let field = fields.of_frame(&document, frame);
+            let field = fields.of_frame(document, frame);
             for repeated in frame.repeated_clicks() {
                 let first = repeated.clicks[0];
                 found.offsets.extend(repeated.clicks.iter().skip(1).map(|click| RepeatOffset {
@@ -137,7 +135,7 @@ impl OwnNoise {
                 noise: ClickScatter::of(&differences),
             })
             .collect();
-        Ok(found)
+        found
     }
 
     /// How many more repeats are needed before the noise can be used.

@@ -130,7 +130,7 @@ impl Document {
     }
 
     /// Gives a field the click noise that the document uses.
-    pub(super) fn weight_clicks(&self, field: &mut FieldModel) {
+    pub(crate) fn weight_clicks(&self, field: &mut FieldModel) {
         if let Some(noise) = self.click_noise_in_use() {
             noise.apply(field);
         }

@@ -80,9 +80,17 @@ impl FieldSpec {
     /// # Errors
     /// There is no such template, or it does not take a parameter or its value.
     pub fn model(&self, folder: &Path) -> Result<FieldModel, FieldError> {
+        self.model_of_template(&self.template(folder)?)
+    }
+
+    /// The same from its template, which has been read.
+    ///
+    /// # Errors
+    /// The template does not take a parameter or its value.
+    pub fn model_of_template(&self, template: &Template) -> Result<FieldModel, FieldError> {
         let mut params = self.params.clone();
         let crown_m = params.remove(CROWN).unwrap_or(0.0);
-        self.template(folder)?.model(&params, crown_m)
+        template.model(&params, crown_m)
     }
 
     /// Its template; `folder` is the document's.

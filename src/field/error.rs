@@ -25,6 +25,12 @@ pub enum FieldError {
         /// What the system says.
         problem: String,
     },
+    /// The file is being read in the background.
+    #[error("{place}: the field template is being read")]
+    BeingRead {
+        /// The file.
+        place: String,
+    },
     /// The text is not a template's JSON.
     #[error("{place}: {problem}")]
     Json {

@@ -18,6 +18,7 @@ use crate::app::{
     Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, TrackAction, TrackFailure, VideoAction,
     WatchPanicked,
 };
+use crate::field::template_named;
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
 use std::path::PathBuf;
@@ -127,6 +128,10 @@ impl Runner {
                 self.reports.extend(last);
                 self.open("open again", move |_| Ok(path));
             }
+            Effect::ReadTemplate { of, folder, name } => self.begin("field template", Kind::Other, move |_| {
+                let template = template_named(&name, &folder).map(Box::new);
+                Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
+            }),
             Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
             Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
                 let pictures = self.pictures.clone();

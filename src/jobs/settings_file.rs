@@ -1,7 +1,7 @@
 //! The file in which a user's settings are kept.
 
 use crate::app::Settings;
-use crate::files::read_named_text;
+use crate::files::{plain, read_named_text};
 use crate::store::write_atomically;
 use std::fs;
 use std::io;
@@ -39,7 +39,7 @@ pub fn load_settings(path: &Path) -> (Settings, Option<String>) {
     match read_named_text(path, MAX_BYTES) {
         Ok(text) => match Settings::from_json(&text) {
             Ok(settings) => (settings, None),
-            Err(error) => defaults(error.to_string()),
+            Err(error) => defaults(plain(&error.to_string())),
         },
         Err(error) if error.kind() == io::ErrorKind::NotFound => (Settings::default(), None),
         Err(error) => defaults(error.to_string()),
@@ -78,5 +78,9 @@ mod tests {
         let (defaults, reason) = load_settings(&path);
         assert_eq!(defaults, Settings::default());
         assert!(reason.unwrap().contains("defaults are used"));
+        fs::write(&path, r#"{"text_size": "\u001b[2J"}"#).unwrap();
+        let (_, reason) = load_settings(&path);
+        let reason = reason.unwrap();
+        assert!(!reason.contains(char::is_control), "{reason:?}");
     }
 }

@@ -2,7 +2,8 @@
 
 use super::field_specs;
 use super::memo::Follows;
-use crate::document::{ClickNoise, Document, DocumentAt, FieldSpec, Fields};
+use super::templates::Templates;
+use crate::document::{ClickNoise, Document, FieldSpec, Fields};
 use crate::field::{FieldError, FieldModel};
 use std::sync::Arc;
 
@@ -28,22 +29,29 @@ impl Follows for FieldModels {
 
 impl FieldModels {
     /// One field, with its parameters filled in.
-    pub(super) fn model(&mut self, document: DocumentAt<'_>, spec: &FieldSpec) -> Result<Arc<FieldModel>, FieldError> {
+    pub(super) fn model(
+        &mut self,
+        document: &Document,
+        spec: &FieldSpec,
+        templates: &mut Templates,
+    ) -> Result<Arc<FieldModel>, FieldError> {
         if let Some((_, known)) = self.models.iter().find(|(known, _)| known == spec) {
             return known.clone();
         }
-        let model = document.model_of(spec).map(Arc::new);
-        self.models.push((spec.clone(), model.clone()));
+        let model = templates.weighted(document, spec).map(Arc::new);
+        if !matches!(model, Err(FieldError::BeingRead { .. })) {
+            self.models.push((spec.clone(), model.clone()));
+        }
         model
     }
 
     /// The fields of all cameras.
-    pub(super) fn all(&mut self, document: DocumentAt<'_>) -> Result<Arc<Fields>, FieldError> {
+    pub(super) fn all(&mut self, document: &Document, templates: &mut Templates) -> Result<Arc<Fields>, FieldError> {
         if let Some((_, known)) = &self.all {
             return Ok(Arc::clone(known));
         }
-        let fields = Arc::new(Fields::with(document.document, |spec| self.model(document, spec))?);
-        self.all = Some((field_specs(&document), Arc::clone(&fields)));
+        let fields = Arc::new(Fields::with(document, |spec| self.model(document, spec, templates))?);
+        self.all = Some((field_specs(document), Arc::clone(&fields)));
         Ok(fields)
     }
 }
@@ -53,16 +61,15 @@ mod tests {
     use super::*;
     use crate::document::Camera;
     use crate::geometry::ImageSize;
-    use std::path::Path;
 
     #[test]
     fn a_field_is_built_once_until_the_document_names_another() {
         let mut document = Document::new(FieldSpec::new("soccer"));
-        let mut models = FieldModels::default();
+        let (mut models, mut templates) = (FieldModels::default(), Templates::default());
         let mut model = |document: &Document| {
             models.update(document);
-            let model = models.model(document.at(Path::new(".")), &document.field).unwrap();
-            (model, models.all(document.at(Path::new("."))).unwrap())
+            let model = models.model(document, &document.field, &mut templates).unwrap();
+            (model, models.all(document, &mut templates).unwrap())
         };
         let (first, all) = model(&document);
         document.cameras.push(Camera::new("main".into(), ImageSize::new(64, 36)).into());
@@ -74,7 +81,7 @@ mod tests {
         assert!(!Arc::ptr_eq(&first, &longer) && !Arc::ptr_eq(&all, &longer_all));
         document.field.params.insert("length_m".to_owned(), -1.0);
         models.update(&document);
-        assert!(models.model(document.at(Path::new(".")), &document.field).is_err());
-        assert!(models.all(document.at(Path::new("."))).is_err());
+        assert!(models.model(&document, &document.field, &mut templates).is_err());
+        assert!(models.all(&document, &mut templates).is_err());
     }
 }

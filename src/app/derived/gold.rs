@@ -1,8 +1,11 @@
 //! What gold frames and their repeats say.
 
+use super::templates::Templates;
 use super::{FrameCounts, field_specs};
 use crate::calibrate::{OwnNoise, can_choose_gold};
-use crate::document::{DocumentAt, FieldSpec};
+use crate::document::{Document, FieldSpec, Fields};
+use crate::field::FieldError;
+use std::sync::Arc;
 
 /// What gold frames and their repeats say: derived, never stored.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,14 +28,16 @@ pub(super) struct Gold {
 
 impl Gold {
     /// Brings it up to date with a document, whose counts these are. The repeats are looked at only where they have changed.
-    pub(super) fn update(&mut self, document: DocumentAt<'_>, counts: &FrameCounts) {
+    pub(super) fn update(&mut self, document: &Document, counts: &FrameCounts, templates: &mut Templates) {
         self.work.frames = counts.gold_references;
         self.work.can_choose = can_choose_gold(counts.gold, counts.could_be_gold);
-        let of = (counts.repeats_edition(), field_specs(&document));
+        let of = (counts.repeats_edition(), field_specs(document));
         if self.measured.as_ref() != Some(&of) {
+            let fields = Fields::with(document, |spec| templates.stated(spec).map(Arc::new));
+            self.measured = (!matches!(fields, Err(FieldError::BeingRead { .. }))).then_some(of);
             // A field that is not valid is told of elsewhere.
-            self.work.own = OwnNoise::of_frames(document, counts.with_repeats()).unwrap_or_default();
-            self.measured = Some(of);
+            let own = |fields| OwnNoise::of_frames(document, &fields, counts.with_repeats());
+            self.work.own = fields.map(own).unwrap_or_default();
         }
     }
 }

@@ -9,6 +9,7 @@ mod field_models;
 mod frame_counts;
 mod gold;
 mod memo;
+mod templates;
 
 pub use frame_counts::FrameCounts;
 pub use gold::GoldWork;
@@ -17,12 +18,12 @@ use self::advice::Advice;
 use self::field_models::FieldModels;
 use self::gold::Gold;
 use self::memo::{Follows, Memo};
+use self::templates::Templates;
 use super::Versioned;
 use crate::calibrate::{Disagreements, FrameLookup};
-use crate::document::{Document, FieldSpec, Fields};
-use crate::field::{FieldError, FieldModel};
+use crate::document::{Document, FieldSpec, Fields, Frame};
+use crate::field::{FieldError, FieldModel, Template};
 use crate::proposals::{Coverage, LabelAdvice};
-use std::path::Path;
 use std::sync::Arc;
 
 /// What follows from a document.
@@ -32,6 +33,7 @@ pub(super) struct Derived {
     counts: Memo<FrameCounts>,
     disagreements: Memo<Disagreements>,
     fields: Memo<FieldModels>,
+    templates: Templates,
     gold: Gold,
     advice: Advice,
 }
@@ -69,19 +71,33 @@ impl Derived {
         self.disagreements.at(document)
     }
 
-    /// A field of the document with the click noise that it uses; `folder` is the document's.
+    /// A field of the document with the click noise that it uses.
     pub(super) fn field(
         &mut self,
         document: &Versioned<Document>,
-        folder: &Path,
         spec: &FieldSpec,
     ) -> Result<Arc<FieldModel>, FieldError> {
-        self.fields.at_mut(document).model(document.at(folder), spec)
+        self.fields.at_mut(document).model(document, spec, &mut self.templates)
     }
 
-    /// The fields of all cameras; `folder` is the document's.
-    pub(super) fn fields(&mut self, document: &Versioned<Document>, folder: &Path) -> Result<Arc<Fields>, FieldError> {
-        self.fields.at_mut(document).all(document.at(folder))
+    /// The fields of all cameras.
+    pub(super) fn fields(&mut self, document: &Versioned<Document>) -> Result<Arc<Fields>, FieldError> {
+        self.fields.at_mut(document).all(document, &mut self.templates)
+    }
+
+    /// The field of a frame in a document as it might become.
+    pub(super) fn field_in(&mut self, document: &Document, frame: &Frame) -> Result<FieldModel, FieldError> {
+        self.templates.weighted(document, document.field_of(frame))
+    }
+
+    /// The templates that have to be read before a field can be built, each told once.
+    pub(super) fn take_wanted_templates(&mut self) -> Vec<String> {
+        self.templates.take_wanted()
+    }
+
+    /// A template was read, or cannot be; what follows from it follows with the document's next version.
+    pub(super) fn template_read(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
+        self.templates.put(name, template);
     }
 
     /// Where to label next after a journalled edit; `coverage` has where references look. Where nothing lacks an answer no frame is
@@ -99,10 +115,10 @@ impl Derived {
         self.advice.at(document, revision, coverage)
     }
 
-    /// What gold frames and their repeats say; `folder` is the document's.
-    pub(super) fn gold(&mut self, document: &Versioned<Document>, folder: &Path) -> &GoldWork {
+    /// What gold frames and their repeats say.
+    pub(super) fn gold(&mut self, document: &Versioned<Document>) -> &GoldWork {
         let counts = self.counts.at(document);
-        self.gold.update(document.at(folder), counts);
+        self.gold.update(document, counts, &mut self.templates);
         &self.gold.work
     }
 

@@ -7,7 +7,8 @@ use crate::app::Opened;
 use crate::app::camera_watch::Watched;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
-use std::path::PathBuf;
+use crate::field::{FieldError, Template};
+use std::path::{Path, PathBuf};
 
 impl App {
     pub(super) fn open_path(&mut self, path: PathBuf) {
@@ -85,6 +86,21 @@ impl App {
         self.find_shots_of_new();
     }
 
+    /// Asks for the field templates that the document came to name.
+    pub(super) fn read_templates(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let (of, folder) = (&open.file, &open.folder);
+        let read = |name| Effect::ReadTemplate { of: of.clone(), folder: folder.clone(), name };
+        self.effects.extend(open.derived.take_wanted_templates().into_iter().map(read));
+    }
+
+    /// A template was read; the document that names it may have been closed since.
+    pub(super) fn template_read(&mut self, of: &Path, name: &str, template: Result<Box<Template>, FieldError>) {
+        if let Some(open) = self.open.as_mut().filter(|open| open.file == of) {
+            open.template_read(name, template);
+        }
+    }
+
     pub(super) fn save(&mut self) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
@@ -149,9 +165,40 @@ fn left_at(open: &OpenProject) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use crate::app::{Action, App, Opened, Settings};
+    use crate::app::{Action, App, Effect, Opened, Settings};
     use crate::document::{Camera, Document, FieldSpec, Frame, FrameStatus};
+    use crate::field::{FieldError, builtin};
     use crate::geometry::{ImagePoint, ImageSize};
+
+    #[test]
+    fn a_template_of_ones_own_is_read_in_the_background() {
+        let mut document = Document::new(FieldSpec::new("own.json"));
+        document.cameras.push(Camera::new("main".into(), ImageSize::new(1280, 720)).into());
+        document.frames.extend(
+            (0..2).map(|index| {
+                Frame::from_image(&format!("{index}.jpg"), "main".into(), ImageSize::new(1280, 720)).into()
+            }),
+        );
+        let asked = |effects: Vec<Effect>| {
+            effects.into_iter().filter(|effect| matches!(effect, Effect::ReadTemplate { .. })).collect::<Vec<_>>()
+        };
+        let mut app = App::new(Settings::default());
+        let effects = app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let (of, folder, name) = ("/match/project.json".into(), "/match".into(), "own.json".to_owned());
+        assert_eq!(asked(effects), [Effect::ReadTemplate { of, folder, name }]);
+        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
+        assert_eq!(asked(app.update(Action::GoTo(1))), [], "asked once");
+        let read = |of: &str| Action::TemplateRead {
+            of: of.into(),
+            name: "own.json".to_owned(),
+            template: Ok(Box::new(builtin("soccer").unwrap().clone())),
+        };
+        app.update(read("/another/project.json"));
+        assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
+        app.update(read("/match/project.json"));
+        assert!(app.current().field().is_some(), "{:?}", app.current().field);
+        assert_eq!(asked(app.update(Action::GoTo(0))), []);
+    }
 
     #[test]
     fn a_project_opens_where_it_was_left() {

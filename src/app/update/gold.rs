@@ -42,7 +42,7 @@ impl App {
     /// Brings up to date what gold frames and their repeats say.
     pub(super) fn refresh_gold(&mut self) {
         if let Some(open) = &mut self.open {
-            open.derived.gold(&open.document, &open.folder);
+            open.derived.gold(&open.document);
         }
     }
 

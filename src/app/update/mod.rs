@@ -146,6 +146,7 @@ impl App {
         self.tell_trainer();
         self.snap_points();
         self.check_lines();
+        self.read_templates();
         std::mem::take(&mut self.effects)
     }
 
@@ -277,6 +278,7 @@ impl App {
                 }
                 self.session.notify(Level::Error, message);
             }
+            Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),
             Action::Saved { revision, at, whole } => self.saved(revision, at, whole),
             Action::SaveFailed(message) => self.save_failed(message),
