@@ -32,6 +32,10 @@ fn window(document: Option<std::path::PathBuf>) -> ExitCode {
     }
     match touchline::ui::run(document) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(touchline::ui::WindowError::BrokeDown(panicked)) => refuse(format!(
+            "the window broke down: {panicked}. Every edit was journalled as it was made and is there when the project is opened \
+             again; if the display is still there, this is a fault of the program: please report it"
+        )),
         Err(error) if is_about_display(&error.to_string()) => refuse(format!(
             "the window cannot open: {error}. The display cannot be reached: look at DISPLAY, WAYLAND_DISPLAY and XAUTHORITY; \
              the commands work without, see touchline --help"

@@ -21,6 +21,7 @@ mod error;
 mod frame_orders;
 mod frame_worker;
 mod opening;
+mod panicked;
 mod picture_tasks;
 mod pictures;
 mod queue;
@@ -40,6 +41,7 @@ pub use decoder::{Decoder, DecoderOptions, DecoderReport, FrameState};
 pub use drawn_match::{DrawnMatch, DrawnPicture, MatchOrder, draw_match};
 pub use error::JobError;
 pub use opening::{Ready, open_anything};
+pub use panicked::{Panicked, until_it_panics};
 pub use pictures::{PictureNews, PictureState, Pictures, picture_source};
 pub use runner::{Request, Runner};
 pub use saver::{Revision, Saver, SaverOptions, SaverReport};
@@ -48,14 +50,8 @@ pub use shared_pictures::SharedPictures;
 pub use thumbnails::{ThumbnailReport, Thumbnails};
 pub use trainer::{Trainer, TrainerOptions, TrainerReport};
 
-use std::any::Any;
+use self::panicked::panic_message;
 use std::sync::Arc;
 
 /// Called by a job's thread when a report waits to be polled; a window repaints then.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
-
-/// The message of a panic.
-fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
-}

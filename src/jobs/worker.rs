@@ -10,7 +10,11 @@ use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// How long the owner waits for a thread whose work nobody needs any more. A read from a network drive that does not answer can
+/// be ended by nothing; its thread is then left to itself.
+const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Orders `O` for a thread, and its reports `R`.
 pub(super) struct Mailbox<O, R> {
@@ -144,7 +148,7 @@ impl<O, R> Mailbox<O, R> {
     }
 }
 
-/// A thread and its mailbox. Dropping it ends the thread and waits for that.
+/// A thread and its mailbox. Dropping it ends the thread and waits for that, [`PATIENCE`] long at most.
 pub(super) struct Worker<O, R> {
     mailbox: Arc<Mailbox<O, R>>,
     thread: Option<JoinHandle<()>>,
@@ -180,24 +184,31 @@ impl<O, R> Worker<O, R> {
         &self.mailbox
     }
 
-    /// Tells the thread to end, waits for it, and returns its last reports.
-    pub(super) fn close(&mut self) -> Vec<R> {
-        let mut last = Vec::new();
+    /// Tells the thread to end, waits for it so long, and returns its last reports, and whether it has ended; one that goes on is
+    /// left to itself.
+    pub(super) fn close(&mut self, patience: Duration) -> (Vec<R>, bool) {
+        let (mut last, until) = (Vec::new(), Instant::now() + patience);
         if let Some(thread) = self.thread.take() {
             self.mailbox.begin_closing();
             // The thread may wait for room.
-            while !self.has_ended_after(&mut last) {}
+            while !self.has_ended_after(until, &mut last) {
+                if until <= Instant::now() {
+                    return (last, false);
+                }
+            }
             // A panic of the work has been turned into a report.
             let _ = thread.join();
         }
-        last
+        (last, true)
     }
 
-    /// Waits until there is a report or the thread has ended, and takes the reports.
-    fn has_ended_after(&self, reports: &mut Vec<R>) -> bool {
+    /// Waits until there is a report, the thread has ended or the time is up, and takes the reports.
+    fn has_ended_after(&self, until: Instant, reports: &mut Vec<R>) -> bool {
         let Mailbox { changed, .. } = &*self.mailbox;
+        let left = until.saturating_duration_since(Instant::now());
         let is_quiet = |state: &mut State<O, R>| state.reports.is_empty() && !state.has_ended;
-        let mut state = changed.wait_while(self.mailbox.lock(), is_quiet).unwrap_or_else(PoisonError::into_inner);
+        let waited = changed.wait_timeout_while(self.mailbox.lock(), left, is_quiet);
+        let (mut state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         reports.extend(state.reports.drain(..));
         let has_ended = state.has_ended;
         drop(state);
@@ -208,7 +219,7 @@ impl<O, R> Worker<O, R> {
 
 impl<O, R> Drop for Worker<O, R> {
     fn drop(&mut self) {
-        self.close();
+        self.close(PATIENCE);
     }
 }
 
@@ -216,8 +227,6 @@ impl<O, R> Drop for Worker<O, R> {
 mod tests {
     use super::*;
     use std::sync::mpsc::channel;
-    use std::time::Duration;
-
     fn mailbox(capacity: usize) -> Mailbox<VecDeque<i32>, String> {
         Mailbox::new(VecDeque::new(), capacity, Arc::new(|| ()))
     }
@@ -235,8 +244,8 @@ mod tests {
         let mut worker = Worker::spawn("test", mailbox(2), |message| message, echo).unwrap();
         worker.mailbox().update(|state| state.orders.extend(0..100));
         let expected: Vec<String> = (0..100).map(|order| order.to_string()).collect();
-        assert_eq!(worker.close(), expected);
-        assert_eq!(worker.close(), [] as [String; 0]);
+        assert_eq!(worker.close(PATIENCE), (expected, true));
+        assert_eq!(worker.close(PATIENCE), (Vec::new(), true));
     }
 
     #[test]
@@ -255,6 +264,23 @@ mod tests {
     }
 
     #[test]
+    fn a_thread_that_cannot_be_ended_is_left_to_itself() {
+        let (never, waits) = channel::<()>();
+        let mut worker = Worker::spawn(
+            "test",
+            mailbox(3),
+            |message| message,
+            move |mailbox| {
+                mailbox.report("begun".to_owned());
+                let _ = waits.recv();
+            },
+        )
+        .unwrap();
+        assert_eq!(worker.close(Duration::from_millis(50)), (vec!["begun".to_owned()], false));
+        drop(never);
+    }
+
+    #[test]
     fn a_panic_is_the_last_report() {
         let (wake, woken) = channel();
         let wake: Wake = Arc::new(move || wake.send(()).unwrap_or_default());
@@ -262,7 +288,7 @@ mod tests {
         let mut worker = Worker::spawn("test", shared, |message| message, echo).unwrap();
         woken.recv().unwrap();
         woken.recv().unwrap();
-        let [first, last] = &worker.close()[..] else { panic!("two reports") };
+        let [first, last] = &worker.close(PATIENCE).0[..] else { panic!("two reports") };
         assert_eq!(first, "1");
         assert!(last.contains("an unlucky order"), "{last}");
     }

@@ -41,12 +41,14 @@ mod timeline;
 mod tour;
 mod trainer;
 mod viewport;
+mod window;
 
 pub use crate::jobs::PictureState;
 pub use layout::{read, show};
 pub use pictures::Pictures;
-pub use shell::{Shell, run};
+pub use shell::Shell;
 pub use theme::apply as apply_theme;
+pub use window::{WindowError, run};
 
 use crate::app::{Action, App};
 

@@ -5,7 +5,7 @@ use super::input_queue::InputQueue;
 use super::{Panel, PictureState, Pictures, canvas, layout, theme};
 use crate::app::session::Level;
 use crate::app::{Action, App, Effect, WindowPlace};
-use crate::jobs::{Request, Runner, Wake, load_settings, save_settings, settings_path};
+use crate::jobs::{Request, Runner, Wake, load_settings, save_settings};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -211,32 +211,4 @@ fn place_of(viewport: &egui::ViewportInfo) -> Option<WindowPlace> {
     let maximized = viewport.maximized == Some(true) || viewport.fullscreen == Some(true);
     let position = viewport.outer_rect.map(|outer| [outer.left(), outer.top()]);
     Some(WindowPlace { position: position.filter(|_| !maximized), size: inner.size().into(), maximized })
-}
-
-/// Opens the window and returns when it is closed.
-///
-/// # Errors
-/// There is no display or no way to draw on it.
-pub fn run(document: Option<PathBuf>) -> eframe::Result<()> {
-    // What is wrong with the settings is told by the window itself.
-    let known = settings_path().as_deref().map(load_settings).and_then(|(settings, _)| settings.window);
-    let mut viewport = egui::ViewportBuilder::default()
-        .with_title("touchline")
-        .with_app_id("touchline")
-        .with_inner_size(known.map_or([1280.0, 720.0], |place| place.size))
-        .with_maximized(known.is_some_and(|place| place.maximized))
-        .with_min_inner_size(WindowPlace::LEAST)
-        .with_drag_and_drop(true);
-    if let Some(position) = known.and_then(|place| place.position) {
-        viewport = viewport.with_position(position);
-    }
-    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
-    eframe::run_native(
-        "touchline",
-        options,
-        Box::new(|creation| {
-            let shell = Shell::new(creation, settings_path(), document)?;
-            Ok(Box::new(shell))
-        }),
-    )
 }

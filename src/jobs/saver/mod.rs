@@ -35,6 +35,9 @@ impl Default for SaverOptions {
     }
 }
 
+/// How long a saver that is closed waits for the disk. Every edit was journalled as it was made, so that seldom anything is left.
+const PATIENCE: Duration = Duration::from_secs(20);
+
 /// What a saver says.
 #[derive(Debug)]
 pub enum SaverReport {
@@ -170,10 +173,18 @@ impl Saver {
         self.worker.mailbox().take_reports()
     }
 
-    /// Writes what is left, ends the thread and returns its last reports. Waits for the disk.
+    /// Writes what is left, ends the thread and returns its last reports. Waits for the disk; one that does not answer is told of.
     #[must_use]
     pub fn close(mut self) -> Vec<SaverReport> {
-        self.worker.close()
+        let (mut reports, has_ended) = self.worker.close(PATIENCE);
+        if !has_ended {
+            let message = format!(
+                "the disk has not answered for {} s; the journal beside the document holds what was saved before",
+                PATIENCE.as_secs()
+            );
+            reports.push(SaverReport::Broken { message });
+        }
+        reports
     }
 
     fn order<T>(&self, order: impl FnOnce(&mut Orders) -> T) -> T {

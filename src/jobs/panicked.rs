@@ -1,0 +1,47 @@
+//! What a panic said, for the person at the window.
+
+use std::any::Any;
+use std::cell::Cell;
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+use thiserror::Error;
+
+/// Code of this program, or of what it stands on, gave up.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{message} ({place})")]
+pub struct Panicked {
+    /// What it said, in one line.
+    pub message: String,
+    /// The file and line that gave up.
+    pub place: String,
+}
+
+/// Does something on this thread; a panic in it is an error and prints nothing. Other threads' are printed as ever.
+///
+/// # Errors
+/// It panicked.
+pub fn until_it_panics<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
+    thread_local! {
+        static IS_HERE: Cell<bool> = const { Cell::new(false) };
+    }
+    IS_HERE.set(true);
+    let place = Arc::new(Mutex::new(String::new()));
+    let (noted, before) = (Arc::clone(&place), panic::take_hook());
+    panic::set_hook(Box::new(move |panicked| {
+        if !IS_HERE.get() {
+            before(panicked);
+        } else if let Some(location) = panicked.location() {
+            *noted.lock().unwrap_or_else(PoisonError::into_inner) = format!("{}:{}", location.file(), location.line());
+        }
+    }));
+    catch_unwind(AssertUnwindSafe(work)).map_err(|payload| Panicked {
+        message: panic_message(payload.as_ref()).replace('\n', " "),
+        place: place.lock().unwrap_or_else(PoisonError::into_inner).clone(),
+    })
+}
+
+/// The message of a panic.
+pub(super) fn panic_message(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
+}
