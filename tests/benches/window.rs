@@ -1,5 +1,5 @@
 //! The interface's own time for one frame of the window, without drawing it: every panel laid out and turned into
-//! shapes, with 5,000 frames in the list.
+//! shapes, with 5,000 frames in the list or as many as `TOUCHLINE_FRAMES` says.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic, reason = "a bench says what failed by failing")]
 
 use divan::{Bencher, black_box};
@@ -20,15 +20,18 @@ use touchline::proposals::{Answer, Asked, Proposal, Timings};
 use touchline::relocalize::NotFound;
 use touchline::ui::{Panel, Pictures, apply_theme, read, show};
 
-const FRAMES: usize = 5_000;
 const SHOT: usize = 250;
-const SUGGESTIONS: usize = 2 * FRAMES;
 /// So many proposals are reported together at most.
 const BATCH: usize = 64;
 const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
 fn main() {
     divan::main();
+}
+
+/// How many frames the list has; `TOUCHLINE_FRAMES=300000` is a match at 50 frames a second.
+fn frames() -> usize {
+    std::env::var("TOUCHLINE_FRAMES").map_or(5_000, |frames| frames.parse().unwrap())
 }
 
 /// A match of shots; every frame has six points and a camera.
@@ -70,12 +73,12 @@ struct Window {
 
 impl Window {
     fn open() -> Self {
-        Self::on(document(FRAMES))
+        Self::on(document(frames()))
     }
 
     /// Looking through suggestions of all frames of a match, with the list as it is by default.
     fn review() -> Self {
-        let mut document = document(FRAMES);
+        let mut document = document(frames());
         let twice = document.frames.clone();
         document.frames.extend(twice.iter().cloned());
         for frame in &mut document.frames {
@@ -83,12 +86,12 @@ impl Window {
             (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
         }
         let mut window = Self::on(document);
-        let all: Vec<usize> = (0..SUGGESTIONS).collect();
+        let all: Vec<usize> = (0..2 * frames()).collect();
         let proposals = window.proposals(&all, 1);
         window.app.update(Action::Proposals(proposals));
         window.app.update(Action::Command(Command::ReviewPanel));
         window.frame(Vec::new());
-        assert!(window.app.review().rows.len() > SUGGESTIONS * 9 / 10);
+        assert!(window.app.review().rows.len() > 2 * frames() * 9 / 10);
         window
     }
 
@@ -128,7 +131,7 @@ impl Window {
     fn on(document: Document) -> Self {
         let mut app = App::new(Settings { details: true, ..Settings::default() });
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        app.update(Action::GoTo(FRAMES / 2));
+        app.update(Action::GoTo(frames() / 2));
         let ctx = Context::default();
         apply_theme(&ctx);
         let mut window = Self { app, pictures: Pictures::start(Arc::new(|| ())).unwrap(), ctx, time: 0.0 };
@@ -207,7 +210,7 @@ fn pointer_moves(bencher: Bencher<'_, '_>) {
 fn step(bencher: Bencher<'_, '_>) {
     let mut window = Window::open();
     bencher.bench_local(|| {
-        let key = if window.app.session.frame + 1 < FRAMES { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frames() { Key::Period } else { Key::R };
         window.frame(vec![Event::Key {
             key,
             physical_key: None,
@@ -231,7 +234,7 @@ fn step_while_the_trainer_works(bencher: Bencher<'_, '_>) {
         }
         frames += 1;
         black_box(school.trainer.poll());
-        let key = if window.app.session.frame + 1 < FRAMES { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frames() { Key::Period } else { Key::R };
         let (physical_key, pressed, repeat) = (None, true, false);
         window.frame(vec![Event::Key { key, physical_key, pressed, repeat, modifiers: Modifiers::NONE }])
     });
@@ -333,7 +336,7 @@ fn stream(bencher: Bencher<'_, '_>, pointer: Pos2) {
     bencher
         .with_inputs(|| {
             batches += 1;
-            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % SUGGESTIONS).collect();
+            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % (2 * frames())).collect();
             window.borrow().proposals(&frames, 2)
         })
         .bench_local_values(|proposals| {

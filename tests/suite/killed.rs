@@ -1,13 +1,12 @@
 //! A program that is killed while the trainer learns, proposes and answers are accepted: nothing accepted is lost.
 #![cfg(feature = "opencv")]
 
+use crate::child::spawned;
 use crate::headless::Headless;
 use crate::program::touchline;
 use crate::relocalize_command::drawn_match;
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
 use touchline::app::session::Saving;
 use touchline::app::{Action, App, Doing};
 use touchline::document::FrameStatus;
@@ -59,14 +58,9 @@ fn child_that_accepts_until_it_is_killed() {
 
 /// Runs the program until it has said something, kills it, and returns the last it said was accepted.
 fn killed_after(file: &Path, said: &str) -> BTreeMap<usize, f64> {
-    let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["killed::child_that_accepts_until_it_is_killed", "--exact", "--nocapture", "--test-threads=1"])
-        .env(CHILD_FILE, file)
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+    let told = (CHILD_FILE, file.to_str().unwrap());
+    let (mut child, lines) = spawned("killed::child_that_accepts_until_it_is_killed", told);
+    let mut lines = lines.map_while(Result::ok);
     let mut accepted = BTreeMap::new();
     let mut note = |line: &str| {
         let words: Vec<&str> = line.split_whitespace().skip_while(|word| *word != "accepted").collect();

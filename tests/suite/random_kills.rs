@@ -2,13 +2,13 @@
 //! result is half a one. `TOUCHLINE_KILLS=1000` makes more of it; each kill follows from its number.
 #![cfg(feature = "opencv")]
 
+use crate::child::spawned;
 use crate::headless::Headless;
 use crate::program::touchline;
 use crate::relocalize_command::drawn_match;
 use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
@@ -87,14 +87,9 @@ fn what_a_person_did_survives_kills_at_random_moments() {
     let mut known = vec![done_in(&read(&file).unwrap().1)];
     let mut kept = 0;
     for number in 0..kills() {
-        let mut child = Command::new(std::env::current_exe().unwrap())
-            .args(["random_kills::child_that_edits_until_it_is_killed", "--exact", "--nocapture", "--test-threads=1"])
-            .env(CHILD, format!("{number} {}", file.display()))
-            .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn()
-            .unwrap();
-        let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map_while(Result::ok);
+        let told = format!("{number} {}", file.display());
+        let (mut child, lines) = spawned("random_kills::child_that_edits_until_it_is_killed", (CHILD, &told));
+        let mut lines = lines.map_while(Result::ok);
         // Now and then while it opens; else while it works.
         let mut heard = Vec::new();
         if random.random_range(0..5) > 0 {

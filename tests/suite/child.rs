@@ -1,0 +1,18 @@
+//! A test of this program run as a program of its own, so that it can be killed and measured.
+#![cfg(feature = "opencv")]
+
+use std::io::{BufRead, BufReader, Lines};
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+/// Starts the test `name`, which does nothing unless the variable `key` is set; what it prints comes line by line.
+pub fn spawned(name: &str, (key, value): (&str, &str)) -> (Child, Lines<BufReader<ChildStdout>>) {
+    let mut child = Command::new(std::env::current_exe().unwrap())
+        .args([name, "--exact", "--nocapture", "--test-threads=1"])
+        .env(key, value)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    (child, lines)
+}

@@ -1,0 +1,145 @@
+//! A person works for hours: memory, threads and open files stay as they are. `TOUCHLINE_SOAK=14400` makes it eight hours of one action
+//! every two seconds.
+#![cfg(all(feature = "opencv", target_os = "linux"))]
+
+use crate::child::spawned;
+use crate::headless::Headless;
+use crate::relocalize_command::drawn_match;
+use crate::seeded::rng;
+use rand::RngExt;
+use std::fs;
+use std::path::Path;
+use touchline::app::session::Saving;
+use touchline::app::{Action, App, Command as Do, Doing};
+use touchline::document::RejectReason;
+use touchline::geometry::ImagePoint;
+
+const CHILD: &str = "TOUCHLINE_TEST_SOAK";
+
+/// The project is closed and opened again after so many actions.
+const SESSION: usize = 150;
+
+/// What the program takes of the machine.
+#[derive(Clone, Copy, Debug, Default)]
+struct Taken {
+    memory_mib: f64,
+    threads: usize,
+    open_files: usize,
+}
+
+impl Taken {
+    fn now() -> Self {
+        let status = fs::read_to_string("/proc/self/status").unwrap();
+        let kib = status.lines().find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB")?.parse().ok());
+        let count = |folder: &str| fs::read_dir(folder).unwrap().count();
+        let kib: f64 = kib.unwrap();
+        Self { memory_mib: kib / 1024.0, threads: count("/proc/self/task"), open_files: count("/proc/self/fd") }
+    }
+}
+
+/// How many actions a person does.
+fn actions() -> usize {
+    std::env::var("TOUCHLINE_SOAK").map_or(8 * SESSION, |number| number.parse().unwrap())
+}
+
+fn is_quiet(app: &App) -> bool {
+    app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.saving, Saving::Pending)
+}
+
+fn opened(file: &Path) -> Headless {
+    let mut headless = Headless::new();
+    headless.act(Action::Open(file.to_path_buf()));
+    headless.wait_until("opening", |app| app.open().is_some());
+    headless
+}
+
+/// Not a test by itself: the program that the next test measures.
+#[test]
+fn child_that_works_for_hours() {
+    let Some(told) = std::env::var_os(CHILD) else { return };
+    let told = told.into_string().unwrap();
+    let (actions, file) = told.split_once(' ').unwrap();
+    let mut random = rng("soak");
+    let mut headless = opened(Path::new(file));
+    for done in 1..=actions.parse().unwrap() {
+        let frames = headless.app.open().unwrap().document.frames.len();
+        let at = ImagePoint::new(random.random_range(0.0..640.0), random.random_range(0.0..360.0));
+        let clicks = headless.app.frame().map_or(0, |frame| frame.clicks.len());
+        match random.random_range(0..24) {
+            0..6 => headless.act(Action::GoTo(random.random_range(0..frames))),
+            6..9 if clicks < 12 => {
+                headless.act(Action::Press { at, on: None });
+                headless.act(Action::Release);
+            }
+            6..12 if clicks > 0 => {
+                headless.act(Action::Press { at, on: Some(random.random_range(0..clicks)) });
+                headless.act(Action::Drag(at));
+                headless.act(Action::Release);
+            }
+            12 => headless.act(Action::Command(Do::DeleteClick)),
+            13..15 => headless.act(Action::SetComment(done.to_string())),
+            15..17 => headless.act(Action::Command(Do::Undo)),
+            17 => headless.act(Action::Command(Do::Redo)),
+            18 => headless.act(Action::RejectAs(RejectReason::Blur)),
+            19 => headless.act(Action::Command(Do::AcceptAndStay)),
+            20 => headless.act(Action::Command(Do::Snap)),
+            21 => headless.act(Action::Command(Do::QualityPage)),
+            22 => headless.act(Action::Command(Do::MarkGold)),
+            _ => headless.act(Action::Command(Do::Save)),
+        }
+        headless.wait_for_picture();
+        for action in headless.runner.poll() {
+            headless.act(action);
+        }
+        if done % SESSION == 0 {
+            headless.wait_until("rest", is_quiet);
+            assert!(headless.runner.close().is_empty());
+            headless = opened(Path::new(&file));
+            headless.wait_until("rest", is_quiet);
+            headless.wait_for_picture();
+            let Taken { memory_mib, threads, open_files } = Taken::now();
+            println!("taken {memory_mib} {threads} {open_files}");
+        }
+    }
+    headless.runner.close();
+}
+
+/// What a program takes of the machine each time that it has opened the project again.
+fn taken_in(actions: usize, file: &Path) -> Vec<Taken> {
+    let told = format!("{actions} {}", file.display());
+    let (mut child, lines) = spawned("soak::child_that_works_for_hours", (CHILD, &told));
+    let taken = lines.map_while(Result::ok).filter_map(|line| {
+        let numbers: Vec<f64> = line.split_once("taken ")?.1.split(' ').map(|number| number.parse().unwrap()).collect();
+        let [memory_mib, threads, open_files] = numbers[..] else { panic!("{line}") };
+        Some(Taken { memory_mib, threads: threads as usize, open_files: open_files as usize })
+    });
+    let taken: Vec<Taken> = taken.collect();
+    assert!(child.wait().unwrap().success());
+    assert_eq!(taken.len(), actions / SESSION);
+    taken
+}
+
+#[test]
+fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
+    let place = tempfile::tempdir().unwrap();
+    drawn_match(place.path());
+    let file = place.path().join("match/ask.json");
+    let taken = taken_in(actions(), &file);
+    // The document has grown by what the person did: a program that was just started has to hold that too.
+    let fresh = taken_in(8 * SESSION, &file);
+    let (last, settled) = (&taken[taken.len() * 3 / 4..], &fresh[fresh.len() / 2..]);
+    let mean_mib = |some: &[Taken]| some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64;
+    let most = |some: &[Taken], of: fn(&Taken) -> usize| some.iter().map(of).max().unwrap();
+    let most_of = |some: &[Taken]| [most(some, |taken| taken.threads), most(some, |taken| taken.open_files)];
+    eprintln!(
+        "{} actions: {:.0} MiB at first, {:.0} at last, {:.0} in a program just started; threads and open files at most {:?} and {:?}",
+        actions(),
+        mean_mib(&taken[..taken.len() / 4]),
+        mean_mib(last),
+        mean_mib(settled),
+        most_of(last),
+        most_of(&fresh),
+    );
+    assert!(mean_mib(last) <= 1.05 * mean_mib(settled), "{taken:?}, {fresh:?}");
+    assert!(most_of(last).into_iter().zip(most_of(&fresh)).all(|(last, fresh)| last <= fresh + 1), "{taken:?}");
+}
