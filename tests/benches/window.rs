@@ -30,7 +30,7 @@ fn main() {
 }
 
 /// How many frames the list has; `TOUCHLINE_FRAMES=300000` is a match at 50 frames a second.
-fn frames() -> usize {
+fn frame_count() -> usize {
     std::env::var("TOUCHLINE_FRAMES").map_or(5_000, |frames| frames.parse().unwrap())
 }
 
@@ -73,12 +73,12 @@ struct Window {
 
 impl Window {
     fn open() -> Self {
-        Self::on(document(frames()))
+        Self::on(document(frame_count()))
     }
 
     /// Looking through suggestions of all frames of a match, with the list as it is by default.
     fn review() -> Self {
-        let mut document = document(frames());
+        let mut document = document(frame_count());
         let twice = document.frames.clone();
         document.frames.extend(twice.iter().cloned());
         for frame in &mut document.frames {
@@ -86,12 +86,12 @@ impl Window {
             (frame.status, frame.ptz, frame.solution) = (FrameStatus::New, None, None);
         }
         let mut window = Self::on(document);
-        let all: Vec<usize> = (0..2 * frames()).collect();
+        let all: Vec<usize> = (0..2 * frame_count()).collect();
         let proposals = window.proposals(&all, 1);
         window.app.update(Action::Proposals(proposals));
         window.app.update(Action::Command(Command::ReviewPanel));
         window.frame(Vec::new());
-        assert!(window.app.review().rows.len() > 2 * frames() * 9 / 10);
+        assert!(window.app.review().rows.len() > 2 * frame_count() * 9 / 10);
         window
     }
 
@@ -131,7 +131,7 @@ impl Window {
     fn on(document: Document) -> Self {
         let mut app = App::new(Settings { details: true, ..Settings::default() });
         app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
-        app.update(Action::GoTo(frames() / 2));
+        app.update(Action::GoTo(frame_count() / 2));
         let ctx = Context::default();
         apply_theme(&ctx);
         let mut window = Self { app, pictures: Pictures::start(Arc::new(|| ())).unwrap(), ctx, time: 0.0 };
@@ -210,7 +210,7 @@ fn pointer_moves(bencher: Bencher<'_, '_>) {
 fn step(bencher: Bencher<'_, '_>) {
     let mut window = Window::open();
     bencher.bench_local(|| {
-        let key = if window.app.session.frame + 1 < frames() { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frame_count() { Key::Period } else { Key::R };
         window.frame(vec![Event::Key {
             key,
             physical_key: None,
@@ -234,7 +234,7 @@ fn step_while_the_trainer_works(bencher: Bencher<'_, '_>) {
         }
         frames += 1;
         black_box(school.trainer.poll());
-        let key = if window.app.session.frame + 1 < frames() { Key::Period } else { Key::R };
+        let key = if window.app.session.frame + 1 < frame_count() { Key::Period } else { Key::R };
         let (physical_key, pressed, repeat) = (None, true, false);
         window.frame(vec![Event::Key { key, physical_key, pressed, repeat, modifiers: Modifiers::NONE }])
     });
@@ -336,7 +336,7 @@ fn stream(bencher: Bencher<'_, '_>, pointer: Pos2) {
     bencher
         .with_inputs(|| {
             batches += 1;
-            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % (2 * frames())).collect();
+            let frames: Vec<usize> = (0..BATCH).map(|at| (batches * BATCH + at) % (2 * frame_count())).collect();
             window.borrow().proposals(&frames, 2)
         })
         .bench_local_values(|proposals| {

@@ -58,7 +58,7 @@ fn child_that_accepts_until_it_is_killed() {
 
 /// Runs the program until it has said something, kills it, and returns the last it said was accepted.
 fn killed_after(file: &Path, said: &str) -> BTreeMap<usize, f64> {
-    let told = (CHILD_FILE, file.to_str().unwrap());
+    let told = [(CHILD_FILE, file.to_str().unwrap())];
     let (mut child, lines) = spawned("killed::child_that_accepts_until_it_is_killed", told);
     let mut lines = lines.map_while(Result::ok);
     let mut accepted = BTreeMap::new();

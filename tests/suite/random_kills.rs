@@ -88,7 +88,7 @@ fn what_a_person_did_survives_kills_at_random_moments() {
     let mut kept = 0;
     for number in 0..kills() {
         let told = format!("{number} {}", file.display());
-        let (mut child, lines) = spawned("random_kills::child_that_edits_until_it_is_killed", (CHILD, &told));
+        let (mut child, lines) = spawned("random_kills::child_that_edits_until_it_is_killed", [(CHILD, &told)]);
         let mut lines = lines.map_while(Result::ok);
         // Now and then while it opens; else while it works.
         let mut heard = Vec::new();
