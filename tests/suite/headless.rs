@@ -29,6 +29,14 @@ impl Headless {
         Self { app: App::new(Settings::default()), runner, pictures, requests: Vec::new(), woken }
     }
 
+    /// With a project, folder or video open.
+    pub fn opened(path: &Path) -> Self {
+        let mut headless = Self::new();
+        headless.act(Action::Open(path.to_path_buf()));
+        headless.wait_until("opening", |app| app.open().is_some());
+        headless
+    }
+
     pub fn act(&mut self, action: Action) {
         for effect in self.app.update(action) {
             self.requests.extend(self.runner.carry_out(effect));

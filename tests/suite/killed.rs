@@ -29,18 +29,11 @@ fn accepted(app: &App) -> BTreeMap<usize, f64> {
     labels.map(|(index, frame)| (index, frame.ptz.as_ref().unwrap().pan_deg)).collect()
 }
 
-fn opened(file: &Path) -> Headless {
-    let mut headless = Headless::new();
-    headless.act(Action::Open(file.to_path_buf()));
-    headless.wait_until("opening", |app| app.open().is_some());
-    headless
-}
-
 /// Not a test by itself: the program that the next test kills. It says what it does, and what of it is on disk.
 #[test]
 fn child_that_accepts_until_it_is_killed() {
     let Some(file) = std::env::var_os(CHILD_FILE) else { return };
-    let mut headless = opened(Path::new(&file));
+    let mut headless = Headless::opened(Path::new(&file));
     headless.wait_until("the trainer", |app| app.session.trainer.status.references > 0);
     println!("begun");
     loop {
@@ -84,7 +77,7 @@ fn what_was_accepted_survives_a_kill_and_the_forest_is_read_or_made_again() {
     let mut acknowledged = BTreeMap::new();
     for (round, said) in ["begun", "proposed", "accepted", "done"].into_iter().enumerate() {
         acknowledged.extend(killed_after(&file, said));
-        let mut headless = opened(&file);
+        let mut headless = Headless::opened(&file);
         let found = accepted(&headless.app);
         let lost: Vec<_> = acknowledged.iter().filter(|(frame, pan_deg)| found.get(frame) != Some(pan_deg)).collect();
         assert!(lost.is_empty(), "killed after {said:?}: {lost:?} of {acknowledged:?} are lost, {found:?}");

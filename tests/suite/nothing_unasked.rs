@@ -23,13 +23,6 @@ fn new_project() -> (TempDir, PathBuf) {
     (root, path)
 }
 
-fn opened(path: &Path) -> Headless {
-    let mut headless = Headless::new();
-    headless.act(Action::Open(path.to_path_buf()));
-    headless.wait_until("opening", |app| app.open().is_some());
-    headless
-}
-
 /// Writes a comment on a frame.
 fn comment(headless: &mut Headless, frame: usize, text: &str) {
     headless.act(Action::GoTo(frame));
@@ -55,7 +48,7 @@ fn write_outside(path: &Path, frame: usize, text: &str) {
 
 /// A window on a project whose disk takes nothing any more, with an edit that is only in memory.
 fn with_a_refusing_disk(root: &TempDir, path: &Path) -> (Headless, PathBuf) {
-    let mut headless = opened(path);
+    let mut headless = Headless::opened(path);
     let away = root.path().join("away");
     fs::rename(path, &away).unwrap();
     comment(&mut headless, 0, "only in memory");
@@ -83,7 +76,7 @@ fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
 #[test]
 fn a_disk_that_refuses_only_while_the_window_closes_is_told_of() {
     let (root, path) = new_project();
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     comment(&mut headless, 0, "in the journal");
     wait_until_saved(&mut headless);
     fs::rename(&path, root.path().join("away")).unwrap();
@@ -132,7 +125,7 @@ fn opening_another_document_asks_as_well() {
 #[test]
 fn the_document_that_is_open_is_not_opened_again() {
     let (_root, path) = new_project();
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     comment(&mut headless, 1, "mine");
     for way in [path.clone(), path.join("project.json"), path.join("../match/project.json")] {
         headless.act(Action::Open(way));
@@ -149,7 +142,7 @@ fn the_document_that_is_open_is_not_opened_again() {
 
 /// A window whose document another program has changed: it commented b, the window a.
 fn changed_outside(path: &Path) -> Headless {
-    let mut headless = opened(path);
+    let mut headless = Headless::opened(path);
     comment(&mut headless, 0, "mine");
     wait_until_saved(&mut headless);
     write_outside(path, 1, "theirs");
@@ -206,7 +199,7 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
     assert_eq!(comments(&headless.app.open().unwrap().document), ["mine", "theirs", ""]);
     wait_until_saved(&mut headless);
     assert!(headless.runner.close().is_empty());
-    let again = opened(&path);
+    let again = Headless::opened(&path);
     assert!(again.app.session.orphans.is_empty(), "offered once");
     let recovered = comments(&read(&path.join("project.json.recovered-1.json")).unwrap().1);
     assert_eq!(recovered[0], "mine");
@@ -215,7 +208,7 @@ fn edits_that_were_set_aside_are_taken_in_later_or_become_a_document() {
 #[test]
 fn an_orphan_finds_the_version_it_starts_from() {
     let (_root, path) = new_project();
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     comment(&mut headless, 0, "mine");
     wait_until_saved(&mut headless);
     // The version that the edits start from is still there, under another name.

@@ -59,9 +59,7 @@ fn off_px(app: &App, truth: &Document) -> f64 {
 #[test]
 fn a_frame_is_snapped_in_one_step_and_its_lines_are_judged() {
     let (place, truth) = project();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(place.path().join("project")));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&place.path().join("project"));
     headless.wait_for_picture();
     assert!((9.0..11.0).contains(&off_px(&headless.app, &truth)));
 
@@ -110,9 +108,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
     bare.image = Some(turf.to_string_lossy().into_owned());
     (bare.ptz, bare.solution, bare.status) = (None, None, FrameStatus::New);
     std::fs::write(&file, document_to_string(&document).unwrap()).unwrap();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(place.path().join("project")));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&place.path().join("project"));
     assert_eq!(headless.app.why_not(Command::SearchLines), Some("This frame has a camera: snap it."));
     headless.act(Action::GoTo(1));
     headless.wait_for_picture();
@@ -138,9 +134,7 @@ fn lines_are_searched_only_where_there_is_no_camera_and_a_picture_without_paint_
 #[test]
 fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
     let (place, _) = project();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(place.path().join("project")));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&place.path().join("project"));
     headless.act(Action::GoTo(1));
     headless.wait_for_picture();
     let before = frame(&headless.app).ptz.clone();
@@ -161,9 +155,7 @@ fn what_is_far_off_is_refused_in_words_and_accepting_writes_the_line_check() {
 #[test]
 fn points_beside_painted_crossings_go_to_them() {
     let (place, truth) = project();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(place.path().join("project")));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&place.path().join("project"));
     headless.wait_for_picture();
     let (field, size) = (headless.app.current().field().unwrap().clone(), frame(&headless.app).image_size);
     let camera = truth.pointed(&truth.frames[0]).unwrap();

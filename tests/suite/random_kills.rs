@@ -47,9 +47,7 @@ fn child_that_edits_until_it_is_killed() {
     let Some(place) = std::env::var_os(CHILD) else { return };
     let place = place.into_string().unwrap();
     let (number, file) = place.split_once(' ').unwrap();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(file.into()));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(Path::new(file));
     let mut random = rng(number);
     let mut edits = 0;
     let is_saved = |app: &touchline::app::App| !matches!(app.session.saving, Saving::Pending);

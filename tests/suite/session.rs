@@ -43,9 +43,7 @@ fn a_folder_is_opened_labelled_saved_exported_and_reopened() {
     let camera_file = root.path().join("camera.json");
     std::fs::write(&camera_file, document_to_string(&other).unwrap()).unwrap();
 
-    let mut headless = Headless::new();
-    headless.act(Action::Open(frames.clone()));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&frames);
     let PictureState::Ready(_, picture) = headless.wait_for_picture() else { panic!("no picture") };
     assert_eq!(picture.size(), SIZE, "an application without a window has pictures");
     headless.answer(Question::CameraFrom, &camera_file);

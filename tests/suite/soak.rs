@@ -46,13 +46,6 @@ fn is_quiet(app: &App) -> bool {
     app.session.trainer.status.doing == Doing::Nothing && !matches!(app.session.saving, Saving::Pending)
 }
 
-fn opened(file: &Path) -> Headless {
-    let mut headless = Headless::new();
-    headless.act(Action::Open(file.to_path_buf()));
-    headless.wait_until("opening", |app| app.open().is_some());
-    headless
-}
-
 /// Not a test by itself: the program that the next test measures.
 #[test]
 fn child_that_works_for_hours() {
@@ -60,7 +53,7 @@ fn child_that_works_for_hours() {
     let told = told.into_string().unwrap();
     let (actions, file) = told.split_once(' ').unwrap();
     let mut random = rng("soak");
-    let mut headless = opened(Path::new(file));
+    let mut headless = Headless::opened(Path::new(file));
     for done in 1..=actions.parse().unwrap() {
         let frames = headless.app.open().unwrap().document.frames.len();
         let at = ImagePoint::new(random.random_range(0.0..640.0), random.random_range(0.0..360.0));
@@ -94,7 +87,7 @@ fn child_that_works_for_hours() {
         if done % SESSION == 0 {
             headless.wait_until("rest", is_quiet);
             assert!(headless.runner.close().is_empty());
-            headless = opened(Path::new(&file));
+            headless = Headless::opened(Path::new(file));
             headless.wait_until("rest", is_quiet);
             headless.wait_for_picture();
             let Taken { memory_mib, threads, open_files } = Taken::now();

@@ -4,7 +4,6 @@ use crate::bench::{Bench, uncounted};
 use crate::headless::Headless;
 use crate::review_in_app::{blank, proposal, proposal_in, suggested};
 use std::fs;
-use std::path::Path;
 use touchline::app::session::Saving;
 use touchline::app::{Action, App, Command};
 use touchline::document::{Document, FrameStatus, document_from_bytes, document_to_string};
@@ -91,13 +90,6 @@ fn five_hundred_suggestions_are_no_steps_and_in_none() {
     assert_eq!((steps, suggested_frames(document(&bench.app)).len()), (11, 500));
 }
 
-fn opened(folder: &Path) -> Headless {
-    let mut headless = Headless::new();
-    headless.act(Action::Open(folder.to_path_buf()));
-    headless.wait_until("opening", |app| app.open().is_some());
-    headless
-}
-
 /// Waits until everything that was done is on disk.
 fn settle(headless: &mut Headless) {
     headless.wait_until("the journal", |app| matches!(app.session.saving, Saving::Saved { .. }));
@@ -108,7 +100,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
     let root = tempfile::tempdir().unwrap();
     let folder = root.path().join("match");
     write_document(&Location::for_new_document(&folder.join("")).unwrap(), &blank(4), false).unwrap();
-    let mut headless = opened(&folder);
+    let mut headless = Headless::opened(&folder);
     let answers = [0, 1, 2].map(|frame| proposal_in(document(&headless.app), frame, 1, Some(frame as f64))).to_vec();
     headless.act(Action::Proposals(answers));
     headless.act(Action::Command(Command::AcceptAndStay));
@@ -126,7 +118,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
         !fs::read_to_string(killed.join("project.json")).unwrap().contains("suggested"),
         "only the journal has them"
     );
-    let mut again = opened(&killed);
+    let mut again = Headless::opened(&killed);
     assert_eq!(*document(&again.app), *document(&headless.app));
     assert_eq!(suggested_frames(document(&again.app)), [1, 2]);
     again.act(Action::Command(Command::Save));
@@ -137,7 +129,7 @@ fn suggestions_survive_a_kill_and_the_file_has_them() {
     assert_eq!(expected.matches(r#""status": "suggested""#).count(), 2);
 
     // The acceptance was not in the way of suggestions, and can be undone in another session.
-    let mut later = opened(&killed);
+    let mut later = Headless::opened(&killed);
     later.act(Action::GoTo(0));
     assert_eq!(later.app.open().unwrap().history.next_undo().unwrap().name, "Accept");
     later.act(Action::Command(Command::Undo));

@@ -164,9 +164,7 @@ fn in_the_application_the_cameras_are_suggestions_and_it_can_be_stopped() {
     let truth = drawn_clip(place.path());
     let folder = place.path().join("match");
     fs::copy(folder.join("ask.json"), folder.join("project.json")).unwrap();
-    let mut headless = Headless::new();
-    headless.act(Action::Open(folder));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&folder);
     headless.act(Action::Command(Command::Track));
     assert_eq!(next_step(&headless.app).offers, [("Stop", Command::StopTracking)]);
     assert!(headless.app.why_not(Command::Track).is_some(), "one at a time");
@@ -242,9 +240,7 @@ fn the_other_frames_of_the_shot_follow_a_correction_without_reading_its_pictures
     *ptz = FramePtz::new(Ptz { pan: ptz.ptz().pan + Angle::from_degrees(0.4), ..ptz.ptz() }, None);
     first.solution.as_mut().unwrap().covariance = Some(Mat3::from_diagonal(&Vec3::new(0.25, 0.25, 400.0)));
     write(&folder.join("project.json"), &asked);
-    let mut headless = Headless::new();
-    headless.act(Action::Open(folder.clone()));
-    headless.wait_until("opening", |app| app.open().is_some());
+    let mut headless = Headless::opened(&folder);
     headless.act(Action::Command(Command::Track));
     headless.wait_until("the cameras", |app| tracked(app) == 29);
     let off_px = |app: &App, frame| worst_px(&app.open().unwrap().document, &truth, frame);

@@ -33,13 +33,6 @@ fn new_project(frames: usize) -> (TempDir, PathBuf) {
     (root, path)
 }
 
-fn opened(path: &Path) -> Headless {
-    let mut headless = Headless::new();
-    headless.act(Action::Open(path.to_path_buf()));
-    headless.wait_until("opening", |app| app.open().is_some());
-    headless
-}
-
 fn notices(headless: &Headless) -> Vec<&str> {
     headless.app.session.notices.iter().map(|notice| notice.text.as_str()).collect()
 }
@@ -131,7 +124,7 @@ fn edit_in_many_ways(headless: &mut Headless) {
 #[test]
 fn every_step_of_earlier_sessions_is_undone_and_redone() {
     let (_root, path) = new_project(4);
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     edit_in_many_ways(&mut headless);
     // Another program adds frames, which are taken in.
     let theirs = {
@@ -153,7 +146,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     let (document, history) = (open.document.clone(), open.history.clone());
     headless.close();
 
-    let mut again = opened(&path);
+    let mut again = Headless::opened(&path);
     assert_eq!((&again.app.open().unwrap().history, &again.document()), (&history, &last));
     assert_eq!(*again.app.open().unwrap().document, document, "with its counts");
     let redone = again.all(Command::Redo);
@@ -164,7 +157,7 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
     again.close();
 
     // Forward again in a third session, and what is written is what was written.
-    let mut third = opened(&path);
+    let mut third = Headless::opened(&path);
     let mut forward = third.all(Command::Redo);
     forward.reverse();
     assert_eq!(forward, back);
@@ -178,18 +171,18 @@ fn every_step_of_earlier_sessions_is_undone_and_redone() {
 #[test]
 fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
     let (_root, path) = new_project(2);
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     headless.comment(0, "ours");
     headless.close();
     let file = path.join("project.json");
     fs::write(&file, fs::read_to_string(&file).unwrap().replace("ours", "theirs")).unwrap();
-    let mut other = opened(&path);
+    let mut other = Headless::opened(&path);
     let told = "Steps of earlier sessions cannot be undone: they lead to another version of the document.";
     assert_eq!(notices(&other), [told]);
     assert!(other.app.open().unwrap().history.is_empty());
     other.comment(1, "new");
     other.close();
-    let mut again = opened(&path);
+    let mut again = Headless::opened(&path);
     assert!(notices(&again).is_empty());
     assert_eq!(again.all(Command::Undo).len(), 2, "from the other version on");
 }
@@ -197,10 +190,10 @@ fn steps_that_lead_to_another_version_are_left_out_and_said_so() {
 #[test]
 fn a_document_to_look_at_only_offers_no_undo() {
     let (_root, path) = new_project(2);
-    let mut headless = opened(&path);
+    let mut headless = Headless::opened(&path);
     headless.comment(0, "rain");
     headless.wait_until("saving", |app| matches!(app.session.saving, Saving::Saved { .. }));
-    let second = opened(&path);
+    let second = Headless::opened(&path);
     let open = second.app.open().unwrap();
     assert!(open.read_only.is_some() && open.history.is_empty());
     assert_eq!(second.document(), headless.document());
@@ -213,7 +206,7 @@ const CHILD_FOLDER: &str = "TOUCHLINE_TEST_UNDO_FOLDER";
 #[test]
 fn child_that_edits_until_it_is_killed() {
     let Some(path) = std::env::var_os(CHILD_FOLDER) else { return };
-    let mut headless = opened(Path::new(&path));
+    let mut headless = Headless::opened(Path::new(&path));
     for number in 0.. {
         if number % 5 == 4 {
             assert!(headless.undo(Command::Undo));
@@ -248,7 +241,7 @@ fn undo_survives_a_kill() {
         child.kill().unwrap();
         steps.extend(lines.filter_map(number));
         child.wait().unwrap();
-        let mut headless = opened(&path);
+        let mut headless = Headless::opened(&path);
         let found = headless.all(Command::Undo);
         // The last edit may be on disk without having been acknowledged.
         let acknowledged = *steps.last().unwrap();
