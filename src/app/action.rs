@@ -367,6 +367,8 @@ pub enum Action {
         /// What it says.
         template: Result<Box<Template>, FieldError>,
     },
+    /// Read the field templates again that could not be read.
+    ReadFailedTemplatesAgain,
     /// Something that was asked for could not be done: one line.
     Failed(String),
     /// A camera base was read from another document.

@@ -54,6 +54,7 @@ impl Action {
             | Self::SetQualityCamera(_)
             | Self::SetTimeAxis(_)
             | Self::ShowSpan(_)
+            | Self::ReadFailedTemplatesAgain
             | Self::CloseDialog
             | Self::ShowGuidePage(_)
             | Self::DismissNotice(_)

@@ -126,6 +126,12 @@ impl OpenProject {
         self.document.raise_version();
     }
 
+    /// Field templates that could not be read are to be read again.
+    pub(super) fn want_failed_templates_again(&mut self) {
+        self.derived.want_failed_templates_again();
+        self.document.raise_version();
+    }
+
     /// How many frames there were of each kind after the last action.
     #[must_use]
     pub const fn counts(&self) -> &FrameCounts {

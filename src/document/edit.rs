@@ -215,8 +215,7 @@ impl Document {
             let known = before.frames.get(position).filter(|known| known.id == frame.id);
             let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
             if frame.revision <= known.revision && frame != known {
-                // After the last number comes another one all the same.
-                let revision = known.revision.wrapping_add(1);
+                let revision = known.next_revision();
                 self.frames[position].revision = revision;
             }
         }

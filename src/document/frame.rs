@@ -232,6 +232,11 @@ const fn is_zero(revision: &u64) -> bool {
 }
 
 impl Frame {
+    /// The revision of this frame once it has been edited. After the last number comes another one all the same.
+    pub(super) const fn next_revision(&self) -> u64 {
+        self.revision.wrapping_add(1)
+    }
+
     /// A frame that is an image file, new.
     #[must_use]
     pub fn from_image(image: &str, camera: CameraId, image_size: ImageSize) -> Self {

@@ -33,7 +33,7 @@ impl OldChange {
             Self::Frame { index, mut frame } => {
                 let place = document.frames.get_mut(index).ok_or(EditMismatch::Position { index, frames })?;
                 frame.id = place.id.clone();
-                frame.revision = place.revision.wrapping_add(1);
+                frame.revision = place.next_revision();
                 *place = frame;
             }
             Self::Frames { at, remove, insert } => {

@@ -45,3 +45,19 @@ pub(super) fn panic_message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| payload.downcast_ref::<String>().cloned()).unwrap_or_else(|| "without a message".to_owned())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_an_error_with_its_place() {
+        assert_eq!(until_it_panics(|| 5), Ok(5));
+        let panicked = until_it_panics(|| -> u8 { panic!("the display\nwent away") }).unwrap_err();
+        assert_eq!(panicked.message, "the display went away");
+        assert!(panicked.place.contains("panicked.rs:"), "{}", panicked.place);
+        assert!(panicked.to_string().starts_with("the display went away ("), "{panicked}");
+        let silent = until_it_panics(|| std::panic::panic_any(7_u8)).unwrap_err();
+        assert_eq!(silent.message, "without a message");
+    }
+}

@@ -93,15 +93,31 @@ const CANVAS: CanvasId = CanvasId(0);
 const TILE_PX: u32 = 4096;
 
 impl Offscreen {
-    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a software renderer.
+    /// The fastest adapter there is: a GPU of its own, one beside the processor, a virtual one, a software renderer. OpenGL's are
+    /// looked at only where no other gives a device: Mesa's can end the process with a fault when it exits.
     ///
     /// The environment variable `WGPU_BACKEND` (vulkan, gl, metal, dx12) narrows the choice.
     ///
     /// # Errors
     /// No adapter, or none that gives a device.
     pub fn new() -> Result<Self, RenderError> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
-        let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        if let Some(chosen) = wgpu::Backends::from_env() {
+            return Self::among(chosen);
+        }
+        match Self::among(wgpu::Backends::PRIMARY) {
+            Err(refusal) => Self::among(wgpu::Backends::GL).map_err(|other| match other {
+                RenderError::NoAdapter => refusal,
+                _ => other,
+            }),
+            drawing => drawing,
+        }
+    }
+
+    /// The fastest adapter of some backends.
+    fn among(backends: wgpu::Backends) -> Result<Self, RenderError> {
+        let described = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor { backends, ..described });
+        let mut adapters = pollster::block_on(instance.enumerate_adapters(backends));
         adapters.sort_by_key(|adapter| slowness(adapter.get_info().device_type));
         let mut first_refusal = None;
         for adapter in adapters {

@@ -1,6 +1,8 @@
 //! A window on a small project in a temporary folder.
 
+use eframe::egui_wgpu::WgpuSetup;
 use egui_kittest::kittest::Queryable as _;
+use egui_kittest::wgpu::default_wgpu_setup;
 use egui_kittest::{Harness, SnapshotOptions};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -76,6 +78,15 @@ fn seen_landmarks(frame: usize) -> Vec<Click> {
         (SIZE.contains(at) && landmark.nominal_m.z == 0.0).then(|| Click::landmark(landmark.id.clone(), at))
     };
     field.landmarks.iter().filter_map(seen).collect()
+}
+
+/// An adapter as the toolkit's tests choose it, but no OpenGL unasked: Mesa's can end the process with a fault when it exits.
+fn graphics() -> WgpuSetup {
+    let mut setup = default_wgpu_setup();
+    if let WgpuSetup::CreateNew(new) = &mut setup {
+        new.instance_descriptor.backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    }
+    setup
 }
 
 /// A window on a project.
@@ -177,7 +188,7 @@ impl Window {
         let harness = Harness::builder()
             .with_size(size)
             .with_pixels_per_point(pixels_per_point)
-            .wgpu()
+            .wgpu_setup(graphics())
             .build_eframe(move |creation| Shell::new(creation, Some(kept), Some(path)).unwrap());
         let mut window = Self { harness, folder, _settings: settings };
         window.wait_for(|shell| shell.app().open().is_some() && shell.has_picture());

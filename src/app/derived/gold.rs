@@ -27,6 +27,11 @@ pub(super) struct Gold {
 }
 
 impl Gold {
+    /// The fields may be others than they were.
+    pub(super) fn forget(&mut self) {
+        self.measured = None;
+    }
+
     /// Brings it up to date with a document, whose counts these are. The repeats are looked at only where they have changed.
     pub(super) fn update(&mut self, document: &Document, counts: &FrameCounts, templates: &mut Templates) {
         self.work.frames = counts.gold_references;

@@ -100,6 +100,13 @@ impl Derived {
         self.templates.put(name, template);
     }
 
+    /// Templates that could not be read are to be read again: their files may have been mended.
+    pub(super) fn want_failed_templates_again(&mut self) {
+        self.templates.want_failed_again();
+        self.fields = Memo::default();
+        self.gold.forget();
+    }
+
     /// Where to label next after a journalled edit; `coverage` has where references look. Where nothing lacks an answer no frame is
     /// looked at.
     pub(super) fn label_advice(

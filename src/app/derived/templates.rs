@@ -49,6 +49,13 @@ impl Templates {
             .collect()
     }
 
+    /// Those that could not be read are to be read again.
+    pub(super) fn want_failed_again(&mut self) {
+        for reading in self.0.values_mut().filter(|reading| matches!(reading, Reading::Done(Err(_)))) {
+            *reading = Reading::Wanted;
+        }
+    }
+
     /// One was read, or cannot be.
     pub(super) fn put(&mut self, name: &str, template: Result<Box<Template>, FieldError>) {
         self.0.insert(name.to_owned(), Reading::Done(template));

@@ -101,6 +101,12 @@ impl App {
         }
     }
 
+    pub(super) fn read_failed_templates_again(&mut self) {
+        if let Some(open) = &mut self.open {
+            open.want_failed_templates_again();
+        }
+    }
+
     pub(super) fn save(&mut self) {
         self.commit_open_step();
         let Some(open) = &self.open else { return };
@@ -198,6 +204,29 @@ mod tests {
         app.update(read("/match/project.json"));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
         assert_eq!(asked(app.update(Action::GoTo(0))), []);
+    }
+
+    #[test]
+    fn a_template_that_could_not_be_read_is_read_again_when_asked_for() {
+        let (size, mut document) = (ImageSize::new(1280, 720), Document::new(FieldSpec::new("own.json")));
+        document.cameras.push(Camera::new("main".into(), size).into());
+        document.frames.push(Frame::from_image("0.jpg", "main".into(), size).into());
+        let mut app = App::new(Settings::default());
+        app.update(Action::Opened(Box::new(Opened::new(document, "/match/project.json"))));
+        let read =
+            |template| Action::TemplateRead { of: "/match/project.json".into(), name: "own.json".to_owned(), template };
+        let is_asked =
+            |effects: Vec<Effect>| effects.iter().any(|effect| matches!(effect, Effect::ReadTemplate { .. }));
+        let problem = "no such file".to_owned();
+        let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
+        app.update(read(Err(missing)));
+        assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
+        assert!(!is_asked(app.update(Action::GoTo(0))), "a file is not tried again unasked");
+        assert!(is_asked(app.update(Action::ReadFailedTemplatesAgain)));
+        assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
+        app.update(read(Ok(Box::new(builtin("soccer").unwrap().clone()))));
+        assert!(app.current().field().is_some());
+        assert!(!is_asked(app.update(Action::ReadFailedTemplatesAgain)), "what was read stays");
     }
 
     #[test]

@@ -279,6 +279,7 @@ impl App {
                 self.session.notify(Level::Error, message);
             }
             Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
+            Action::ReadFailedTemplatesAgain => self.read_failed_templates_again(),
             Action::CameraLoaded(camera) => self.camera_loaded(&camera),
             Action::Saved { revision, at, whole } => self.saved(revision, at, whole),
             Action::SaveFailed(message) => self.save_failed(message),

@@ -3,7 +3,7 @@
 use super::{numbers, section};
 use crate::app::{Action, Command};
 use crate::document::{CROWN, FieldSize, FieldSpec};
-use crate::field::{Curve, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
+use crate::field::{Curve, FieldError, FieldModel, MAX_CROWN_M, PaintEdge, Param, builtin, builtin_names};
 use crate::ui::number::Number;
 use crate::ui::symbol::{self, Symbol};
 use crate::ui::{
@@ -28,13 +28,23 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
-    if let Some(Err(error)) = &panel.app.current().field {
-        ui.add(Label::new(RichText::new(error.to_string()).color(ui.palette().bad)).wrap());
+    if let Some(Err(error)) = panel.app.current().field.clone() {
+        problem(panel, ui, &spec, &error);
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
     if let Some(field) = panel.app.current().field().cloned() {
         edge(ui, &field);
+    }
+}
+
+/// Why there is no field yet, or none at all.
+fn problem(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, error: &FieldError) {
+    let is_being_read = matches!(error, FieldError::BeingRead { .. });
+    let colour = if is_being_read { ui.palette().weak } else { ui.palette().bad };
+    ui.add(Label::new(RichText::new(error.to_string()).color(colour)).wrap());
+    if spec.is_file() && !is_being_read && ui.add(Button::new("Read again").small()).clicked() {
+        panel.actions.push(Action::ReadFailedTemplatesAgain);
     }
 }
 
