@@ -51,7 +51,12 @@ pub struct Disagreements {
     shots: BTreeMap<ShotKey, BTreeSet<usize>>,
     found: Vec<Option<Disagreement>>,
     edition: u64,
+    /// The frames that came to lie otherwise in the last editions, the last one at the end; fewer than [`REMEMBERED`].
+    changed: Vec<usize>,
 }
+
+/// Changes that are remembered one by one.
+const REMEMBERED: usize = 10_000;
 
 /// A camera and one of its shots; frames of a camera that belong to no shot are one.
 type ShotKey = (CameraId, Option<Clip>);
@@ -80,6 +85,13 @@ impl Disagreements {
         self.edition
     }
 
+    /// The frames that came to lie otherwise since an edition; none where that is too long ago to be known.
+    #[must_use]
+    pub fn changed_since(&self, edition: u64) -> Option<&[usize]> {
+        let changes = usize::try_from(self.edition.checked_sub(edition)?).ok()?;
+        self.changed.get(self.changed.len().checked_sub(changes)?..)
+    }
+
     /// Brings it up to date with a document.
     pub fn update(&mut self, document: &Document) {
         let same_cameras = self.cameras.len() == document.cameras.len()
@@ -103,11 +115,15 @@ impl Disagreements {
         for ([_, index, _], compared) in threes.into_iter().zip(compared) {
             found[index] = compared;
         }
-        Self { cameras: document.cameras.clone(), frames: document.frames.clone(), shots, found, edition }
+        let (cameras, frames) = (document.cameras.clone(), document.frames.clone());
+        Self { cameras, frames, shots, found, edition, changed: Vec::new() }
     }
 
     fn change(&mut self, document: &Document, changed: &[usize]) {
         let before = std::mem::replace(&mut self.frames, document.frames.clone());
+        if self.changed.len() >= REMEMBERED {
+            self.changed.clear();
+        }
         let mut concerned = BTreeSet::new();
         for &index in changed {
             concerned.insert(index);
@@ -127,8 +143,11 @@ impl Disagreements {
                 _ => None,
             };
             let found = three.and_then(|three| compare(document, three));
-            self.edition += u64::from(found != self.found[index]);
-            self.found[index] = found;
+            if found != self.found[index] {
+                self.edition += 1;
+                self.changed.push(index);
+                self.found[index] = found;
+            }
         }
     }
 

@@ -8,7 +8,10 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let base = |document: &Document, id: &CameraId| document.camera(id).and_then(Camera::base);
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
-    let given_away = |index: &usize| now.frames[*index].camera != before.frames[*index].camera;
+    let given_away = |index: &usize| {
+        let (known, frame) = (&before.frames[*index], &now.frames[*index]);
+        known.id == frame.id && known.camera != frame.camera
+    };
     let given_away = now.frames.differences(&before.frames).into_iter().filter(given_away);
     if moved.is_empty() {
         return given_away.collect();

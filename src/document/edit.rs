@@ -210,7 +210,9 @@ impl Document {
     /// Counts the edits that led here from an earlier state: each frame that differs has a later revision than it had. What
     /// undo brings back does, too.
     pub fn count_edits_since(&mut self, before: &Self) {
-        for position in self.frames.differences(&before.frames) {
+        // Frames that came push others beyond where the earlier state ends.
+        let beyond = before.frames.len()..self.frames.len();
+        for position in self.frames.differences(&before.frames).into_iter().chain(beyond) {
             let Some(frame) = self.frames.get(position) else { continue };
             let known = before.frames.get(position).filter(|known| known.id == frame.id);
             let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
@@ -305,6 +307,21 @@ mod tests {
         let before = two.clone();
         assert_eq!(edit.apply(&mut two), Err(EditMismatch::NoFrame { id }));
         assert_eq!(two, before);
+    }
+
+    #[test]
+    fn a_frame_that_others_push_beyond_the_earlier_end_is_counted_as_edited() {
+        let before = document(&[1, 2, 3]);
+        let mut after = document(&[9, 1, 2, 3]);
+        after.frames[3].comment = Some("x".to_owned());
+        after.count_edits_since(&before);
+        let revisions: Vec<u64> = after.frames.iter().map(|frame| frame.revision).collect();
+        assert_eq!(revisions, [0, 0, 0, 1]);
+        let edit = Edit::between(&before, &after, "Both");
+        let mut made = before.clone();
+        edit.clone().apply(&mut made).unwrap();
+        assert!(matches!(edit.apply(&mut made), Err(EditMismatch::Revision { .. })));
+        assert_eq!(made, after);
     }
 
     #[test]

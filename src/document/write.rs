@@ -11,6 +11,14 @@ use thiserror::Error;
 /// The width that a line of the document may have, in bytes.
 const LINE_WIDTH: usize = 120;
 
+/// Each level is moved in by so many spaces.
+const INDENT: usize = 2;
+
+const FRAMES: &str = "frames";
+
+/// More frames never fit on one line: each has a camera, a size and a status.
+const MAY_FIT_ON_LINE: usize = 2;
+
 /// Why a document cannot be written.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
@@ -38,9 +46,8 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     root.insert("field".to_owned(), json(&document.field, || "field".to_owned())?);
     let cameras = document.cameras.iter().map(|camera| json(camera, || format!("camera {}", camera.id)));
     root.insert("cameras".to_owned(), Value::Array(cameras.collect::<Result<_, _>>()?));
-    let frames = document.frames.iter().enumerate();
-    let frames = frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
-    root.insert("frames".to_owned(), Value::Array(frames.collect::<Result<_, _>>()?));
+    // In their place among the keys; they are written one after the other, for together they take ten times as much memory as text.
+    root.insert(FRAMES.to_owned(), Value::Null);
     if let Some(noise) = &document.click_noise {
         root.insert("click_noise".to_owned(), json(noise, || "click_noise".to_owned())?);
     }
@@ -51,11 +58,41 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
         root.entry(key.as_str()).or_insert_with(|| value.clone());
     }
     let mut text = String::new();
-    broken(&Value::Object(root), 0, &mut text);
-    text.push('\n');
+    for (key, value) in &root {
+        text.push_str(if text.is_empty() { "{" } else { "," });
+        new_line(false, INDENT, &mut text);
+        let start = text.len();
+        push_string(key, &mut text);
+        text.push_str(": ");
+        match key.as_str() {
+            FRAMES => write_frames(document, &mut text)?,
+            _ => write_value(value, INDENT, INDENT + text.len() - start, &mut text),
+        }
+    }
+    text.push_str("\n}\n");
     #[cfg(test)]
     super::schema::tests::assert_valid(&text);
     Ok(text)
+}
+
+/// Writes the frames as [`broken`] writes a list, or on one line where they fit there.
+fn write_frames(document: &Document, text: &mut String) -> Result<(), WriteError> {
+    let frames = document.frames.iter().enumerate();
+    let mut frames = frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
+    if document.frames.len() <= MAY_FIT_ON_LINE {
+        let few = Value::Array(frames.collect::<Result<_, _>>()?);
+        write_value(&few, INDENT, INDENT + FRAMES.len() + r#""": "#.len(), text);
+        return Ok(());
+    }
+    text.push('[');
+    frames.try_fold(false, |comma, frame| {
+        new_line(comma, 2 * INDENT, text);
+        write_value(&frame?, 2 * INDENT, 2 * INDENT, text);
+        Ok(true)
+    })?;
+    new_line(false, INDENT, text);
+    text.push(']');
+    Ok(())
 }
 
 /// A part of the document as JSON; `place` names it in an error.
@@ -108,8 +145,8 @@ fn broken(value: &Value, indent: usize, text: &mut String) {
         Value::Array(items) if !items.is_empty() => {
             text.push('[');
             for (index, item) in items.iter().enumerate() {
-                new_line(index > 0, indent + 2, text);
-                write_value(item, indent + 2, indent + 2, text);
+                new_line(index > 0, indent + INDENT, text);
+                write_value(item, indent + INDENT, indent + INDENT, text);
             }
             new_line(false, indent, text);
             text.push(']');
@@ -117,11 +154,11 @@ fn broken(value: &Value, indent: usize, text: &mut String) {
         Value::Object(map) if !map.is_empty() => {
             text.push('{');
             for (index, (key, item)) in map.iter().enumerate() {
-                new_line(index > 0, indent + 2, text);
+                new_line(index > 0, indent + INDENT, text);
                 let start = text.len();
                 push_string(key, text);
                 text.push_str(": ");
-                write_value(item, indent + 2, indent + 2 + text.len() - start, text);
+                write_value(item, indent + INDENT, indent + INDENT + text.len() - start, text);
             }
             new_line(false, indent, text);
             text.push('}');
@@ -144,4 +181,44 @@ fn push_string(string: &str, text: &mut String) {
 fn push(value: &Value, text: &mut String) {
     // Writing to a string cannot fail.
     let _ = write!(text, "{value}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::document::{Camera, FieldSpec, Frame, FramePtz};
+    use crate::geometry::ImageSize;
+
+    #[test]
+    fn frames_are_laid_out_like_every_other_list() {
+        let size = ImageSize::new(9, 9);
+        for count in 0..5 {
+            let mut document = Document::new(FieldSpec::new("soccer"));
+            document.cameras.push(Camera::new("c".into(), size).into());
+            for index in 0..count {
+                let mut frame = Frame::from_image(&index.to_string(), "c".into(), size);
+                // The last one fits on no line.
+                let ptz = crate::camera::Ptz::from_degrees(1.0 / 3.0, 2.0 / 3.0, 1000.0 / 3.0);
+                frame.ptz = (index == 3).then(|| FramePtz::new(ptz, None));
+                document.frames.push(frame.into());
+            }
+            let text = document_to_string(&document).unwrap();
+            let mut again = String::new();
+            broken(&serde_json::from_str(&text).unwrap(), 0, &mut again);
+            assert_eq!(text, again + "\n", "{count} frames");
+        }
+    }
+
+    #[test]
+    fn a_frame_with_a_number_that_json_cannot_hold_is_named() {
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        for index in 0..4 {
+            let mut frame = Frame::from_image(&index.to_string(), "c".into(), ImageSize::new(9, 9));
+            let focal_px = if index == 2 { f64::NAN } else { 900.0 };
+            frame.ptz = Some(FramePtz::new(crate::camera::Ptz::from_degrees(1.0, 2.0, focal_px), None));
+            document.frames.push(frame.into());
+        }
+        let error = document_to_string(&document).unwrap_err().to_string();
+        assert!(error.starts_with("frames[2] (2): "), "{error}");
+    }
 }

@@ -1,28 +1,25 @@
 //! The list while it is held: no row moves.
 
-use super::{Listed, Review, ReviewRow};
-use crate::document::Document;
+use super::{Concerned, Review, ReviewRow, shot_of};
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Review {
-    /// Takes a new state of the list in: rows keep their places, those that wait no more are marked, new ones come last. With
-    /// one row a shot a shot that has one gets no other.
-    pub(super) fn keep_places(&mut self, now: Listed, document: &Document, one_per_shot: bool) {
-        let shot = |row: &ReviewRow| document.frames.get(row.frame).map(|frame| (&frame.camera, &frame.clip));
-        let newer: BTreeMap<usize, ReviewRow> =
-            now.rows.iter().chain(&now.hidden).map(|row| (row.frame, *row)).collect();
-        let mut placed = BTreeSet::new();
+    /// Takes new rows of some frames in: rows keep their places, those that wait no more are marked, new ones come last. With one
+    /// row a shot a shot that has one gets no other.
+    pub(super) fn keep_places(&mut self, concerned: &Concerned, now: Vec<ReviewRow>, one_per_shot: bool) {
+        let mut newer: BTreeMap<usize, ReviewRow> = now.iter().map(|row| (row.frame, *row)).collect();
         let mut shown = BTreeSet::new();
         for row in &mut self.rows {
-            *row = newer.get(&row.frame).copied().unwrap_or(ReviewRow { gone: true, ..*row });
-            placed.insert(row.frame);
-            if !row.gone {
-                shown.insert(shot(row));
+            if concerned.has(row.frame) {
+                *row = newer.remove(&row.frame).unwrap_or(ReviewRow { gone: true, ..*row });
+            }
+            if one_per_shot && !row.gone {
+                shown.insert(shot_of(&self.frames, row));
             }
         }
         self.hidden.clear();
-        for row in now.rows.into_iter().chain(now.hidden).filter(|row| !placed.contains(&row.frame)) {
-            if one_per_shot && !shown.insert(shot(&row)) {
+        for row in now.into_iter().filter(|row| newer.contains_key(&row.frame)) {
+            if one_per_shot && !shown.insert(shot_of(&self.frames, &row)) {
                 self.hidden.push(row);
             } else {
                 self.rows.push(row);

@@ -9,9 +9,10 @@ pub use super::review_choice::{ReviewChoice, ReviewOrder};
 
 use super::OpenProject;
 use super::session::{Dialog, Session, SidePanel};
-use crate::calibrate::Disagreement;
-use crate::document::{Frame, FrameStatus};
+use crate::calibrate::{Disagreement, Disagreements};
+use crate::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames, Shared};
 use crate::proposals::{ExpectedWrong, LabelAdvice};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// Suggestions that lie farther than this from their neighbours' way are to be looked at one by one, px at 1920 px width.
@@ -129,6 +130,8 @@ pub struct Review {
     /// What has no answer to rely on, and the frame to label next.
     pub advice: LabelAdvice,
     derived_from: Option<Source>,
+    /// Those that it was derived from.
+    frames: Frames,
 }
 
 /// What the list is derived from.
@@ -143,8 +146,41 @@ struct Source {
     held: bool,
 }
 
+impl Source {
+    /// Whether it lists the same frames in the same order as another, as far as nothing else has changed.
+    fn is_same_list(self, other: Self) -> bool {
+        let Self { order, one_per_shot, neighbours, .. } = other;
+        (self.order, self.one_per_shot, self.neighbours.is_some()) == (order, one_per_shot, neighbours.is_some())
+    }
+}
+
+/// The frames whose rows may be others than before.
+enum Concerned {
+    All,
+    /// For each frame of the document whether it is one.
+    Some(Vec<bool>),
+}
+
+impl Concerned {
+    /// Those at some places, of so many.
+    fn places(places: &BTreeSet<usize>, frames: usize) -> Self {
+        let mut concerned = vec![false; frames];
+        for place in places {
+            concerned[*place] = true;
+        }
+        Self::Some(concerned)
+    }
+
+    fn has(&self, frame: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Some(concerned) => concerned.get(frame) == Some(&true),
+        }
+    }
+}
+
 impl Review {
-    /// Derives it anew if something changed since the last time.
+    /// Derives it anew if something changed since the last time; where few frames changed, from what it was.
     pub(super) fn refresh(&mut self, open: Option<&mut OpenProject>, session: &Session) {
         let Some(open) = open else {
             *self = Self::default();
@@ -162,65 +198,46 @@ impl Review {
         };
         let before = self.derived_from.replace(source);
         if before != Some(source) {
-            let now = Self::list(open, choice, with_neighbours);
-            let is_same_list = |before: Source| {
-                Source { suggestions: source.suggestions, neighbours: source.neighbours, held: source.held, ..before }
-                    == source
-            };
-            if source.held && !self.rows.is_empty() && before.is_some_and(is_same_list) {
-                self.keep_places(now, &open.document, choice.one_per_shot);
+            let frames = std::mem::replace(&mut self.frames, open.document.frames.clone());
+            let disagreements = with_neighbours.then(|| open.derived.disagreements(&open.document));
+            let before = before.filter(|before| before.is_same_list(source));
+            // Let go of, all rows have to be sorted; and which row stands for a shot depends on all of it.
+            let stays = before.filter(|before| !source.one_per_shot && (source.held || !before.held));
+            let few = stays.and_then(|before| changed(&open.document, &frames, before, disagreements));
+            let rows = rows_of(&open.document.frames, few.as_ref(), disagreements, choice.order);
+            let concerned = few.map_or(Concerned::All, |few| Concerned::places(&few, open.document.frames.len()));
+            if source.held && !self.rows.is_empty() && before.is_some() {
+                self.keep_places(&concerned, rows, choice.one_per_shot);
             } else {
-                let Listed { rows, hidden, several_shots } = now;
-                (self.rows, self.hidden, self.several_shots, self.late) = (rows, hidden, several_shots, 0);
+                self.put_in_order(&concerned, rows, choice.order);
+                (self.rows, self.hidden) =
+                    one_of_each(std::mem::take(&mut self.rows), &self.frames, choice.one_per_shot);
+                self.late = 0;
             }
+            self.several_shots = self.is_of_several_shots(&concerned);
         }
         self.advice = open.derived.label_advice(&open.document, open.revision, &session.trainer.status.coverage);
     }
 
-    /// The suggested frames in the chosen order.
-    fn list(open: &mut OpenProject, choice: &ReviewChoice, with_neighbours: bool) -> Listed {
-        let frames = &open.document.frames;
-        let suggested = |(_, frame): &(usize, &Frame)| frame.status == FrameStatus::Suggested;
-        let mut rows: Vec<ReviewRow> = frames
-            .iter()
-            .map(|frame| &**frame)
-            .enumerate()
-            .filter(suggested)
-            .map(|(index, frame)| ReviewRow {
-                frame: index,
-                confidence: confidence(frame),
-                disagreement: None,
-                gone: false,
-            })
-            .collect();
-        if with_neighbours && !rows.is_empty() {
-            let found = open.derived.disagreements(&open.document);
-            for row in &mut rows {
-                row.disagreement = found.of_frame(row.frame);
+    /// Takes new rows of some frames in, in order themselves, where the list is in order.
+    fn put_in_order(&mut self, concerned: &Concerned, rows: Vec<ReviewRow>, order: ReviewOrder) {
+        let mut newer = rows.into_iter().peekable();
+        let mut merged = Vec::with_capacity(self.rows.len() + newer.len());
+        for row in std::mem::take(&mut self.rows).into_iter().filter(|row| !concerned.has(row.frame)) {
+            while let Some(before) = newer.next_if(|newer| in_order(order, newer, &row).is_lt()) {
+                merged.push(before);
             }
+            merged.push(row);
         }
-        // A stable sort: equal ones stay in the order of time.
-        let descending = |value: fn(&ReviewRow) -> Option<f64>| {
-            move |a: &ReviewRow, b: &ReviewRow| {
-                value(b).unwrap_or(f64::NEG_INFINITY).total_cmp(&value(a).unwrap_or(f64::NEG_INFINITY))
-            }
-        };
-        match choice.order {
-            ReviewOrder::Confidence => rows.sort_by(doubtful_first),
-            ReviewOrder::Disagreement => rows.sort_by(descending(ReviewRow::apart_px)),
-            ReviewOrder::Time => {}
-        }
-        let mut shots = BTreeSet::new();
-        let first_of_shot: Vec<bool> = rows
-            .iter()
-            .map(|row| {
-                let frame = &frames[row.frame];
-                shots.insert((&frame.camera, &frame.clip))
-            })
-            .collect();
-        let mut first = first_of_shot.into_iter();
-        let (rows, hidden) = rows.into_iter().partition(|_| first.next() == Some(true) || !choice.one_per_shot);
-        Listed { rows, hidden, several_shots: shots.len() > 1 }
+        merged.extend(newer);
+        self.rows = merged;
+    }
+
+    /// Whether the suggestions that wait are of more than one shot. Where all were of one, it is asked of those that changed.
+    fn is_of_several_shots(&self, concerned: &Concerned) -> bool {
+        let first = self.waiting().next().map(|row| shot_of(&self.frames, row));
+        let mut asked = self.waiting().filter(|row| self.several_shots || concerned.has(row.frame));
+        asked.any(|row| Some(shot_of(&self.frames, row)) != first)
     }
 
     /// The suggestions that wait, whether the list shows them or not.
@@ -279,16 +296,69 @@ impl Review {
 }
 
 /// The least certain first; what nobody is certain of before all others.
-fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> std::cmp::Ordering {
+fn doubtful_first(a: &ReviewRow, b: &ReviewRow) -> Ordering {
     let certain = |row: &ReviewRow| row.confidence.unwrap_or(f64::NEG_INFINITY);
     certain(a).total_cmp(&certain(b))
 }
 
-/// The list in its order.
-struct Listed {
-    rows: Vec<ReviewRow>,
-    hidden: Vec<ReviewRow>,
-    several_shots: bool,
+/// How two rows follow each other; equal ones in the order of time.
+fn in_order(order: ReviewOrder, a: &ReviewRow, b: &ReviewRow) -> Ordering {
+    let apart = |row: &ReviewRow| row.apart_px().unwrap_or(f64::NEG_INFINITY);
+    let by_choice = match order {
+        ReviewOrder::Confidence => doubtful_first(a, b),
+        ReviewOrder::Disagreement => apart(b).total_cmp(&apart(a)),
+        ReviewOrder::Time => Ordering::Equal,
+    };
+    by_choice.then(a.frame.cmp(&b.frame))
+}
+
+/// The places of the frames whose rows may be others since a state of the list; none where these are many.
+fn changed(
+    document: &Document,
+    frames: &Frames,
+    before: Source,
+    disagreements: Option<&Disagreements>,
+) -> Option<BTreeSet<usize>> {
+    let FrameChanges::At(changed) = document.frames.changes_since(frames) else { return None };
+    let mut places: BTreeSet<usize> = changed.into_iter().collect();
+    if let Some((disagreements, edition)) = disagreements.zip(before.neighbours) {
+        places.extend(disagreements.changed_since(edition)?);
+    }
+    Some(places)
+}
+
+/// The rows of the suggested frames, of all or of those at some places, in the chosen order.
+fn rows_of(
+    frames: &Frames,
+    places: Option<&BTreeSet<usize>>,
+    disagreements: Option<&Disagreements>,
+    order: ReviewOrder,
+) -> Vec<ReviewRow> {
+    let row = |(place, frame): (usize, &Shared<Frame>)| {
+        let disagreement = disagreements.and_then(|disagreements| disagreements.of_frame(place));
+        let row = ReviewRow { frame: place, confidence: confidence(frame), disagreement, gone: false };
+        (frame.status == FrameStatus::Suggested).then_some(row)
+    };
+    let mut rows: Vec<ReviewRow> = match places {
+        Some(places) => places.iter().filter_map(|place| row((*place, frames.get(*place)?))).collect(),
+        None => frames.iter().enumerate().filter_map(row).collect(),
+    };
+    rows.sort_unstable_by(|a, b| in_order(order, a, b));
+    rows
+}
+
+/// The first row of each shot and the others, if one is to stand for all of a shot.
+fn one_of_each(rows: Vec<ReviewRow>, frames: &Frames, one_per_shot: bool) -> (Vec<ReviewRow>, Vec<ReviewRow>) {
+    if !one_per_shot {
+        return (rows, Vec::new());
+    }
+    let mut shots = BTreeSet::new();
+    rows.into_iter().partition(|row| shots.insert(shot_of(frames, row)))
+}
+
+/// The shot that a row's frame belongs to.
+fn shot_of<'a>(frames: &'a Frames, row: &ReviewRow) -> Option<(&'a CameraId, &'a Option<Clip>)> {
+    frames.get(row.frame).map(|frame| (&frame.camera, &frame.clip))
 }
 
 /// The probability that a frame's suggestion is right.
@@ -307,8 +377,9 @@ pub fn percent(probability: f64) -> String {
 mod tests {
     use super::*;
     use crate::camera::Ptz;
-    use crate::document::{Clip, Document, FieldSpec, FramePtz, Solution, SolutionSource};
-    use crate::geometry::ImageSize;
+    use crate::camera::{BaseAngles, CameraBase};
+    use crate::document::{Camera, Document, FieldSpec, FramePtz, Solution, SolutionSource};
+    use crate::geometry::{ImageSize, Vec3};
 
     fn opened(confidences: &[Option<f64>]) -> OpenProject {
         let mut document = Document::new(FieldSpec::new("soccer"));
@@ -404,6 +475,46 @@ mod tests {
         let review = self::review(&[Some(0.99); 48], ReviewOrder::Time);
         let shown: Vec<usize> = review.bulk(&ReviewChoice::default()).preview().iter().map(|row| row.frame).collect();
         assert_eq!(shown, [3, 7, 11, 15, 19, 23, 27, 31, 35, 39, 43, 47]);
+    }
+
+    #[test]
+    fn a_list_that_follows_a_few_changes_is_the_list_made_anew() {
+        let mut open = opened(&[Some(0.7), Some(0.9), None, Some(0.6), Some(0.8), Some(0.5)]);
+        open.document.cameras.push(Camera::new("main".into(), ImageSize::new(64, 36)).into());
+        let mut camera = open.document.cameras[0].clone();
+        camera.set_base(&CameraBase::new(
+            Vec3::new(0.0, -60.0, 15.0),
+            BaseAngles::default().base_from_world(),
+            ImageSize::new(64, 36).centre(),
+        ));
+        open.document.cameras[0] = camera;
+        for (index, frame) in open.document.frames.iter_mut().enumerate() {
+            frame.clip = Some(Clip::Number(1));
+            frame.ptz = Some(FramePtz::new(Ptz::from_degrees(index as f64, -9.0, 90.0), None));
+        }
+        for order in ReviewOrder::ALL {
+            let mut session = Session::default();
+            (session.panel, session.review) = (SidePanel::Review, ReviewChoice { order, ..ReviewChoice::default() });
+            let mut review = Review::default();
+            review.refresh(Some(&mut open), &session);
+            let mut step = |change: &dyn Fn(&mut Document), open: &mut OpenProject| {
+                change(&mut open.document);
+                open.revision += 1;
+                review.refresh(Some(open), &session);
+                let anew = review_of(open, session.review);
+                assert!(review.rows.iter().any(|row| row.disagreement.is_some()), "neighbours are compared");
+                assert_eq!((&review.rows, review.several_shots), (&anew.rows, anew.several_shots), "{order:?}");
+            };
+            step(&|document| document.frames[1].status = FrameStatus::Reference, &mut open);
+            let turned = |document: &mut Document| {
+                document.frames[3].ptz = Some(FramePtz::new(Ptz::from_degrees(9.0, -9.0, 90.0), None));
+            };
+            step(&turned, &mut open);
+            step(&|document| document.frames[4].clip = Some(Clip::Number(2)), &mut open);
+            step(&|document| document.frames[4].clip = Some(Clip::Number(1)), &mut open);
+            step(&|document| document.frames[1].status = FrameStatus::Suggested, &mut open);
+            step(&|document| document.frames[3].ptz = document.frames[2].ptz.clone(), &mut open);
+        }
     }
 
     #[test]
