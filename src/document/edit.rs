@@ -1,6 +1,7 @@
 //! What changed between two states of a document, as the journal keeps it: whole frames by their ids, cameras and fields.
 
 use super::old_edit::OldChange;
+use super::write::OWN_KEYS;
 use super::{Camera, Document, EditMismatch, Extra, FieldSpec, Frame, FrameId, Frames, Shared, Shot, StoredClickNoise};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -181,8 +182,8 @@ impl Change {
             Self::Rest { conventions, click_noise, shots, mut extra } => {
                 // Journals of earlier versions have it among the unknown keys.
                 let among_unknown = extra.shift_remove("click_noise").map(StoredClickNoise::from);
-                // No program writes it there; as an unknown key it would be read as the document's own.
-                extra.shift_remove("shots");
+                // No program writes them there; as unknown keys they would be read as the document's own.
+                extra.retain(|key, _| !OWN_KEYS.contains(&key.as_str()));
                 document.conventions = conventions;
                 document.click_noise = click_noise.or(among_unknown);
                 document.shots = shots;
@@ -368,12 +369,19 @@ mod tests {
     }
 
     #[test]
-    fn shots_among_the_unknown_keys_of_an_edit_are_not_written_as_the_documents() {
-        let json = r#"{"name": "", "changes": [{"rest": {"conventions": {}, "extra": {"shots": 5, "a": 1}}}]}"#;
-        let mut edited = document(&[1]);
-        serde_json::from_str::<Edit>(json).unwrap().apply(&mut edited).unwrap();
-        let text = document_to_string(&edited).unwrap();
-        assert_eq!(document_from_bytes(text.as_bytes()).unwrap().extra, edited.extra);
+    fn a_documents_own_keys_among_the_unknown_ones_of_an_edit_are_not_written_as_the_documents() {
+        for own in OWN_KEYS {
+            let json = format!(
+                r#"{{"name": "", "changes": [{{"rest": {{"conventions": {{}}, "extra": {{"{own}": null, "a": 1}}}}}}]}}"#
+            );
+            let mut edited = document(&[1]);
+            serde_json::from_str::<Edit>(&json).unwrap().apply(&mut edited).unwrap();
+            let text = document_to_string(&edited).unwrap();
+            let read = document_from_bytes(text.as_bytes()).unwrap();
+            assert_eq!((&read.extra, read.extra.len()), (&edited.extra, 1), "{own}");
+        }
+        let value: serde_json::Value = serde_json::from_str(&document_to_string(&document(&[1])).unwrap()).unwrap();
+        assert!(value.as_object().unwrap().keys().all(|key| OWN_KEYS.contains(&key.as_str())), "{value}");
     }
 
     #[test]

@@ -203,7 +203,7 @@ fn shown(value: &Value) -> String {
         Value::Array(_) => "an array".to_owned(),
         Value::Object(_) => "an object".to_owned(),
         other => {
-            let text = other.to_string();
+            let text = plain(&other.to_string());
             if text.chars().count() > 40 { text.chars().take(40).chain(['…']).collect() } else { text }
         }
     }

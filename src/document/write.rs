@@ -11,6 +11,10 @@ use thiserror::Error;
 /// The width that a line of the document may have, in bytes.
 const LINE_WIDTH: usize = 120;
 
+/// The keys of a document that have a meaning.
+pub(super) const OWN_KEYS: [&str; 9] =
+    ["format", "version", "generator", "conventions", "field", "cameras", FRAMES, "click_noise", "shots"];
+
 /// Each level is moved in by so many spaces.
 const INDENT: usize = 2;
 

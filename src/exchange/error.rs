@@ -34,7 +34,7 @@ pub enum ExchangeError {
         path: PathBuf,
     },
     /// A file is damaged, or of another format.
-    #[error("{file}: {problem}")]
+    #[error("{file}: {}", plain(&problem.to_string()))]
     File {
         /// Its name, from the folder that was named.
         file: String,
@@ -407,6 +407,16 @@ fn number_text(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::{ExchangeError, Problem};
+
+    #[test]
+    fn what_a_damaged_file_says_is_obeyed_by_no_terminal() {
+        let what = "dist\u{1b}[2J".to_owned();
+        let problem = Problem::Kind { what, wanted: "a number", found: "a list".to_owned() };
+        let error = ExchangeError::File { file: "a.yml".to_owned(), problem };
+        assert_eq!(error.to_string(), r"a.yml: dist\u{1b}[2J: a number is expected, found a list");
+    }
+
     #[test]
     fn numbers_in_messages_are_short() {
         assert_eq!([1e9, 0.5, 1e300, -1e-320].map(super::number_text), ["1000000000", "0.5", "1e300", "-1e-320"]);

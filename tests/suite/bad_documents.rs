@@ -71,6 +71,11 @@ fn broken() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "not a touchline document: `format` is \"coco\", expected \"touchline\"",
         ),
         (
+            "a format that a terminal obeys",
+            with("\"touchline\"", "\"co\u{7f}co\""),
+            "not a touchline document: `format` is \"co\\u{7f}co\", expected \"touchline\"",
+        ),
+        (
             "a newer version",
             with("\"version\": 1", "\"version\": 2"),
             "the document has version 2, this program reads up to 1; update touchline to open it",

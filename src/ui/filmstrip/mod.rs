@@ -61,7 +61,7 @@ fn strip_of_frames(panel: &mut Panel<'_>, ui: &mut Ui) {
     let Some(open) = app.open() else { return };
     let height = ui.available_height();
     let item = vec2(((height - 26.0) * ASPECT).round(), height - 8.0);
-    let strip = Strip::new(open, app.session.filter, app.session.frame, item.x);
+    let strip = Strip::of(ui, open, app.session.filter, app.session.frame, item.x);
     if strip.cells.is_empty() {
         ui.centered_and_justified(|ui| {
             let none = format!("No frame is “{}”.", app.session.filter.label());
@@ -114,7 +114,7 @@ struct Shown {
 
 /// Where the strip is to be scrolled to, points; none: it stays. The current frame is scrolled into view when it or the filter
 /// changes. Where cells fold or unfold before it, the visible frames keep their places.
-fn offset(frame: usize, filter: Filter, strip: &Strip<'_>, before: Option<Shown>, width: f32) -> Option<f32> {
+fn offset(frame: usize, filter: Filter, strip: &Strip, before: Option<Shown>, width: f32) -> Option<f32> {
     let before = before.filter(|before| before.filter == filter);
     let kept = before.and_then(|before| {
         let (anchor, left) = before.anchor?;

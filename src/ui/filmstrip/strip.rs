@@ -2,8 +2,10 @@
 
 use crate::app::OpenProject;
 use crate::app::session::Filter;
-use crate::document::{Clip, Frame};
+use crate::document::{Clip, Frame, Frames};
+use egui::{Id, Ui};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Between two frames of a shot, points.
 const GAP: f32 = 4.0;
@@ -45,29 +47,62 @@ impl StripCell {
 }
 
 /// The frames that a filter shows, side by side, with a wider gap before each shot.
-pub struct Strip<'a> {
+#[derive(Clone, Debug)]
+pub struct Strip {
     /// The cells in order.
     pub cells: Vec<StripCell>,
     /// Where each shot begins, within `cells`, and its name.
-    shots: Vec<(usize, Option<&'a Clip>)>,
+    shots: Vec<(usize, Option<Clip>)>,
     item: f32,
 }
 
-impl<'a> Strip<'a> {
+/// What a strip was laid out for.
+#[derive(Clone, Debug)]
+struct LaidOutFor {
+    frames: Frames,
+    filter: Filter,
+    /// The frame that is not folded away though it would be.
+    unfolded: Option<usize>,
+    item: f32,
+}
+
+impl LaidOutFor {
+    fn is(&self, other: &Self) -> bool {
+        let of = |laid: &Self| (laid.filter, laid.unfolded, laid.item);
+        self.frames.is_same(&other.frames) && of(self) == of(other)
+    }
+}
+
+impl Strip {
+    /// As [`Self::new`]; the one that was laid out last is kept as long as nothing changes.
+    pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
+        let memory = Id::unique("filmstrip as laid out");
+        let frames = &open.document.frames;
+        let unfolded = (filter != Filter::Unanswered && frames.get(shown).is_some_and(|frame| frame.is_unanswered()))
+            .then_some(shown);
+        let now = LaidOutFor { frames: frames.clone(), filter, unfolded, item };
+        let known = ui.data(|data| data.get_temp::<(LaidOutFor, Arc<Self>)>(memory));
+        if let Some((_, strip)) = known.filter(|(before, _)| before.is(&now)) {
+            return strip;
+        }
+        let strip = Arc::new(Self::new(open, filter, shown, item));
+        ui.data_mut(|data| data.insert_temp(memory, (now, Arc::clone(&strip))));
+        strip
+    }
+
     /// Lays the frames of a document out, `item` points wide each. The `shown` frame is never folded away.
-    pub fn new(open: &'a OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
+    fn new(open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
         let mut cells: Vec<StripCell> = Vec::new();
         // The number of cells at the end that are frames without an answer.
         let mut run = 0;
         let folds =
             |index: usize, frame: &Frame| filter != Filter::Unanswered && index != shown && frame.is_unanswered();
-        let mut shots: Vec<(usize, Option<&Clip>)> = Vec::new();
+        let mut shots: Vec<(usize, Option<Clip>)> = Vec::new();
         for (index, frame) in open.document.frames.iter().enumerate() {
             if filter.shows(frame) {
-                let clip = frame.clip.as_ref();
-                if shots.last().is_none_or(|(_, last)| *last != clip) {
+                if shots.last().is_none_or(|(_, last)| *last != frame.clip) {
                     fold(&mut cells, std::mem::take(&mut run));
-                    shots.push((cells.len(), clip));
+                    shots.push((cells.len(), frame.clip.clone()));
                 }
                 if folds(index, frame) {
                     run += 1;
@@ -128,7 +163,7 @@ impl<'a> Strip<'a> {
     pub fn shot_beginning_at(&self, at: usize) -> Option<String> {
         let shot = self.shots.binary_search_by_key(&at, |(begin, _)| *begin).ok()?;
         let named = self.shots.len() > 1 || self.shots[0].1.is_some();
-        named.then(|| self.shots[shot].1.map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
+        named.then(|| self.shots[shot].1.as_ref().map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
     }
 }
 

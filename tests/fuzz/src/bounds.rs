@@ -18,13 +18,18 @@ const MESSAGE: usize = 1000;
 
 /// Reads, and fails where it takes too long or too much memory.
 pub fn bounded<T>(input: &[u8], read: impl FnOnce() -> T) -> T {
+    bounded_beside(0, input, read)
+}
+
+/// The same where a result of so many bytes is kept beside, as a picture that is as large as it says.
+pub fn bounded_beside<T>(kept: usize, input: &[u8], read: impl FnOnce() -> T) -> T {
     let before = COUNTED.current_usage();
     COUNTED.reset_peak_usage();
     let start = ProcessTime::now();
     let result = read();
     let (took, peak) = (start.elapsed(), COUNTED.peak_usage().saturating_sub(before));
     assert!(took <= TIME, "{took:?} for {} bytes", input.len());
-    let most = MEMORY + MEMORY_FOR_EACH_BYTE * input.len();
+    let most = MEMORY + MEMORY_FOR_EACH_BYTE * input.len() + kept;
     assert!(peak <= most, "{} MiB for {} bytes", peak >> 20, input.len());
     result
 }

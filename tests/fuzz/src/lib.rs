@@ -10,6 +10,6 @@ pub mod mat_writer;
 #[path = "../../hostile/samples.rs"]
 pub mod samples;
 
-pub use bounds::{bounded, one_line};
+pub use bounds::{bounded, bounded_beside, one_line};
 pub use folder::Folder;
 pub use json::mutated;

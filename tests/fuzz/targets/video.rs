@@ -4,13 +4,16 @@
 use libfuzzer_sys::fuzz_target;
 use std::sync::LazyLock;
 use touchline::media::Video;
-use touchline_fuzz::{Folder, bounded, one_line};
+use touchline_fuzz::{Folder, bounded_beside, one_line};
 
 static FOLDER: LazyLock<Folder> = LazyLock::new(Folder::new);
 
+/// A first frame is as large as the container says: 100 megapixels at most, in colour with its opacity.
+const PICTURE: usize = 400_000_000;
+
 fuzz_target!(|data: &[u8]| {
     let path = FOLDER.file("a.mp4", data);
-    match bounded(data, || Video::open(&path)) {
+    match bounded_beside(PICTURE, data, || Video::open(&path)) {
         Ok(mut video) => {
             if let Err(error) = video.frame(0) {
                 one_line(&error, data);
