@@ -37,6 +37,9 @@ pub struct AuthorsSequence {
     pub worst_turn: Angle,
 }
 
+/// Where the middle of a picture may lie: its sides are 1 to 65,535 px.
+const MIDDLE_PX: std::ops::RangeInclusive<f64> = 1.0..=32_768.0;
+
 /// A frame of a sequence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AuthorsFrame {
@@ -86,6 +89,9 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
             return Err(missing("a focal length above 0"));
         }
         let principal = ImagePoint::new(camera[0] + CORNER_FROM_CENTRE, camera[1] + CORNER_FROM_CENTRE);
+        if ![principal.x, principal.y].iter().all(|middle_px| MIDDLE_PX.contains(middle_px)) {
+            return Err(missing("a principal point in the middle of a picture"));
+        }
         if index == 0 {
             sequence.base_from_corner.principal_point = principal;
         }

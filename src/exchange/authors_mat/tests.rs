@@ -124,6 +124,10 @@ fn sequences_of_one_base_share_a_camera_and_what_is_missing_is_named() {
     written(folder, "seq3_anno.mat", &sequence(vec![frame("5.jpg", turned)], true));
     let error = read_authors_folder(folder, [118.0, 70.0]).unwrap_err().to_string();
     assert!(error.contains("seq3_anno.mat: the camera of 5.jpg is"), "{error}");
+    let huge = { [4e9, 360.0, 3733.8, 1.6177, 0.46, -0.436, 114.3, 1.11, 6.38] };
+    written(folder, "seq3_anno.mat", &sequence(vec![frame("5.jpg", huge)], true));
+    let error = read_authors_folder(folder, [118.0, 70.0]).unwrap_err().to_string();
+    assert!(error.contains("missing: a principal point in the middle of a picture in annotation 1"), "{error}");
     let bare = vec![vec![("image_name", Out::Words("6.jpg"))]];
     written(folder, "seq3_anno.mat", &sequence(bare, true));
     let error = read_authors_folder(folder, [118.0, 70.0]).unwrap_err().to_string();
