@@ -1,10 +1,12 @@
 """Every consumer's reader in an environment of its own: what it brings is all there is to read with.
 
-usage: consumers.py FOLDER TOUCHLINE
+usage: consumers.py FOLDER [TOUCHLINE]
 
-Environments are made in FOLDER, or used again where they are; versions are those of requirements.txt.
+Environments are made in FOLDER, or used again where they are; versions are those of requirements.txt. Without a program
+nothing is read.
 """
 
+import itertools
 import os
 import subprocess
 import sys
@@ -36,15 +38,20 @@ def install(environment, packages, *options):
         subprocess.run([*pip, *pins, *options, *packages], check=True)
 
 
+def make(environment, packages):
+    venv.create(environment, with_pip=True)
+    install(environment, COMMON + [package for package in packages if package not in WITHOUT_DEPENDENCIES])
+    install(environment, [package for package in packages if package in WITHOUT_DEPENDENCIES], "--no-deps")
+
+
 def main():
-    folder, program = sys.argv[1:]
+    folder, *programs = sys.argv[1:]
+    environments = {name: os.path.join(folder, name) for name in CONSUMERS}
+    for name, (packages, _) in CONSUMERS.items():
+        make(environments[name], packages)
     failed = []
-    for name, (packages, formats) in CONSUMERS.items():
-        environment = os.path.join(folder, name)
-        venv.create(environment, with_pip=True)
-        install(environment, COMMON + [package for package in packages if package not in WITHOUT_DEPENDENCIES])
-        install(environment, [package for package in packages if package in WITHOUT_DEPENDENCIES], "--no-deps")
-        python = os.path.join(environment, "bin", "python")
+    for program, (name, (_, formats)) in itertools.product(programs, CONSUMERS.items()):
+        python = os.path.join(environments[name], "bin", "python")
         if subprocess.run([python, os.path.join(HERE, "readers.py"), program, *formats], check=False).returncode != 0:
             failed.append(name)
     sys.exit("failed in the environments of: " + ", ".join(failed) if failed else 0)
