@@ -185,6 +185,11 @@ impl OpenProject {
         self.history.begin(&self.journalled.edited_of(&self.document), step);
     }
 
+    /// Begins the last step of undo again, if it is this one and none is open.
+    pub(super) fn resume(&mut self, step: &Step) -> bool {
+        self.history.resume(&self.journalled.edited_of(&self.document), step)
+    }
+
     /// Closes the step of undo.
     pub(super) fn commit(&mut self) {
         self.history.commit(&self.journalled.edited_of(&self.document));

@@ -51,11 +51,11 @@ pub struct Disagreements {
     shots: BTreeMap<ShotKey, BTreeSet<usize>>,
     found: Vec<Option<Disagreement>>,
     edition: u64,
-    /// The frames that came to lie otherwise in the last editions, the last one at the end; fewer than [`REMEMBERED`].
+    /// The frames that came to lie otherwise in the last editions, the last one at the end.
     changed: Vec<usize>,
 }
 
-/// Changes that are remembered one by one.
+/// Once so many changes are remembered one by one, they are forgotten.
 const REMEMBERED: usize = 10_000;
 
 /// A camera and one of its shots; frames of a camera that belong to no shot are one.

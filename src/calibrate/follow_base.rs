@@ -9,10 +9,11 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     let ids = now.cameras.iter().filter(|_| before.cameras != now.cameras).map(|camera| &camera.id);
     let moved: BTreeSet<&CameraId> = ids.filter(|id| base(before, id) != base(now, id)).collect();
     let given_away = |index: &usize| {
-        let (known, frame) = (&before.frames[*index], &now.frames[*index]);
-        known.id == frame.id && known.camera != frame.camera
+        let frame = &now.frames[*index];
+        before.frames.get(*index).is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
     };
-    let given_away = now.frames.differences(&before.frames).into_iter().filter(given_away);
+    let differ = now.frames.differences(&before.frames);
+    let given_away = differ.iter().copied().filter(given_away);
     if moved.is_empty() {
         return given_away.collect();
     }

@@ -50,7 +50,7 @@ pub fn solve_document(
     let mut outcomes: Vec<SolveOutcome> = document.frames.iter().map(|_| SolveOutcome::TooFewClicks).collect();
     for (index, solved) in enough.into_iter().zip(solved) {
         outcomes[index] = match solved {
-            Ok(_) => SolveOutcome::Solved,
+            Ok(()) => SolveOutcome::Solved,
             Err(CalibrationError::Solve(SolveError::TooFewObservations { .. })) => SolveOutcome::TooFewClicks,
             Err(error) => SolveOutcome::Failed(error),
         };

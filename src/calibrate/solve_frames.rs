@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// What a frame's clicks gave.
-pub(super) type Solved = Result<Box<FrameSolution>, CalibrationError>;
+type Solved = Result<Box<FrameSolution>, CalibrationError>;
 
 /// The fields that frames to be solved show.
 #[derive(Clone, Copy)]
@@ -25,8 +25,8 @@ pub(super) enum ShownFields<'a> {
 /// Called once for each frame that is solved, from any thread; a break ends it with that error.
 pub(super) type WatchFrames<'a, E> = &'a (dyn Fn() -> ControlFlow<E> + Sync);
 
-/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. The result does not
-/// depend on the number of threads. Where `watch` ends it no frame has changed.
+/// Solves frames, named by their places, in parallel; `settle` writes into each frame what its clicks gave. Says of each whether
+/// they gave a camera. The result does not depend on the number of threads. Where `watch` ends it no frame has changed.
 ///
 /// Every frame is solved beside the others as they were before. A frame whose clicks fit two cameras alike is solved once
 /// more beside the others as they are then.
@@ -36,7 +36,7 @@ pub(super) fn solve_frames<E: Send>(
     fields: ShownFields<'_>,
     settle: fn(&mut Frame, Result<&FrameSolution, &CalibrationError>),
     watch: WatchFrames<'_, E>,
-) -> Result<Vec<Solved>, E> {
+) -> Result<Vec<Result<(), CalibrationError>>, E> {
     let mut lookup = FrameLookup::of(document);
     let of_cameras = match fields {
         ShownFields::Document(fields) => fields.of_cameras(document),
@@ -53,12 +53,14 @@ pub(super) fn solve_frames<E: Send>(
         }
     };
     let first = places.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>()?;
-    for (&index, solved) in places.iter().zip(&first) {
+    let mut again = Vec::new();
+    let settled = places.iter().zip(first).map(|(&index, solved)| {
         settle(&mut document.frames[index], solved.as_deref());
-    }
-    let undecided = |solved: &Solved| solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
-    let again = places.iter().zip(&first).filter(|(_, solved)| undecided(solved)).map(|(&index, _)| index);
-    let again: Vec<usize> = again.collect();
+        let is_undecided = solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
+        again.extend(is_undecided.then_some(index));
+        solved.map(drop)
+    });
+    let settled = settled.collect();
     if !again.is_empty() {
         lookup.update(document);
     }
@@ -68,7 +70,7 @@ pub(super) fn solve_frames<E: Send>(
             settle(&mut document.frames[index], Ok(&solved));
         }
     }
-    Ok(first)
+    Ok(settled)
 }
 
 fn solve_one(

@@ -74,7 +74,7 @@ impl DocumentOutput {
     ///
     /// # Errors
     /// Something is there already, or it cannot be written; nothing was changed then.
-    pub fn write(&self, document: &Document, folder: &Path) -> anyhow::Result<()> {
+    pub fn write(&self, document: Document, folder: &Path) -> anyhow::Result<()> {
         let Some(path) = &self.output else {
             let here = std::env::current_dir()?;
             let document = document.relocated(folder, &here);

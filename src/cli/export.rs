@@ -207,7 +207,7 @@ pub fn export(args: &ExportArgs, messages: Messages) -> anyhow::Result<Outcome> 
         return write_dataset(at, &args.dataset, frames, args.undistorted, args.output.force, messages);
     };
     if format == Format::Json && frames == FrameChoice::default() {
-        args.output.write(&document.to_dataset(), location.folder())?;
+        args.output.write(document.into_dataset(), location.folder())?;
         return Ok(Outcome::Done);
     }
     let options = ExportOptions {

@@ -93,8 +93,8 @@ pub fn import(args: &ImportArgs, messages: Messages) -> anyhow::Result<Outcome> 
     for note in &imported.notes {
         messages.note(note);
     }
-    args.output.write(&imported.document, &imported.folder)?;
     let (frames, cameras) = (imported.document.frames.len(), imported.document.cameras.len());
+    args.output.write(imported.document, &imported.folder)?;
     messages.note(&format!("{frames} frames of {cameras} cameras"));
     Ok(Outcome::Done)
 }

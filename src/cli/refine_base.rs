@@ -154,7 +154,7 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         estimate.mark_disputes(&mut document);
     }
     document.count_edits_since(&before);
-    args.output.write(&document, location.folder())?;
+    args.output.write(document, location.folder())?;
     let solved = outcomes.iter().filter(|outcome| matches!(outcome, SolveOutcome::Solved)).count();
     messages.note(&format!("{} cameras estimated, {solved} frames solved", estimates.len()));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })

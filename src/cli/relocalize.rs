@@ -110,7 +110,7 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
         }
     }
     document.count_edits_since(&before);
-    write(&args.output, &document, &folder)?;
+    write(&args.output, document.clone(), &folder)?;
     if looked_at < asked.len() {
         let kept =
             args.output.output.as_ref().map_or_else(|| "standard output".to_owned(), |path| path.display().to_string());
@@ -211,7 +211,7 @@ fn add_image(input: &mut Input, path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes the document, or its frames a line each where the name ends with `.jsonl`.
-fn write(output: &DocumentOutput, document: &Document, folder: &Path) -> anyhow::Result<()> {
+fn write(output: &DocumentOutput, document: Document, folder: &Path) -> anyhow::Result<()> {
     let Some(path) = output.output.as_deref().filter(|path| path.extension().is_some_and(|end| end == "jsonl")) else {
         return output.write(document, folder);
     };

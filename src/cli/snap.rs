@@ -82,7 +82,7 @@ pub fn snap(args: &SnapArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     bar.finish_and_clear();
     document.count_edits_since(&before);
-    args.output.write(&document, location.folder())?;
+    args.output.write(document, location.folder())?;
     let Counts { snapped, found, failed, passed } = counts;
     let found = if args.from_nothing { format!("{found} found from nothing, ") } else { String::new() };
     messages.note(&format!(

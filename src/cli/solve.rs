@@ -48,7 +48,8 @@ pub fn solve(args: &SolveArgs, messages: Messages) -> anyhow::Result<Outcome> {
     }
     report_cameras(document.at(location.folder()), messages);
     document.count_edits_since(&before);
-    args.output.write(&document, location.folder())?;
+    drop(before);
+    args.output.write(document, location.folder())?;
     let failed = outcomes.len() - solved - passed;
     messages.note(&format!("{solved} frames solved, {failed} failed, {passed} with too few clicks"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })

@@ -56,7 +56,7 @@ pub fn track(args: &TrackArgs, messages: Messages) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Stopped);
     }
     document.count_edits_since(&before);
-    args.output.write(&document, location.folder())?;
+    args.output.write(document, location.folder())?;
     if carried.is_stopped {
         messages.note(&format!(
             "stopped: {} frames of finished clips were carried and are written; track what was written for the rest",

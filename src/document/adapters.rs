@@ -19,9 +19,6 @@ use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// The largest width or height of a picture that a document may state, px.
-const MAX_SIDE_PX: u32 = 65_535;
-
 fn finite<S: Serializer>(numbers: &[f64]) -> Result<(), S::Error> {
     match numbers.iter().find(|x| !x.is_finite()) {
         Some(bad) => Err(S::Error::custom(format!("{bad} cannot be written: JSON holds only finite numbers"))),
@@ -139,10 +136,11 @@ pub(super) mod image_size {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImageSize, D::Error> {
         let [width, height] = <[u32; 2]>::deserialize(deserializer)?;
-        if (1..=MAX_SIDE_PX).contains(&width) && (1..=MAX_SIDE_PX).contains(&height) {
+        let most = ImageSize::MAX_SIDE_PX;
+        if (1..=most).contains(&width) && (1..=most).contains(&height) {
             return Ok(ImageSize::new(width, height));
         }
-        Err(D::Error::custom(format!("a picture of {width}x{height} px: each side must be 1 to {MAX_SIDE_PX}")))
+        Err(D::Error::custom(format!("a picture of {width}x{height} px: each side must be 1 to {most}")))
     }
 }
 

@@ -45,7 +45,7 @@ impl DocumentAt<'_> {
     /// The document as it must read in another folder: see [`Document::relocated`].
     #[must_use]
     pub fn relocated(self, to_folder: &Path) -> Document {
-        self.document.relocated(self.folder, to_folder)
+        self.document.clone().relocated(self.folder, to_folder)
     }
 }
 

@@ -7,15 +7,14 @@ impl Document {
     /// The document as a dataset: the same without unnamed clicks (indices of clicks follow), and with a warning
     /// at every solved frame whose field's size is assumed.
     #[must_use]
-    pub fn to_dataset(&self) -> Self {
-        let mut dataset = self.clone();
-        for frame in &mut dataset.frames {
+    pub fn into_dataset(mut self) -> Self {
+        for frame in &mut self.frames {
             if frame.clicks.iter().any(|click| click.target.is_none()) {
                 frame.drop_unnamed_clicks();
             }
         }
-        dataset.tell_assumed_sizes();
-        dataset
+        self.tell_assumed_sizes();
+        self
     }
 
     /// Says at every solved frame whose field's size is assumed that it is.
@@ -82,10 +81,10 @@ mod tests {
             let solutions = document.frames.iter().map(|frame| frame.solution.clone().unwrap_or_default());
             solutions.map(|solution| solution.warnings.into_iter().map(|warning| warning.code).collect()).collect()
         };
-        let again = document.to_dataset().to_dataset();
+        let again = document.clone().into_dataset().into_dataset();
         assert_eq!(warnings(&again), [vec!["field_assumed".to_owned()], vec![]]);
         assert_eq!(again.frames[0].solution.as_ref().unwrap().warnings_of_frame().count(), 0);
         document.field.size = Some(FieldSize::Confirmed);
-        assert_eq!(warnings(&document.to_dataset()), [vec![], Vec::<String>::new()]);
+        assert_eq!(warnings(&document.into_dataset()), [vec![], Vec::<String>::new()]);
     }
 }

@@ -6,6 +6,7 @@ use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator};
 use std::collections::HashMap;
 use std::fmt;
 use std::ops::{Bound, Index, IndexMut, RangeBounds};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 /// Frames in the order in which a person steps through them.
@@ -18,9 +19,28 @@ pub struct Frames {
     ordered: Vector<Shared<Frame>>,
     /// Where each id stood when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
-    /// Whether every frame stands where `positions` says: found out when an id is not there, and forgotten when a frame is
-    /// handed out to be changed. It saves the search for each of many ids that no frame has.
+    found: Found,
+}
+
+/// What was found out about frames as they are; forgotten when one is handed out to be changed.
+#[derive(Clone, Default)]
+struct Found {
+    /// The number of this state of the frames: no other has it but clones. No frames at all are number 0.
+    state: u64,
+    /// Whether every frame stands where its id stood: found out when an id is not there. It saves the search for each of many
+    /// ids that no frame has.
     are_known: OnceLock<bool>,
+    /// The other state that these frames were first compared with, and where they differ: after an edit everything that is derived
+    /// asks for the same.
+    differences: OnceLock<(u64, Arc<[usize]>)>,
+}
+
+impl Found {
+    /// Nothing yet, of a new state.
+    fn nothing() -> Self {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        Self { state: LAST.fetch_add(1, Ordering::Relaxed) + 1, ..Self::default() }
+    }
 }
 
 /// Two frames of a document that is read have one id.
@@ -52,7 +72,7 @@ impl Frames {
             frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
             positions.insert(frame.id.clone(), position);
         }
-        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), are_known: OnceLock::new() })
+        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), found: Found::nothing() })
     }
 
     /// How many there are.
@@ -75,7 +95,7 @@ impl Frames {
 
     /// The frame at a position, to change it.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
-        self.are_known = OnceLock::new();
+        self.found = Found::nothing();
         self.ordered.get_mut(position)
     }
 
@@ -90,7 +110,7 @@ impl Frames {
 
     fn are_known(&self) -> bool {
         let stands = |(position, frame): (usize, &Shared<Frame>)| self.positions.get(&frame.id) == Some(&position);
-        *self.are_known.get_or_init(|| self.iter().enumerate().all(stands))
+        *self.found.are_known.get_or_init(|| self.iter().enumerate().all(stands))
     }
 
     /// The frame of an id.
@@ -124,7 +144,7 @@ impl Frames {
 
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
-        self.are_known = OnceLock::new();
+        self.found = Found::nothing();
         self.ordered.iter_mut()
     }
 
@@ -152,6 +172,7 @@ impl Frames {
     /// Appends a frame; where its id is missing or taken it gets another one.
     pub fn push(&mut self, frame: Shared<Frame>) {
         let frame = self.with_own_id(frame);
+        self.found = Found::nothing();
         Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.ordered.len());
         self.ordered.push_back(frame);
     }
@@ -183,6 +204,7 @@ impl Frames {
     /// Takes the last frame out.
     pub fn pop(&mut self) -> Option<Shared<Frame>> {
         let last = self.ordered.pop_back()?;
+        self.found = Found::nothing();
         Arc::make_mut(&mut self.positions).remove(&last.id);
         Some(last)
     }
@@ -199,13 +221,20 @@ impl Frames {
         self.ordered.ptr_eq(&other.ordered)
     }
 
-    /// The positions at which two differ, up to the end of the shorter one. Chunks that both share are not looked at.
+    /// The positions at which frames differ from those of another, ascending, and those beyond its end. Chunks that both share are
+    /// not looked at.
     #[must_use]
-    pub fn differences(&self, other: &Self) -> Vec<usize> {
-        let mut differ = Vec::new();
+    pub fn differences(&self, other: &Self) -> Arc<[usize]> {
         if self.is_same(other) {
-            return differ;
+            return Arc::default();
         }
+        let (compared_with, differ) =
+            self.found.differences.get_or_init(|| (other.found.state, self.compared_with(other).into()));
+        if *compared_with == other.found.state { Arc::clone(differ) } else { self.compared_with(other).into() }
+    }
+
+    fn compared_with(&self, other: &Self) -> Vec<usize> {
+        let mut differ = Vec::new();
         let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;
@@ -215,7 +244,10 @@ impl Frames {
                 a = next;
             }
             if b.is_empty() {
-                let Some(next) = right.next() else { return differ };
+                let Some(next) = right.next() else {
+                    differ.extend(position..self.len());
+                    return differ;
+                };
                 b = next;
             }
             let both = a.len().min(b.len());
@@ -241,7 +273,7 @@ impl Frames {
     }
 
     fn order_changed(&mut self) {
-        self.are_known = OnceLock::new();
+        self.found = Found::nothing();
         let positions = self.ordered.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
         self.positions = Arc::new(positions.collect());
     }
@@ -273,7 +305,7 @@ impl Index<usize> for Frames {
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
-        self.are_known = OnceLock::new();
+        self.found = Found::nothing();
         &mut self.ordered[position]
     }
 }
@@ -381,10 +413,11 @@ mod tests {
         for position in [0, 4_711, 9_999] {
             after[position].comment = Some("rain".to_owned());
         }
-        assert_eq!(after.differences(&before), [0, 4_711, 9_999]);
+        assert_eq!(*after.differences(&before), [0, 4_711, 9_999]);
         assert!(after[4_710].is_same(&before[4_710]) && after != before);
         after.pop();
-        assert_eq!(after.differences(&before), [0, 4_711]);
+        assert_eq!(*after.differences(&before), [0, 4_711]);
+        assert_eq!(*before.differences(&after), [0, 4_711, 9_999], "what is beyond its end");
     }
 
     proptest! {
@@ -412,7 +445,7 @@ mod tests {
             }
             prop_assert_eq!(all.iter().cloned().collect::<Vec<_>>(), plain.clone());
             prop_assert!(is_consistent(&all));
-            prop_assert_eq!(all.differences(&plain.into_iter().collect()), Vec::<usize>::new());
+            prop_assert!(all.differences(&plain.into_iter().collect()).is_empty());
         }
     }
 }

@@ -40,8 +40,8 @@ pub trait Undoable: Clone {
 impl Undoable for Document {
     fn is_same_state(&self, other: &Self) -> bool {
         let frames = self.frames.len() == other.frames.len() && {
-            let mut differ = self.frames.differences(&other.frames).into_iter();
-            differ.all(|position| self.frames[position].has_content_of(&other.frames[position]))
+            let differ = self.frames.differences(&other.frames);
+            differ.iter().all(|&position| self.frames[position].has_content_of(&other.frames[position]))
         };
         frames && self.same_beside_frames(other)
     }
@@ -64,8 +64,8 @@ struct Transaction<T> {
     step: Step,
     /// The value before the step.
     before: T,
-    /// It was a step already and goes on.
-    continued: bool,
+    /// The value at which a step goes on that was one already.
+    resumed_at: Option<T>,
 }
 
 impl<T> Default for History<T> {
@@ -101,7 +101,7 @@ impl<T> History<T> {
     pub fn open_kind(&self) -> EditKind {
         match &self.open {
             None => EditKind::NoStep,
-            Some(Transaction { continued: true, .. }) => EditKind::Continued,
+            Some(Transaction { resumed_at: Some(_), .. }) => EditKind::Continued,
             Some(Transaction { step, .. }) => EditKind::Step { frame: step.frame.clone() },
         }
     }
@@ -149,23 +149,28 @@ impl<T: Undoable> History<T> {
     /// Opens a transaction on `current`; one that is still open is committed first.
     pub fn begin(&mut self, current: &T, step: Step) {
         self.commit(current);
-        self.open = Some(Transaction { step, before: current.clone(), continued: false });
+        self.open = Some(Transaction { step, before: current.clone(), resumed_at: None });
     }
 
-    /// Opens the transaction of the last step again, if it is this one and none is open: what follows belongs to it.
-    pub fn resume(&mut self, step: &Step) -> bool {
+    /// Opens the transaction of the last step again on `current`, if it is this one and none is open: what follows belongs to it.
+    pub fn resume(&mut self, current: &T, step: &Step) -> bool {
         if self.open.is_some() || self.next_undo() != Some(step) {
             return false;
         }
         let last = self.done.pop_back();
-        self.open = last.map(|(step, before)| Transaction { step, before, continued: true });
+        let resumed_at = Some(current.clone());
+        self.open = last.map(|(step, before)| Transaction { step, before, resumed_at });
         true
     }
 
-    /// Closes the open transaction. True if it changed something and is now a step; what had been undone is forgotten
-    /// then.
+    /// Closes the open transaction. True if it is now a step, for it changed something; what had been undone is forgotten then. A
+    /// step that went on and changed nothing more stays as it was.
     pub fn commit(&mut self, current: &T) -> bool {
-        let Some(Transaction { step, before, .. }) = self.open.take() else { return false };
+        let Some(Transaction { step, before, resumed_at }) = self.open.take() else { return false };
+        if resumed_at.is_some_and(|resumed| resumed.is_same_state(current)) {
+            self.done.push_back((step, before));
+            return true;
+        }
         if before.is_same_state(current) {
             return false;
         }
@@ -257,15 +262,24 @@ mod tests {
     fn the_last_step_can_be_gone_on_with() {
         let (mut history, mut value) = (History::default(), 0);
         for next in 1..=3 {
-            if !history.resume(&step("nudge")) {
+            if !history.resume(&value, &step("nudge")) {
                 history.begin(&value, step("nudge"));
             }
             value = next;
             assert!(history.commit(&value));
         }
-        assert!(!history.resume(&step("drag")), "another one");
+        assert!(!history.resume(&value, &step("drag")), "another one");
         assert_eq!((history.undo(&mut value), value), (Some(step("nudge")), 0));
-        assert!(!history.resume(&step("nudge")), "it was taken back");
+        assert!(!history.resume(&value, &step("nudge")), "it was taken back");
+        history.begin(&value, step("nudge"));
+        value = 1;
+        assert!(history.commit(&value));
+        history.begin(&value, step("drag"));
+        value = 2;
+        assert!(history.commit(&value));
+        history.undo(&mut value);
+        assert!(history.resume(&value, &step("nudge")) && history.commit(&value));
+        assert_eq!(history.redo(&mut value), Some(step("drag")), "nothing more was changed");
     }
 
     #[test]

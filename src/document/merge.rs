@@ -1,6 +1,6 @@
 //! Joins what two people made of one document: each frame and camera that only one of them changed is taken from that one.
 
-use super::{Change, Document, Edit, Extra, OldChange};
+use super::{Change, Document, Edit, OldChange};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -47,7 +47,7 @@ pub fn merge(base: &Document, ours: &Document, theirs: &Document) -> Merged {
         frames: frames.into_iter().collect(),
         click_noise: of(noise).click_noise.clone(),
         shots: of(shots).shots.clone(),
-        extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts),
+        extra: join_maps(&base.extra, &ours.extra, &theirs.extra, &mut conflicts).into(),
     };
     Merged { document, conflicts }
 }
@@ -140,8 +140,10 @@ fn join<K: Ord + Clone, V: Clone + PartialEq>(
     joined.into_iter().map(|(_, value)| value).collect()
 }
 
-fn join_maps(base: &Extra, ours: &Extra, theirs: &Extra, conflicts: &mut Vec<String>) -> Map<String, Value> {
-    let entries = |map: &Extra| -> Keyed<String, (String, Value)> {
+type Keys = Map<String, Value>;
+
+fn join_maps(base: &Keys, ours: &Keys, theirs: &Keys, conflicts: &mut Vec<String>) -> Keys {
+    let entries = |map: &Keys| -> Keyed<String, (String, Value)> {
         map.iter().map(|(key, value)| (key.clone(), (key.clone(), value.clone()))).collect()
     };
     join(&entries(base), &entries(ours), &entries(theirs), |(key, _)| conflicts.push(key.clone())).into_iter().collect()

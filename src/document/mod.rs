@@ -90,6 +90,7 @@ mod dataset;
 mod document;
 mod edit;
 mod edit_mismatch;
+mod extra;
 mod field_spec;
 mod fields;
 #[cfg(test)]
@@ -129,6 +130,7 @@ pub(crate) use create::document_from_frames;
 pub use document::{DOCUMENT_VERSION, Document, FORMAT_NAME, generator};
 pub use edit::{Change, Edit, EditKind};
 pub use edit_mismatch::EditMismatch;
+pub use extra::Extra;
 pub use field_spec::{CROWN, FieldSize, FieldSpec};
 pub use fields::Fields;
 pub use frame::{Clip, Edited, Frame, FrameStatus, MAX_CLICKS, RejectReason, VideoFrame};
@@ -159,6 +161,3 @@ pub use step_edit::{StepEdit, StepMisfit};
 pub(crate) use suggestion::Suggestion;
 pub use video_shots::{ShotsError, VideoShots};
 pub use write::{WriteError, document_to_string};
-
-/// Keys that this program does not know, kept in their order and written back.
-pub type Extra = serde_json::Map<String, serde_json::Value>;

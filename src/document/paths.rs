@@ -8,13 +8,12 @@ impl Document {
     ///
     /// Absolute paths stay. Both folders are absolute; across drives a path becomes absolute.
     #[must_use]
-    pub fn relocated(&self, from_folder: &Path, to_folder: &Path) -> Self {
-        let mut moved = self.clone();
+    pub fn relocated(mut self, from_folder: &Path, to_folder: &Path) -> Self {
         if from_folder == to_folder {
-            return moved;
+            return self;
         }
         let relocate = |path: &str| relocate(path, from_folder, to_folder);
-        for frame in &mut moved.frames {
+        for frame in &mut self.frames {
             let image = frame.image.as_deref().and_then(relocate);
             let video = frame.video.as_ref().and_then(|video| relocate(&video.path));
             if image.is_some() {
@@ -26,8 +25,8 @@ impl Document {
                 video.path = path;
             }
         }
-        let fields = moved.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
-        let fields = fields.filter_map(|camera| camera.field.as_mut()).chain([&mut moved.field]);
+        let fields = self.cameras.iter_mut().filter_map(|camera| camera.field.is_some().then(|| &mut **camera));
+        let fields = fields.filter_map(|camera| camera.field.as_mut()).chain([&mut self.field]);
         for field in fields {
             if field.is_file()
                 && let Some(path) = relocate(&field.template)
@@ -35,7 +34,7 @@ impl Document {
                 field.template = path;
             }
         }
-        moved
+        self
     }
 }
 
@@ -131,7 +130,7 @@ mod tests {
         document.frames.push(both.into());
         document.frames.push(Frame::from_image("/data/2.jpg", "main".into(), size).into());
         document.frames.push(Frame::from_image("D:\\data\\3.jpg", "main".into(), size).into());
-        let moved = document.relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
+        let moved = document.clone().relocated(Path::new("/home/a/match"), Path::new("/home/a/out/deep"));
         assert_eq!(moved.frames[0].image.as_deref(), Some("../../match/images/1.jpg"));
         assert_eq!(moved.frames[0].video.as_ref().unwrap().path, "../../match.mp4");
         assert_eq!(moved.field.template, "../../match/fields/mine.json");

@@ -54,7 +54,7 @@ impl History<Document> {
             }
             EditKind::Continued => {
                 let last = self.next_undo().cloned();
-                let resumed = last.is_some_and(|step| self.resume(&step));
+                let resumed = last.is_some_and(|step| self.resume(&before, &step));
                 self.commit(after);
                 resumed
             }

@@ -20,7 +20,7 @@ const INDENT: usize = 2;
 
 const FRAMES: &str = "frames";
 
-/// More frames never fit on one line: each has a camera, a size and a status.
+/// More frames than this never fit on one line: each has a camera, a size and a status.
 const MAY_FIT_ON_LINE: usize = 2;
 
 /// Why a document cannot be written.
@@ -62,15 +62,12 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
         root.entry(key.as_str()).or_insert_with(|| value.clone());
     }
     let mut text = String::new();
-    for (key, value) in &root {
-        text.push_str(if text.is_empty() { "{" } else { "," });
-        new_line(false, INDENT, &mut text);
-        let start = text.len();
-        push_string(key, &mut text);
-        text.push_str(": ");
+    text.push('{');
+    for (index, (key, value)) in root.iter().enumerate() {
+        let used = begin_entry(index > 0, key, INDENT, &mut text);
         match key.as_str() {
-            FRAMES => write_frames(document, &mut text)?,
-            _ => write_value(value, INDENT, INDENT + text.len() - start, &mut text),
+            FRAMES => write_frames(document, used, &mut text)?,
+            _ => write_value(value, INDENT, used, &mut text),
         }
     }
     text.push_str("\n}\n");
@@ -79,19 +76,18 @@ pub fn document_to_string(document: &Document) -> Result<String, WriteError> {
     Ok(text)
 }
 
-/// Writes the frames as [`broken`] writes a list, or on one line where they fit there.
-fn write_frames(document: &Document, text: &mut String) -> Result<(), WriteError> {
+/// Writes the frames as [`write_value`] writes a list, `used` bytes of the line being taken.
+fn write_frames(document: &Document, used: usize, text: &mut String) -> Result<(), WriteError> {
     let frames = document.frames.iter().enumerate();
     let mut frames = frames.map(|(index, frame)| json(frame, || format!("frames[{index}] ({})", frame.name())));
     if document.frames.len() <= MAY_FIT_ON_LINE {
         let few = Value::Array(frames.collect::<Result<_, _>>()?);
-        write_value(&few, INDENT, INDENT + FRAMES.len() + r#""": "#.len(), text);
+        write_value(&few, INDENT, used, text);
         return Ok(());
     }
     text.push('[');
     frames.try_fold(false, |comma, frame| {
-        new_line(comma, 2 * INDENT, text);
-        write_value(&frame?, 2 * INDENT, 2 * INDENT, text);
+        write_item(comma, &frame?, 2 * INDENT, text);
         Ok(true)
     })?;
     new_line(false, INDENT, text);
@@ -149,8 +145,7 @@ fn broken(value: &Value, indent: usize, text: &mut String) {
         Value::Array(items) if !items.is_empty() => {
             text.push('[');
             for (index, item) in items.iter().enumerate() {
-                new_line(index > 0, indent + INDENT, text);
-                write_value(item, indent + INDENT, indent + INDENT, text);
+                write_item(index > 0, item, indent + INDENT, text);
             }
             new_line(false, indent, text);
             text.push(']');
@@ -158,11 +153,8 @@ fn broken(value: &Value, indent: usize, text: &mut String) {
         Value::Object(map) if !map.is_empty() => {
             text.push('{');
             for (index, (key, item)) in map.iter().enumerate() {
-                new_line(index > 0, indent + INDENT, text);
-                let start = text.len();
-                push_string(key, text);
-                text.push_str(": ");
-                write_value(item, indent + INDENT, indent + INDENT + text.len() - start, text);
+                let used = begin_entry(index > 0, key, indent + INDENT, text);
+                write_value(item, indent + INDENT, used, text);
             }
             new_line(false, indent, text);
             text.push('}');
@@ -171,6 +163,21 @@ fn broken(value: &Value, indent: usize, text: &mut String) {
             on_one_line(other, usize::MAX, text);
         }
     }
+}
+
+/// Writes an entry of a list on a line of its own.
+fn write_item(comma: bool, item: &Value, indent: usize, text: &mut String) {
+    new_line(comma, indent, text);
+    write_value(item, indent, indent, text);
+}
+
+/// Begins an entry of an object on a line of its own, up to its value; how many bytes of that line are taken.
+fn begin_entry(comma: bool, key: &str, indent: usize, text: &mut String) -> usize {
+    new_line(comma, indent, text);
+    let start = text.len();
+    push_string(key, text);
+    text.push_str(": ");
+    indent + text.len() - start
 }
 
 fn new_line(comma: bool, indent: usize, text: &mut String) {

@@ -44,7 +44,7 @@ pub fn export(at: DocumentAt<'_>, format: Format, options: &ExportOptions) -> Re
 
 /// The chosen frames as a dataset.
 fn dataset(at: DocumentAt<'_>, options: &ExportOptions) -> Result<Exported, ExchangeError> {
-    let mut dataset = at.document.to_dataset();
+    let mut dataset = at.document.clone().into_dataset();
     // Without a choice it is whole, rejected frames included.
     let is_whole = options.frames == FrameChoice::default();
     let is_left = |frame: &crate::document::Frame| is_whole || is_chosen(frame, &options.frames);

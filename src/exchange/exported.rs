@@ -44,7 +44,7 @@ impl Exported {
     pub fn write(&self, path: &Path, force: bool) -> Result<(), ExchangeError> {
         let Some((dataset, folder)) = &self.dataset else { return self.files.write(path, self.is_folder(), force) };
         // Where it lands its paths point at the same files.
-        let moved = document_to_string(&dataset.relocated(folder, &resolved(parent(path))))?;
+        let moved = document_to_string(&dataset.clone().relocated(folder, &resolved(parent(path))))?;
         Files::one("dataset.json", moved.into_bytes()).write(path, false, force)
     }
 }

@@ -1,6 +1,7 @@
 //! Single values of foreign files: what makes sense and what does not.
 
 use super::error::Problem;
+use crate::geometry::ImageSize;
 
 /// Frame numbers above this are a mistake: at 60 frames a second it is five centuries.
 const MAX_FRAME: f64 = 1e12;
@@ -10,7 +11,7 @@ const MAX_FRAME: f64 = 1e12;
 /// # Errors
 /// It is none.
 pub fn side_px(what: &str, value: f64) -> Result<u32, Problem> {
-    if (1.0..=65_535.0).contains(&value) && value.fract() == 0.0 {
+    if ImageSize::is_side_px(value) && value.fract() == 0.0 {
         return Ok(value as u32);
     }
     Err(Problem::OutOfRange { what: what.to_owned(), value, wanted: "a whole number from 1 to 65535" })

@@ -74,16 +74,25 @@ impl From<ImageSize> for [u32; 2] {
 }
 
 impl ImageSize {
+    /// The largest width or height of a picture, px.
+    pub const MAX_SIDE_PX: u32 = 65_535;
+
     /// A size from its columns and rows.
     #[must_use]
     pub const fn new(width: u32, height: u32) -> Self {
         Self { width, height }
     }
 
+    /// Whether a picture may be so wide or high, px.
+    #[must_use]
+    pub fn is_side_px(value: f64) -> bool {
+        (1.0..=f64::from(Self::MAX_SIDE_PX)).contains(&value)
+    }
+
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=65_535).contains(side));
+        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=Self::MAX_SIDE_PX).contains(side));
         let (width, height) = text.split_once(['x', '×'])?;
         Some(Self::new(side(width)?, side(height)?))
     }

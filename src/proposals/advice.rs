@@ -5,13 +5,9 @@
 //! frames helps.
 
 use super::Coverage;
-use super::label_needs::{LabelNeeds, Needing};
+use super::label_needs::{DIRECTION_DEG, LabelNeeds, Look, NeedingFrames};
 use crate::document::{CameraId, Document};
 use crate::geometry::{Angle, AngleRange};
-use std::collections::BTreeMap;
-
-/// Places for a label are this far apart in pan, degrees.
-const STEP_DEG: f64 = 1.0;
 
 /// The share of the view that frames of a shot have in common where nothing tells where they look.
 const BLIND_OVERLAP: f64 = 0.5;
@@ -53,18 +49,16 @@ impl LabelAdvice {
     /// What a person does about frames that need a label.
     pub(crate) fn of(needs: &LabelNeeds, coverage: &[Coverage]) -> Self {
         let of_camera = |camera: &CameraId| coverage.iter().find(|coverage| coverage.camera == *camera);
-        let places = needs.needing().filter_map(|(camera, needing)| best_place(&needing, of_camera(camera)));
+        let places = needs.needing().filter_map(|(camera, needing)| best_place(needing, of_camera(camera)));
         // Of places as good as each other that of the first camera by name: nothing depends on the order of the frames.
         let place = places.rev().max_by(|a, b| a.0.total_cmp(&b.0));
         let blind = needs.unknown();
-        let blind_gain = BLIND_OVERLAP * blind.len() as f64;
-        let mut next = match place {
-            Some((gain, next)) if gain >= blind_gain => Some(next),
-            _ => blind.get(blind.len() / 2).map(|&frame| LabelNext {
-                frame,
-                pan_deg: None,
-                shared_by: blind.len(),
-                missing_pan_deg: None,
+        let blind_gain = blind.map_or(0.0, |blind| BLIND_OVERLAP * blind.len() as f64);
+        let mut next = match (place, blind) {
+            (Some((gain, next)), _) if gain >= blind_gain => Some(next),
+            (_, blind) => blind.and_then(|blind| {
+                let (&frame, shared_by) = (blind.iter().nth(blind.len() / 2)?, blind.len());
+                Some(LabelNext { frame, pan_deg: None, shared_by, missing_pan_deg: None })
             }),
         };
         if let Some(next) = &mut next {
@@ -77,35 +71,31 @@ impl LabelAdvice {
 
 /// Where a label helps most of the frames of a camera, and how much: one for each frame that it answers alone. None where all
 /// of them look past the field.
-fn best_place(needing: &[Needing], coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
-    let step = |pan: Angle| (pan.degrees() / STEP_DEG).round() as i64;
-    let mut steps: BTreeMap<i64, f64> = BTreeMap::new();
+fn best_place(needing: &NeedingFrames, coverage: Option<&Coverage>) -> Option<(f64, LabelNext)> {
     let (mut whole, mut half_view_deg) = (0.0, 0.0);
-    for Needing { look, need, .. } in needing {
-        let view = || AngleRange::around(look.pan, look.half_view);
+    let mut weights: Vec<(i64, f64)> = Vec::new();
+    for (to, direction) in needing.directions() {
+        let half_view = direction.half_view();
+        let view = || AngleRange::around(Look::towards(to), half_view);
         let novelty = coverage.map_or(Some(1.0), |coverage| coverage.novelty(view()));
-        let Some(weight) = novelty.map(|novelty| novelty * need) else { continue };
-        *steps.entry(step(look.pan)).or_default() += weight;
-        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * look.half_view.degrees());
+        let Some(weight) = novelty.map(|novelty| novelty * direction.need()) else { continue };
+        weights.push((to, weight));
+        (whole, half_view_deg) = (whole + weight, half_view_deg + weight * half_view.degrees());
     }
-    let view_deg = (2.0 * half_view_deg / whole).max(STEP_DEG);
-    let direction = |step: i64| Angle::from_degrees(step as f64 * STEP_DEG);
+    let view_deg = (2.0 * half_view_deg / whole).max(DIRECTION_DEG);
     let gain = |at: i64| -> f64 {
-        let overlap = |other: i64| 1.0 - direction(other).turn_from(direction(at)).abs().degrees() / view_deg;
-        steps.iter().map(|(&other, weight)| weight * overlap(other).max(0.0)).sum()
+        let apart = |other: i64| Look::towards(other).turn_from(Look::towards(at)).abs();
+        let overlap = |other: i64| 1.0 - apart(other).degrees() / view_deg;
+        weights.iter().map(|&(other, weight)| weight * overlap(other).max(0.0)).sum()
     };
     // Of equals the one with the least pan.
-    let gains = steps.keys().map(|&at| (gain(at), at));
+    let gains = weights.iter().map(|&(at, _)| (gain(at), at));
     let (gain, at) = gains.rev().max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let mut here: Vec<&Needing> = needing.iter().filter(|needing| step(needing.look.pan) == at).collect();
-    here.sort_by(|a, b| b.need.total_cmp(&a.need).then(a.frame.cmp(&b.frame)));
-    let most = here.iter().take_while(|needing| needing.need == here[0].need).count();
-    let chosen = here[most / 2];
-    let shares = |other: &&Needing| other.look.pan.turn_from(chosen.look.pan).abs().degrees() <= view_deg / 2.0;
+    let chosen = needing.neediest(at)?;
     let next = LabelNext {
         frame: chosen.frame,
         pan_deg: Some(chosen.look.pan.degrees()),
-        shared_by: needing.iter().filter(shares).count(),
+        shared_by: needing.within(chosen.look.pan, Angle::from_degrees(view_deg / 2.0)),
         missing_pan_deg: None,
     };
     Some((gain, next))

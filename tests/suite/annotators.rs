@@ -238,7 +238,7 @@ fn low_click_noise_lowers_the_solves_sigmas_and_the_document_keeps_it() {
     let steady = sigma(&document);
     // What the place is worth stays: half of the variance.
     assert!((0.70..0.85).contains(&(steady / before)), "{steady} of {before}");
-    let text = document_to_string(&document.to_dataset()).unwrap();
+    let text = document_to_string(&document.clone().into_dataset()).unwrap();
     let read = document_from_bytes(text.as_bytes()).unwrap();
     assert_eq!((read.own_click_noise(), &read.frames[0].repeats), (Some(&noise), &document.frames[0].repeats));
     noise.in_use = false;

@@ -138,7 +138,7 @@ fn a_dataset_holds_no_unnamed_click_and_its_indices_follow() {
     solution.warnings[0].clicks = vec![0, 3];
     let project = document_to_string(&document).unwrap();
     assert_eq!(document_from_bytes(project.as_bytes()).unwrap().frames, document.frames);
-    let dataset = document.to_dataset();
+    let dataset = document.clone().into_dataset();
     assert_eq!(dataset.frames[0].clicks.len(), 3);
     assert_eq!(dataset.frames[0].solution.as_ref().unwrap().disputed, [1]);
     assert_eq!(dataset.frames[0].solution.as_ref().unwrap().warnings[0].clicks, [0, 2]);
@@ -228,6 +228,13 @@ fn frames_keep_their_ids_and_two_with_one_are_refused() {
     json["frames"][2]["id"] = "anna/7".into();
     let refused = document_from_bytes(json.to_string().as_bytes()).unwrap_err().to_string();
     assert!(refused.starts_with("frames[2].id: anna/7 is also the id of frames[1]"), "{refused}");
+}
+
+#[cfg(feature = "schema")]
+#[test]
+fn the_shipped_schema_is_that_of_the_types() {
+    let of_types = touchline::document::schema_of_types() + "\n";
+    assert!(of_types == touchline::document::SCHEMA, "`make schema` writes it again");
 }
 
 /// Keys that once were read from the unknown ones, and those that only a newer program writes.

@@ -110,7 +110,7 @@ fn the_correction_is_in_the_document() {
     let text = document_to_string(&document).unwrap();
     assert!(text.contains("\"renames\""), "{text}");
     assert_eq!(document_from_bytes(text.as_bytes()).unwrap(), document);
-    let dataset = document.to_dataset();
+    let dataset = document.into_dataset();
     let solution = dataset.frames[0].solution.as_ref().unwrap();
     let numbers: Vec<usize> = solution.warnings[0].renames.iter().map(|rename| rename.click).collect();
     assert_eq!((numbers, &solution.disputed), (vec![1, 2], &vec![1, 2]));

@@ -62,7 +62,7 @@ impl Editor {
     fn go_on(&mut self, change: impl FnOnce(&mut Document)) {
         let before = self.document.clone();
         let Some(step) = self.history.next_undo().cloned() else { return };
-        assert!(self.history.resume(&step));
+        assert!(self.history.resume(&before, &step));
         self.finish(&before, &step.name, change);
     }
 
@@ -178,6 +178,23 @@ proptest! {
             editor = obey(editor, &path, doing);
         }
     }
+}
+
+#[test]
+fn a_step_that_goes_on_and_changes_nothing_more_keeps_what_can_be_redone() {
+    let (_folder, path, mut editor) = Editor::create(3);
+    for doing in [
+        Doing::Comment(1, 2),
+        Doing::Comment(2, 0),
+        Doing::Comment(0, 0),
+        Doing::Undo,
+        Doing::GoOn(1, 2),
+        Doing::Restart,
+        Doing::Redo,
+    ] {
+        editor = obey(editor, &path, doing);
+    }
+    assert_eq!(editor.document.frames[0].comment.as_deref(), Some("0"));
 }
 
 #[test]

@@ -480,14 +480,11 @@ mod tests {
     #[test]
     fn a_list_that_follows_a_few_changes_is_the_list_made_anew() {
         let mut open = opened(&[Some(0.7), Some(0.9), None, Some(0.6), Some(0.8), Some(0.5)]);
-        open.document.cameras.push(Camera::new("main".into(), ImageSize::new(64, 36)).into());
-        let mut camera = open.document.cameras[0].clone();
-        camera.set_base(&CameraBase::new(
-            Vec3::new(0.0, -60.0, 15.0),
-            BaseAngles::default().base_from_world(),
-            ImageSize::new(64, 36).centre(),
-        ));
-        open.document.cameras[0] = camera;
+        let size = ImageSize::new(64, 36);
+        let mut camera = Camera::new("main".into(), size);
+        let level = BaseAngles::default().base_from_world();
+        camera.set_base(&CameraBase::new(Vec3::new(0.0, -60.0, 15.0), level, size.centre()));
+        open.document.cameras.push(camera.into());
         for (index, frame) in open.document.frames.iter_mut().enumerate() {
             frame.clip = Some(Clip::Number(1));
             frame.ptz = Some(FramePtz::new(Ptz::from_degrees(index as f64, -9.0, 90.0), None));

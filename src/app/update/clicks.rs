@@ -129,7 +129,7 @@ impl App {
         let Some(at) = self.frame().and_then(|frame| frame.clicks.get(click)).map(|click| click.image) else { return };
         let name = self.click_name(click);
         let step = self.step_at(format!("Nudge {name}"), self.session.frame);
-        let resumed = held && self.open.as_mut().is_some_and(|open| open.history.resume(&step));
+        let resumed = held && self.open.as_mut().is_some_and(|open| open.resume(&step));
         if resumed || self.begin_step(step) {
             self.move_click(click, ImagePoint::new(at.x + dx_px, at.y + dy_px));
             self.clicks_changed();

@@ -71,7 +71,7 @@ impl App {
             return;
         }
         let resumed = self.session.mode == Mode::Idle
-            && asked.step.as_ref().is_some_and(|step| self.open.as_mut().is_some_and(|open| open.history.resume(step)));
+            && asked.step.as_ref().is_some_and(|step| self.open.as_mut().is_some_and(|open| open.resume(step)));
         if !resumed {
             // Another point is being placed, or was: these go with it.
             for (click, _) in found {

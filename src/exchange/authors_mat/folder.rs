@@ -127,7 +127,7 @@ fn add(document: &mut Document, sequence: &AuthorsSequence, folder: &Path, middl
     let images: Vec<PathBuf> = sequence.frames.iter().map(|frame| sequence.image_path(&frame.image)).collect();
     // Without images the principal point says how large they are: it is their middle.
     let middle = sequence.base_from_corner.principal_point;
-    let told = ImageSize::new((2.0 * middle.x - 1.0).max(1.0) as u32, (2.0 * middle.y - 1.0).max(1.0) as u32);
+    let told = ImageSize::new((2.0 * middle.x - 1.0) as u32, (2.0 * middle.y - 1.0) as u32);
     let size = images.first().and_then(|path| media::image_size(path).ok()).unwrap_or(told);
     let camera = camera_of(document, &base, size, sequence);
     for (frame, image) in sequence.frames.iter().zip(&images) {

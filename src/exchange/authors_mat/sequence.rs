@@ -6,7 +6,7 @@ use super::mat_value::{MatValue, named};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::files::read_named;
 use crate::geometry::rotation::{angle_between, from_rotation_vector};
-use crate::geometry::{Angle, ImagePoint, Mat3, PixelBox, Vec3};
+use crate::geometry::{Angle, ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -36,9 +36,6 @@ pub struct AuthorsSequence {
     /// The farthest that a frame's full camera is turned from the base turned by its pan and tilt.
     pub worst_turn: Angle,
 }
-
-/// Where the middle of a picture may lie: its sides are 1 to 65,535 px.
-const MIDDLE_PX: std::ops::RangeInclusive<f64> = 1.0..=32_768.0;
 
 /// A frame of a sequence.
 #[derive(Clone, Debug, PartialEq)]
@@ -89,7 +86,8 @@ pub fn read_authors_sequence(path: &Path) -> Result<Option<AuthorsSequence>, Aut
             return Err(missing("a focal length above 0"));
         }
         let principal = ImagePoint::new(camera[0] + CORNER_FROM_CENTRE, camera[1] + CORNER_FROM_CENTRE);
-        if ![principal.x, principal.y].iter().all(|middle_px| MIDDLE_PX.contains(middle_px)) {
+        // Where there is no image, the picture is as large as this says.
+        if ![principal.x, principal.y].iter().all(|middle| ImageSize::is_side_px(2.0 * middle - 1.0)) {
             return Err(missing("a principal point in the middle of a picture"));
         }
         if index == 0 {

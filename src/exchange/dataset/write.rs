@@ -64,10 +64,10 @@ pub fn write_dataset(
     for (name, bytes) in &templates {
         files.write(name, bytes)?;
     }
-    let original = document.to_dataset();
+    let original = document.into_dataset();
     let chosen = chosen(&original, &written.of_frame);
     let dataset = if options.pictures == Pictures::Left {
-        chosen.relocated(at.folder, &resolved(folder))
+        chosen.clone().relocated(at.folder, &resolved(folder))
     } else {
         with_pictures(&chosen, &kept, &written, |frame, hashes| {
             Some((frame.picture.as_deref()?, hashes.picture.as_deref()?))

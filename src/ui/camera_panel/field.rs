@@ -28,8 +28,10 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
             .on_hover_text("Other cameras of the document have another field.");
     }
     template(panel, ui, &spec);
-    if let Some(Err(error)) = panel.app.current().field.clone() {
-        problem(panel, ui, &spec, &error);
+    if let Some(Err(error)) = &panel.app.current().field
+        && problem(ui, &spec, error)
+    {
+        panel.actions.push(Action::ReadFailedTemplatesAgain);
     }
     params(panel, ui, &spec);
     size(panel, ui, &spec);
@@ -38,14 +40,12 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     }
 }
 
-/// Why there is no field yet, or none at all.
-fn problem(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec, error: &FieldError) {
+/// Why there is no field yet, or none at all; whether its template is to be read again.
+fn problem(ui: &mut Ui, spec: &FieldSpec, error: &FieldError) -> bool {
     let is_being_read = matches!(error, FieldError::BeingRead { .. });
     let colour = if is_being_read { ui.palette().weak } else { ui.palette().bad };
     ui.add(Label::new(RichText::new(error.to_string()).color(colour)).wrap());
-    if spec.is_file() && !is_being_read && ui.add(Button::new("Read again").small()).clicked() {
-        panel.actions.push(Action::ReadFailedTemplatesAgain);
-    }
+    spec.is_file() && !is_being_read && ui.add(Button::new("Read again").small()).clicked()
 }
 
 fn template(panel: &mut Panel<'_>, ui: &mut Ui, spec: &FieldSpec) {

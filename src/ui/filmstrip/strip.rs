@@ -47,7 +47,6 @@ impl StripCell {
 }
 
 /// The frames that a filter shows, side by side, with a wider gap before each shot.
-#[derive(Clone, Debug)]
 pub struct Strip {
     /// The cells in order.
     pub cells: Vec<StripCell>,
@@ -78,8 +77,7 @@ impl Strip {
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
-        let unfolded = (filter != Filter::Unanswered && frames.get(shown).is_some_and(|frame| frame.is_unanswered()))
-            .then_some(shown);
+        let unfolded = frames.get(shown).filter(|frame| may_fold(filter, frame)).map(|_| shown);
         let now = LaidOutFor { frames: frames.clone(), filter, unfolded, item };
         let known = ui.data(|data| data.get_temp::<(LaidOutFor, Arc<Self>)>(memory));
         if let Some((_, strip)) = known.filter(|(before, _)| before.is(&now)) {
@@ -95,8 +93,6 @@ impl Strip {
         let mut cells: Vec<StripCell> = Vec::new();
         // The number of cells at the end that are frames without an answer.
         let mut run = 0;
-        let folds =
-            |index: usize, frame: &Frame| filter != Filter::Unanswered && index != shown && frame.is_unanswered();
         let mut shots: Vec<(usize, Option<Clip>)> = Vec::new();
         for (index, frame) in open.document.frames.iter().enumerate() {
             if filter.shows(frame) {
@@ -104,7 +100,7 @@ impl Strip {
                     fold(&mut cells, std::mem::take(&mut run));
                     shots.push((cells.len(), frame.clip.clone()));
                 }
-                if folds(index, frame) {
+                if index != shown && may_fold(filter, frame) {
                     run += 1;
                 } else {
                     fold(&mut cells, std::mem::take(&mut run));
@@ -165,6 +161,11 @@ impl Strip {
         let named = self.shots.len() > 1 || self.shots[0].1.is_some();
         named.then(|| self.shots[shot].1.as_ref().map_or_else(|| "no shot".to_owned(), |clip| format!("shot {clip}")))
     }
+}
+
+/// Whether a frame is folded away among others like it.
+fn may_fold(filter: Filter, frame: &Frame) -> bool {
+    filter != Filter::Unanswered && frame.is_unanswered()
 }
 
 /// Folds the last `run` cells into one if there are enough.
