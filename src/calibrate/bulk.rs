@@ -156,11 +156,11 @@ impl BulkSolved {
         }
         let Some(edited) = now.frames.changed_in_place(&before.frames) else { return Ok(None) };
         let mut document = self.after.clone();
-        for &index in &*edited {
+        for &index in &edited {
             document.frames[index] = now.frames[index].clone();
         }
         let concerned = self.work.change.places(now);
-        let again: Vec<usize> = edited.iter().copied().filter(|index| concerned.binary_search(index).is_ok()).collect();
+        let again: Vec<usize> = edited.into_iter().filter(|index| concerned.binary_search(index).is_ok()).collect();
         let go_on = || ControlFlow::Continue(());
         let withdrawn = self.work.change.make_in_frames(&mut document, now, &self.work.folder, &again, &go_on)?;
         Ok(Some(Joined { document, withdrawn: self.withdrawn + withdrawn }))

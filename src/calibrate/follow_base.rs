@@ -12,8 +12,7 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
         let frame = &now.frames[*index];
         before.frames.get(*index).is_some_and(|known| known.id == frame.id && known.camera != frame.camera)
     };
-    let differ = now.frames.differences(&before.frames);
-    let given_away = differ.iter().copied().filter(given_away);
+    let given_away = now.frames.differences(&before.frames).into_iter().filter(given_away);
     if moved.is_empty() {
         return given_away.collect();
     }

@@ -211,7 +211,7 @@ impl Document {
     /// Counts the edits that led here from an earlier state: each frame that differs has a later revision than it had. What
     /// undo brings back does, too.
     pub fn count_edits_since(&mut self, before: &Self) {
-        for &position in &*self.frames.differences(&before.frames) {
+        for position in self.frames.differences(&before.frames) {
             let Some(frame) = self.frames.get(position) else { continue };
             let known = before.frames.get(position).filter(|known| known.id == frame.id);
             let Some(known) = known.or_else(|| before.frames.by_id(&frame.id)) else { continue };
@@ -232,7 +232,7 @@ fn frame_changes(before: &Frames, after: &Frames, changes: &mut Vec<Change>) {
         frame: frame.clone(),
     };
     if before.len() == after.len() && differ.iter().all(|&position| before[position].id == after[position].id) {
-        changes.extend(differ.iter().map(|&position| changed(&before[position], &after[position])));
+        changes.extend(differ.into_iter().map(|position| changed(&before[position], &after[position])));
         return;
     }
     let known: BTreeMap<&FrameId, &Shared<Frame>> = before.iter().map(|frame| (&frame.id, frame)).collect();

@@ -1,7 +1,6 @@
 //! Which frames changed from one state of a document to another, for deriving values from them.
 
 use super::Frames;
-use std::sync::Arc;
 
 /// If more frames than this have changed, deriving everything anew is quicker.
 const MANY: usize = 64;
@@ -23,11 +22,11 @@ impl Frames {
             return FrameChanges::Anew;
         }
         let changed = self.differences(before);
-        if changed.len() > MANY { FrameChanges::Anew } else { FrameChanges::At(changed.to_vec()) }
+        if changed.len() > MANY { FrameChanges::Anew } else { FrameChanges::At(changed) }
     }
 
     /// The positions at which frames changed since an earlier state; none where frames came, went or moved.
-    pub(crate) fn changed_in_place(&self, before: &Self) -> Option<Arc<[usize]>> {
+    pub(crate) fn changed_in_place(&self, before: &Self) -> Option<Vec<usize>> {
         let changed = (self.len() == before.len()).then(|| self.differences(before))?;
         changed.iter().all(|&position| self[position].id == before[position].id).then_some(changed)
     }

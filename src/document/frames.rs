@@ -3,7 +3,7 @@
 use super::{Frame, FrameId, Shared};
 use imbl::Vector;
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator};
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::fmt;
 use std::ops::{Bound, Index, IndexMut, RangeBounds};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,28 +19,7 @@ pub struct Frames {
     ordered: Vector<Shared<Frame>>,
     /// Where each id stood when the order last changed.
     positions: Arc<HashMap<FrameId, usize>>,
-    found: Found,
-}
-
-/// What was found out about frames as they are; forgotten when one is handed out to be changed.
-#[derive(Clone, Default)]
-struct Found {
-    /// The number of this state of the frames: no other has it but clones. No frames at all are number 0.
-    state: u64,
-    /// Whether every frame stands where its id stood: found out when an id is not there. It saves the search for each of many
-    /// ids that no frame has.
-    are_known: OnceLock<bool>,
-    /// The other state that these frames were first compared with, and where they differ: after an edit everything that is derived
-    /// asks for the same.
-    differences: OnceLock<(u64, Arc<[usize]>)>,
-}
-
-impl Found {
-    /// Nothing yet, of a new state.
-    fn nothing() -> Self {
-        static LAST: AtomicU64 = AtomicU64::new(0);
-        Self { state: LAST.fetch_add(1, Ordering::Relaxed) + 1, ..Self::default() }
-    }
+    state: State,
 }
 
 /// Two frames of a document that is read have one id.
@@ -51,6 +30,53 @@ pub(super) struct DuplicateId {
     pub second: usize,
     /// The earlier one's.
     pub first: usize,
+}
+
+/// Which state of the frames this is, and how it came to be from the ones before.
+#[derive(Clone, Default)]
+struct State {
+    /// No other state has it but clones. No frames at all are number 0.
+    number: u64,
+    /// The last changes, oldest first: the state before it, and the position of the frame that was handed out to be changed.
+    changes: VecDeque<(u64, usize)>,
+    /// Whether every frame stands where its id stood: found out when an id is not there. It saves the search for each of many
+    /// ids that no frame has.
+    are_known: OnceLock<bool>,
+}
+
+/// So many changes of single frames are remembered: an edit makes a few.
+const REMEMBERED: usize = 64;
+
+impl State {
+    /// One that has nothing to do with any before.
+    fn new() -> Self {
+        static LAST: AtomicU64 = AtomicU64::new(0);
+        Self { number: LAST.fetch_add(1, Ordering::Relaxed) + 1, ..Self::default() }
+    }
+
+    /// Goes on to another one, in which the frame at a position may be another.
+    fn changed_at(&mut self, position: usize) {
+        let mut changes = std::mem::take(&mut self.changes);
+        if changes.len() == REMEMBERED {
+            changes.pop_front();
+        }
+        changes.push_back((self.number, position));
+        *self = Self { changes, ..Self::new() };
+    }
+
+    /// The positions at which frames may differ from those of another state, where both remember a state that they come from.
+    fn changed_between(&self, other: &Self) -> Option<BTreeSet<usize>> {
+        let mut own = self.back().enumerate();
+        let (ago, others) = own.find_map(|(ago, state)| Some((ago, other.back().position(|other| other == state)?)))?;
+        let last =
+            |state: &Self, many| -> Vec<usize> { state.changes.iter().rev().take(many).map(|(_, at)| *at).collect() };
+        Some(last(self, ago).into_iter().chain(last(other, others)).collect())
+    }
+
+    /// The numbers of this state and of those before it that it remembers.
+    fn back(&self) -> impl Iterator<Item = u64> {
+        std::iter::once(self.number).chain(self.changes.iter().rev().map(|(before, _)| *before))
+    }
 }
 
 impl Frames {
@@ -72,7 +98,7 @@ impl Frames {
             frame.id = frame.id_of_picture().free(|id| positions.contains_key(id));
             positions.insert(frame.id.clone(), position);
         }
-        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), found: Found::nothing() })
+        Ok(Self { ordered: frames.into_iter().collect(), positions: Arc::new(positions), state: State::new() })
     }
 
     /// How many there are.
@@ -95,7 +121,7 @@ impl Frames {
 
     /// The frame at a position, to change it.
     pub fn get_mut(&mut self, position: usize) -> Option<&mut Shared<Frame>> {
-        self.found = Found::nothing();
+        self.state.changed_at(position);
         self.ordered.get_mut(position)
     }
 
@@ -110,7 +136,7 @@ impl Frames {
 
     fn are_known(&self) -> bool {
         let stands = |(position, frame): (usize, &Shared<Frame>)| self.positions.get(&frame.id) == Some(&position);
-        *self.found.are_known.get_or_init(|| self.iter().enumerate().all(stands))
+        *self.state.are_known.get_or_init(|| self.iter().enumerate().all(stands))
     }
 
     /// The frame of an id.
@@ -144,7 +170,7 @@ impl Frames {
 
     /// The frames in their order, to change them.
     pub fn iter_mut(&mut self) -> IterMut<'_> {
-        self.found = Found::nothing();
+        self.state = State::new();
         self.ordered.iter_mut()
     }
 
@@ -172,7 +198,7 @@ impl Frames {
     /// Appends a frame; where its id is missing or taken it gets another one.
     pub fn push(&mut self, frame: Shared<Frame>) {
         let frame = self.with_own_id(frame);
-        self.found = Found::nothing();
+        self.state = State::new();
         Arc::make_mut(&mut self.positions).insert(frame.id.clone(), self.ordered.len());
         self.ordered.push_back(frame);
     }
@@ -204,7 +230,7 @@ impl Frames {
     /// Takes the last frame out.
     pub fn pop(&mut self) -> Option<Shared<Frame>> {
         let last = self.ordered.pop_back()?;
-        self.found = Found::nothing();
+        self.state = State::new();
         Arc::make_mut(&mut self.positions).remove(&last.id);
         Some(last)
     }
@@ -224,17 +250,16 @@ impl Frames {
     /// The positions at which frames differ from those of another, ascending, and those beyond its end. Chunks that both share are
     /// not looked at.
     #[must_use]
-    pub fn differences(&self, other: &Self) -> Arc<[usize]> {
-        if self.is_same(other) {
-            return Arc::default();
-        }
-        let (compared_with, differ) =
-            self.found.differences.get_or_init(|| (other.found.state, self.compared_with(other).into()));
-        if *compared_with == other.found.state { Arc::clone(differ) } else { self.compared_with(other).into() }
-    }
-
-    fn compared_with(&self, other: &Self) -> Vec<usize> {
+    pub fn differences(&self, other: &Self) -> Vec<usize> {
         let mut differ = Vec::new();
+        if self.is_same(other) {
+            return differ;
+        }
+        if let Some(changed) = self.state.changed_between(&other.state) {
+            let has_changed = |position: &usize| self.get(*position) != other.get(*position);
+            differ.extend(changed.into_iter().filter(has_changed));
+            return differ;
+        }
         let (mut left, mut right) = (self.ordered.leaves(), other.ordered.leaves());
         let (mut a, mut b): (&[Shared<Frame>], &[Shared<Frame>]) = (&[], &[]);
         let mut position = 0;
@@ -273,7 +298,7 @@ impl Frames {
     }
 
     fn order_changed(&mut self) {
-        self.found = Found::nothing();
+        self.state = State::new();
         let positions = self.ordered.iter().enumerate().map(|(position, frame)| (frame.id.clone(), position));
         self.positions = Arc::new(positions.collect());
     }
@@ -305,7 +330,7 @@ impl Index<usize> for Frames {
 
 impl IndexMut<usize> for Frames {
     fn index_mut(&mut self, position: usize) -> &mut Shared<Frame> {
-        self.found = Found::nothing();
+        self.state.changed_at(position);
         &mut self.ordered[position]
     }
 }
@@ -413,14 +438,37 @@ mod tests {
         for position in [0, 4_711, 9_999] {
             after[position].comment = Some("rain".to_owned());
         }
-        assert_eq!(*after.differences(&before), [0, 4_711, 9_999]);
+        assert_eq!(after.differences(&before), [0, 4_711, 9_999]);
         assert!(after[4_710].is_same(&before[4_710]) && after != before);
         after.pop();
-        assert_eq!(*after.differences(&before), [0, 4_711]);
-        assert_eq!(*before.differences(&after), [0, 4_711, 9_999], "what is beyond its end");
+        assert_eq!(after.differences(&before), [0, 4_711]);
+        assert_eq!(before.differences(&after), [0, 4_711, 9_999], "what is beyond its end");
     }
 
     proptest! {
+        #[test]
+        fn differences_are_those_of_the_frames_whatever_led_to_them(
+            changes in prop::collection::vec((0usize..4, 0usize..4, 0usize..30, 0u8..40), 1..200),
+        ) {
+            let mut states = [frames(30), frames(30), frames(30), frames(30)];
+            for (from, to, at, kind) in changes {
+                let mut next = states[from].clone();
+                match kind {
+                    0 => next = next.iter().rev().cloned().collect(),
+                    1 => drop(next.remove(at)),
+                    2 => next.iter_mut().for_each(|frame| frame.gold = !frame.gold),
+                    _ if at < next.len() => next[at].revision = u64::from(kind % 3),
+                    _ => {}
+                }
+                for known in &states {
+                    let differ = |at: &usize| next.get(*at) != known.get(*at);
+                    let plain: Vec<usize> = (0..next.len()).filter(differ).collect();
+                    prop_assert_eq!(next.differences(known), plain);
+                }
+                states[to] = next;
+            }
+        }
+
         #[test]
         fn every_change_of_the_order_keeps_the_ids_findable(
             changes in prop::collection::vec((0usize..200, 0u8..4), 1..60),

@@ -40,8 +40,8 @@ pub trait Undoable: Clone {
 impl Undoable for Document {
     fn is_same_state(&self, other: &Self) -> bool {
         let frames = self.frames.len() == other.frames.len() && {
-            let differ = self.frames.differences(&other.frames);
-            differ.iter().all(|&position| self.frames[position].has_content_of(&other.frames[position]))
+            let mut differ = self.frames.differences(&other.frames).into_iter();
+            differ.all(|position| self.frames[position].has_content_of(&other.frames[position]))
         };
         frames && self.same_beside_frames(other)
     }

@@ -34,7 +34,7 @@ impl SplitDocument {
     pub(crate) fn edited_of(&self, now: &Document) -> Document {
         let frames = if let Some(changed) = now.frames.changed_in_place(&self.shown.frames) {
             let mut frames = self.edited.frames.clone();
-            for &position in &*changed {
+            for position in changed {
                 frames[position] = without_suggestion(&now.frames[position], Some(&frames[position]));
             }
             frames

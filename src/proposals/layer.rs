@@ -11,7 +11,6 @@ use super::{NoProposal, Proposal};
 use crate::camera::CameraBase;
 use crate::document::{Camera, CameraId, Document, Edit, Frame, FramePtz, Shared, Solution, SplitDocument, Suggestion};
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// A document in two layers, what people did and what is suggested, and both together as a reader sees them.
 #[derive(Clone, Debug)]
@@ -56,7 +55,7 @@ impl Layered {
             return Document { frames, ..edited.clone() };
         };
         let mut frames = self.shown().frames.clone();
-        for &position in &*changed {
+        for position in changed {
             frames[position] = self.with_suggestion(&edited.frames[position], &bases);
         }
         if bases != Bases::of(self.edited()) {
@@ -71,7 +70,7 @@ impl Layered {
     /// corrected in an earlier session is undone, it is suggested again.
     pub(crate) fn keep_answers_not_in(&mut self, edited: &Document) {
         let bases = Bases::of(self.edited());
-        for &position in &*edited.frames.changed_in_place(&self.edited().frames).unwrap_or_default() {
+        for position in edited.frames.changed_in_place(&self.edited().frames).unwrap_or_default() {
             let (frame, gone) = (&edited.frames[position], &self.split.edited().frames[position]);
             let base = bases.of_frame(gone);
             if frame.is_untouched()
@@ -90,8 +89,7 @@ impl Layered {
     pub(crate) fn not_shown_in(&self, now: &Document) -> Vec<(usize, Shared<Frame>)> {
         let bases = Bases::of(now);
         let lacks = |frame: &Frame| !frame.shows_suggestion() && self.suggestion_for(frame, &bases).is_some();
-        let changed = self.changed(now);
-        let lacking = changed.iter().copied().filter(|&position| lacks(&now.frames[position]));
+        let lacking = self.changed(now).into_iter().filter(|&position| lacks(&now.frames[position]));
         lacking.map(|position| (position, self.with_suggestion(&now.frames[position], &bases))).collect()
     }
 
@@ -104,7 +102,7 @@ impl Layered {
             return None;
         }
         let bases = Bases::of(now);
-        for frame in self.changed(now).iter().map(|&position| &now.frames[position]) {
+        for frame in self.changed(now).into_iter().map(|position| &now.frames[position]) {
             if let Some(suggestion) = Suggestion::in_frame(frame, bases.of_frame(frame).as_ref()) {
                 self.suggestions.put(&frame.id, suggestion);
             }
@@ -154,7 +152,7 @@ impl Layered {
     }
 
     /// The positions at which a later state may differ from [`Self::shown`].
-    fn changed(&self, now: &Document) -> Arc<[usize]> {
+    fn changed(&self, now: &Document) -> Vec<usize> {
         now.frames.changed_in_place(&self.shown().frames).unwrap_or_else(|| (0..now.frames.len()).collect())
     }
 
