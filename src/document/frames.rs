@@ -247,8 +247,8 @@ impl Frames {
         self.ordered.ptr_eq(&other.ordered)
     }
 
-    /// The positions at which frames differ from those of another, ascending, and those beyond its end. Chunks that both share are
-    /// not looked at.
+    /// The positions at which frames differ from those of another, ascending, and those beyond its end. Where both remember a
+    /// state that they come from only what was handed out since is looked at, elsewhere what they do not share.
     #[must_use]
     pub fn differences(&self, other: &Self) -> Vec<usize> {
         let mut differ = Vec::new();

@@ -5,7 +5,8 @@
 //! frames helps.
 
 use super::Coverage;
-use super::label_needs::{DIRECTION_DEG, LabelNeeds, Look, NeedingFrames};
+use super::label_needs::LabelNeeds;
+use super::needing_frames::{DIRECTION_DEG, Look, NeedingFrames};
 use crate::document::{CameraId, Document};
 use crate::geometry::{Angle, AngleRange};
 

@@ -3,15 +3,12 @@
 //! A frame needs a label if the forest was asked for it in vain, or is not sure of its answer. Where a frame without an answer
 //! looks, its solved neighbours in the shot tell.
 
+use super::needing_frames::{Look, Needing, NeedingFrames};
 use crate::document::{CameraId, Clip, Document, Frame, FrameChanges, FrameStatus, Frames};
-use crate::geometry::Angle;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// An answer that is right with this probability needs no further reference.
 pub const SURE: f64 = 0.9;
-
-/// Directions are this far apart in pan, degrees.
-pub(super) const DIRECTION_DEG: f64 = 1.0;
 
 /// A frame with a solved neighbour on one side only looks as that one does if it is no farther away.
 const BESIDE: usize = 2;
@@ -31,28 +28,6 @@ pub(crate) struct LabelNeeds {
     edition: u64,
 }
 
-/// Frames of a camera that need a label, of which is known where they look.
-#[derive(Clone, Debug, Default)]
-pub(super) struct NeedingFrames {
-    /// Where each looks, by its place in the document: see [`Look::direction`].
-    frames: BTreeMap<usize, i64>,
-    directions: BTreeMap<i64, Direction>,
-}
-
-/// The frames that look one way.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Direction {
-    /// By their places in the document.
-    frames: BTreeMap<usize, Needing>,
-    /// The sum of their needs. Whole numbers, in parts of [`PARTS`]: what frames came and went does not show in it.
-    need: u64,
-    /// The sum of half their views, degrees, each as often as its need.
-    half_view_deg: u64,
-}
-
-/// Sums are counted in parts of this size: exact to 10⁻⁹, without overflow for a thousand million frames.
-const PARTS: f64 = (1 << 30) as f64;
-
 /// A camera and one of its shots; frames of a camera that belong to no shot are one.
 type ShotKey = (CameraId, Option<Clip>);
 
@@ -65,22 +40,6 @@ struct Shot {
     unanswered: BTreeSet<usize>,
     /// Of these, those of which nothing tells where they look.
     unknown: BTreeSet<usize>,
-}
-
-/// How a frame looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Look {
-    pub(super) pan: Angle,
-    pub(super) half_view: Angle,
-}
-
-/// A frame that needs a label somewhere near where it looks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Needing {
-    pub(super) frame: usize,
-    pub(super) look: Look,
-    /// From 0 to 1: how unsure its answer is.
-    pub(super) need: f64,
 }
 
 impl LabelNeeds {
@@ -194,84 +153,6 @@ impl LabelNeeds {
     }
 }
 
-impl NeedingFrames {
-    /// Puts a frame's need in its place, or takes it out; whether it was another one before.
-    fn put(&mut self, index: usize, needing: Option<Needing>) -> bool {
-        let to = self.frames.get(&index).copied();
-        let known = to.and_then(|to| Some((to, *self.directions.get(&to)?.frames.get(&index)?)));
-        if known.map(|(_, known)| known) == needing {
-            return false;
-        }
-        if let Some((to, known)) = known {
-            self.frames.remove(&index);
-            if let Some(direction) = self.directions.get_mut(&to) {
-                direction.frames.remove(&index);
-                direction.need -= known.need_parts();
-                direction.half_view_deg -= known.half_view_parts();
-                if direction.frames.is_empty() {
-                    self.directions.remove(&to);
-                }
-            }
-        }
-        if let Some(needing) = needing {
-            let to = needing.look.direction();
-            self.frames.insert(index, to);
-            let direction = self.directions.entry(to).or_default();
-            direction.frames.insert(index, needing);
-            direction.need += needing.need_parts();
-            direction.half_view_deg += needing.half_view_parts();
-        }
-        true
-    }
-
-    /// The directions in which some look, with how many look there, ascending.
-    pub(super) fn directions(&self) -> impl Iterator<Item = (i64, &Direction)> {
-        self.directions.iter().map(|(&to, direction)| (to, direction))
-    }
-
-    /// Of those that look one way and need a label most, the one in the middle of the document's order.
-    pub(super) fn neediest(&self, to: i64) -> Option<&Needing> {
-        let here = || self.directions.get(&to).into_iter().flat_map(|direction| direction.frames.values());
-        let most = here().map(|needing| needing.need).max_by(f64::total_cmp)?;
-        let neediest: Vec<&Needing> = here().filter(|needing| needing.need == most).collect();
-        neediest.get(neediest.len() / 2).copied()
-    }
-
-    /// How many look at most so far from a pan.
-    pub(super) fn within(&self, pan: Angle, reach: Angle) -> usize {
-        let half = Angle::from_degrees(DIRECTION_DEG / 2.0);
-        let apart = |other: Angle| other.turn_from(pan).abs();
-        let count = |(&to, direction): (&i64, &Direction)| match apart(Look::towards(to)) {
-            all if all + half <= reach => direction.frames.len(),
-            none if none - half > reach => 0,
-            _ => direction.frames.values().filter(|needing| apart(needing.look.pan) <= reach).count(),
-        };
-        self.directions.iter().map(count).sum()
-    }
-}
-
-impl Direction {
-    /// The sum of what its frames need.
-    pub(super) fn need(&self) -> f64 {
-        self.need as f64 / PARTS
-    }
-
-    /// Half the view of its frames, on average by what they need.
-    pub(super) fn half_view(&self) -> Angle {
-        Angle::from_degrees(self.half_view_deg as f64 / self.need.max(1) as f64)
-    }
-}
-
-impl Needing {
-    fn need_parts(&self) -> u64 {
-        (self.need * PARTS).round() as u64
-    }
-
-    fn half_view_parts(&self) -> u64 {
-        (self.need * self.look.half_view.degrees() * PARTS).round() as u64
-    }
-}
-
 impl Shot {
     /// How a frame probably looks: on the way between its solved neighbours, or as the only one beside it does.
     fn between(&self, index: usize) -> Option<Look> {
@@ -290,25 +171,6 @@ impl Shot {
             }
             (None, None) => None,
         }
-    }
-}
-
-impl Look {
-    /// How a solved frame looks.
-    fn of(frame: &Frame) -> Option<Self> {
-        let ptz = frame.ptz.as_ref().filter(|_| frame.status != FrameStatus::Rejected)?;
-        let half_view = Angle::from_radians((f64::from(frame.image_size.width) / 2.0).atan2(ptz.focal_px));
-        Some(Self { pan: ptz.ptz().pan.wrapped(), half_view })
-    }
-
-    /// The direction it looks in: its pan in whole steps of [`DIRECTION_DEG`].
-    fn direction(&self) -> i64 {
-        (self.pan.degrees() / DIRECTION_DEG).round() as i64
-    }
-
-    /// The middle of a direction.
-    pub(super) fn towards(direction: i64) -> Angle {
-        Angle::from_degrees(direction as f64 * DIRECTION_DEG)
     }
 }
 
@@ -340,6 +202,7 @@ mod tests {
     use crate::camera::Ptz;
     use crate::document::{FieldSpec, FramePtz, Solution, SolutionSource};
     use crate::geometry::ImageSize;
+    use crate::proposals::needing_frames::Direction;
 
     /// Frames of two shots without an answer, and one solved frame in each.
     fn document() -> Document {
@@ -368,12 +231,12 @@ mod tests {
     }
 
     /// Everything that it says, without the edition.
-    type Said = ([usize; 2], Vec<(usize, i64)>, Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
+    type Said = ([usize; 2], Vec<(i64, Direction)>, Option<BTreeSet<usize>>);
 
     fn said(needs: &LabelNeeds) -> Said {
-        let places = needs.needing().flat_map(|(_, needing)| needing.frames.clone()).collect();
-        let directions = needs.needing().flat_map(|(_, needing)| needing.directions.clone()).collect();
-        ([needs.unanswered, needs.uncertain], places, directions, needs.unknown().cloned())
+        let directions = needs.needing().flat_map(|(_, needing)| needing.directions());
+        let directions = directions.map(|(to, direction)| (to, direction.clone())).collect();
+        ([needs.unanswered, needs.uncertain], directions, needs.unknown().cloned())
     }
 
     #[test]

@@ -31,6 +31,7 @@ mod label_needs;
 mod layer;
 mod learning;
 mod line_evidence;
+mod needing_frames;
 mod order;
 mod picture;
 mod proposal;

@@ -196,8 +196,8 @@ mod tests {
         Action::TemplateRead { of: of.into(), name: "own.json".to_owned(), template }
     }
 
-    fn soccer() -> Result<Box<Template>, FieldError> {
-        Ok(Box::new(builtin("soccer").unwrap().clone()))
+    fn soccer() -> Box<Template> {
+        Box::new(builtin("soccer").unwrap().clone())
     }
 
     #[test]
@@ -207,9 +207,9 @@ mod tests {
         assert_eq!(effects, [Effect::ReadTemplate { of, folder, name }]);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
         assert_eq!(asked(app.update(Action::GoTo(1))), [], "asked once");
-        app.update(read("/another/project.json", soccer()));
+        app.update(read("/another/project.json", Ok(soccer())));
         assert!(app.current().field().is_none(), "of a document that was closed meanwhile");
-        app.update(read("/match/project.json", soccer()));
+        app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some(), "{:?}", app.current().field);
         assert_eq!(asked(app.update(Action::GoTo(0))), []);
     }
@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
         assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));
-        app.update(read("/match/project.json", soccer()));
+        app.update(read("/match/project.json", Ok(soccer())));
         assert!(app.current().field().is_some());
         assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)), [], "what was read stays");
     }
