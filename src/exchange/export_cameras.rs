@@ -205,34 +205,37 @@ impl Proof<'_> {
         if let Some(stage) = stage {
             read = read.iter().map(|frame| in_world(frame, stage)).collect();
         }
-        let by_name: BTreeMap<&str, &FrameCamera> = read.iter().map(|frame| (frame.name.as_str(), frame)).collect();
-        let mut views = Vec::with_capacity(held.len());
-        let mut pairs: Vec<(&FrameCamera, FrameCamera)> = Vec::with_capacity(2 * held.len());
-        for kept in held {
-            let Some(again) = by_name.get(kept.name.as_str()).filter(|_| read.len() == held.len()) else {
-                return Err(ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format });
-            };
-            if let (Some(size), Shown::Camera(view)) = (kept.size, &again.shown) {
-                views.push(((*again).clone(), size, *view));
-            }
-            pairs.push((kept, (*again).clone()));
-        }
-        // As a document: frames share bases there, and pan, tilt and focal length are what is left.
-        let document = document_of(reading.field, &views, of.exactness());
-        for (kept, frame) in held.iter().zip(&document.frames) {
-            let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
-            let otherwise = || ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
-            pairs.push((kept, FrameCamera { shown: camera.ok_or_else(otherwise)?, ..kept.clone() }));
-        }
+        // Each frame is held once: of a long video they take most of the memory.
+        let is_complete = read.len() == held.len();
+        let mut by_name: BTreeMap<String, FrameCamera> =
+            read.into_iter().map(|frame| (frame.name.clone(), frame)).collect();
+        let otherwise = |kept: &FrameCamera| ExchangeError::ReadsBackOtherwise { frame: kept.name.clone(), format };
         let mut worst_px = 0.0_f64;
-        for (kept, again) in pairs {
-            let (what, off_px) = farthest_landmark(kept, &again, context.field);
+        let mut compare = |kept: &FrameCamera, again: &FrameCamera| {
+            let (what, off_px) = farthest_landmark(kept, again, context.field);
             let allowed_px = of.resolution_px(kept);
             if !(off_px <= allowed_px) {
                 let frame = kept.name.clone();
                 return Err(ExchangeError::ReadsBackElsewhere { frame, format, what, off_px, allowed_px });
             }
             worst_px = worst_px.max(off_px);
+            Ok(())
+        };
+        let mut views = Vec::with_capacity(held.len());
+        for kept in held {
+            let again = by_name.remove(&kept.name).filter(|_| is_complete).ok_or_else(|| otherwise(kept))?;
+            compare(kept, &again)?;
+            if let (Some(size), &Shown::Camera(view)) = (kept.size, &again.shown) {
+                views.push((again, size, view));
+            }
+        }
+        // As a document: frames share bases there, and pan, tilt and focal length are what is left.
+        let document = document_of(reading.field, &views, of.exactness());
+        drop(views);
+        for (kept, frame) in held.iter().zip(&document.frames) {
+            let camera = document.pointed(frame).map(|camera| Shown::Camera(Pinhole::of(&camera)));
+            let shown = camera.ok_or_else(|| otherwise(kept))?;
+            compare(kept, &FrameCamera { shown, ..kept.clone() })?;
         }
         Ok(worst_px)
     }
