@@ -286,7 +286,9 @@ fn authors_mat(damage: &mut Damage) {
     damage.bytes("annotation-as-numbers", mat(&[("annotation", Out::Doubles(vec![1.0]))], false, false));
     damage.bytes("no-camera", sequence(vec![words("1.jpg")], false));
     damage.bytes("nan", sequence(vec![frame("1.jpg", [f64::NAN; 9])], true));
-    damage.bytes("another-camera", sequence(vec![frame("1.jpg", [0.0; 9])], true));
+    damage.bytes("a-principal-point-in-no-picture", sequence(vec![frame("1.jpg", [0.0; 9])], true));
+    let elsewhere = [639.5, 359.5, 2000.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    damage.bytes("another-camera", sequence(vec![frame("1.jpg", elsewhere)], true));
     let twice = [("meta", Out::Doubles(vec![1.0])), ("meta", Out::Doubles(vec![2.0]))];
     damage.bytes("a-variable-twice", mat(&twice, false, false));
     damage.bytes("unfolds-to-32-mib", mat(&[("meta", Out::Doubles(vec![0.0; 4 << 20]))], false, true));
