@@ -205,7 +205,7 @@ impl Proof<'_> {
         if let Some(stage) = stage {
             read = read.iter().map(|frame| in_world(frame, stage)).collect();
         }
-        // Each frame is held once: of a long video they take most of the memory.
+        // Each frame is held once: a long video has many.
         let is_complete = read.len() == held.len();
         let mut by_name: BTreeMap<String, FrameCamera> =
             read.into_iter().map(|frame| (frame.name.clone(), frame)).collect();
