@@ -136,10 +136,10 @@ pub(super) mod image_size {
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ImageSize, D::Error> {
         let [width, height] = <[u32; 2]>::deserialize(deserializer)?;
-        let most = ImageSize::MAX_SIDE_PX;
-        if (1..=most).contains(&width) && (1..=most).contains(&height) {
+        if [width, height].iter().all(|side| ImageSize::is_side_px(f64::from(*side))) {
             return Ok(ImageSize::new(width, height));
         }
+        let most = ImageSize::MAX_SIDE_PX;
         Err(D::Error::custom(format!("a picture of {width}x{height} px: each side must be 1 to {most}")))
     }
 }

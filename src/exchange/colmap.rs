@@ -43,7 +43,7 @@ fn read_camera(line: &str) -> Result<(u64, Lens), Problem> {
             let (what, wanted) = ("the size of the picture".to_owned(), "a whole number from 1 to 65535");
             Problem::Kind { what, wanted, found: format!("{:?}", clipped(field)) }
         };
-        field.parse::<u32>().ok().filter(|side| (1..=ImageSize::MAX_SIDE_PX).contains(side)).ok_or_else(wrong)
+        field.parse::<u32>().ok().filter(|side| ImageSize::is_side_px(f64::from(*side))).ok_or_else(wrong)
     };
     let size = ImageSize::new(side(width)?, side(height)?);
     let wanted = match *model {

@@ -92,7 +92,7 @@ impl ImageSize {
     /// Reads `1920x1080` or `1920 × 1080`; none where that is no size of a picture.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| (1..=Self::MAX_SIDE_PX).contains(side));
+        let side = |text: &str| text.trim().parse::<u32>().ok().filter(|side| Self::is_side_px(f64::from(*side)));
         let (width, height) = text.split_once(['x', '×'])?;
         Some(Self::new(side(width)?, side(height)?))
     }
