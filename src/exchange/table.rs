@@ -4,6 +4,7 @@ use super::error::Problem;
 use super::files::text;
 use super::values::{clipped, frame_number};
 use std::fmt::Write as _;
+use std::ops::Range;
 
 /// The most columns of a table.
 const MAX_COLUMNS: usize = 1000;
@@ -11,13 +12,57 @@ const MAX_COLUMNS: usize = 1000;
 /// A table that was read: columns by name.
 pub struct Table {
     header: Vec<String>,
-    rows: Vec<Box<[String]>>,
+    fields: Fields,
+}
+
+/// Rows of fields one behind the other in one text: each field on its own would take several times as much memory.
+#[derive(Default)]
+struct Fields {
+    text: String,
+    /// Where in the text each field ends.
+    ends: Vec<usize>,
+    /// How many fields there are up to the end of each row.
+    row_ends: Vec<usize>,
+}
+
+impl Fields {
+    /// How many rows there are.
+    const fn rows(&self) -> usize {
+        self.row_ends.len()
+    }
+
+    /// The numbers of the fields of a row, or of the one that is being read.
+    fn row(&self, index: usize) -> Range<usize> {
+        let first = index.checked_sub(1).map_or(0, |before| self.row_ends[before]);
+        first..self.row_ends.get(index).copied().unwrap_or(self.ends.len())
+    }
+
+    /// A field by its number.
+    fn field(&self, number: usize) -> &str {
+        let start = number.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.text[start..self.ends[number]]
+    }
+
+    fn end_field(&mut self) {
+        self.ends.push(self.text.len());
+    }
+
+    /// Ends a row; an empty line is none.
+    fn end_row(&mut self) {
+        let row = self.row(self.rows());
+        if row.len() == 1 && self.field(row.start).is_empty() {
+            self.ends.pop();
+        } else {
+            self.row_ends.push(self.ends.len());
+        }
+    }
 }
 
 /// A row and its line.
 #[derive(Clone, Copy)]
 pub struct Row<'a> {
     table: &'a Table,
+    /// The header is row 0.
     index: usize,
 }
 
@@ -27,26 +72,29 @@ impl Table {
     /// # Errors
     /// It is no text, has an open quote, or a row has more or fewer fields than the header.
     pub fn read(bytes: &[u8]) -> Result<Self, Problem> {
-        let mut rows = split(text(bytes)?)?.into_iter();
-        let header = rows.next().ok_or(Problem::Empty)?.into_vec();
+        let fields = split(text(bytes)?)?;
+        if fields.rows() == 0 {
+            return Err(Problem::Empty);
+        }
+        let header: Vec<String> = fields.row(0).map(|number| fields.field(number).to_owned()).collect();
         for (index, name) in header.iter().enumerate() {
             if header[..index].contains(name) {
                 return Err(Problem::Twice { what: "the column", name: clipped(name) });
             }
         }
-        let rows: Vec<Box<[String]>> = rows.collect();
-        for (index, row) in rows.iter().enumerate() {
-            if row.len() != header.len() {
-                let problem = Problem::Count { what: "fields".to_owned(), wanted: header.len(), found: row.len() };
-                return Err(problem.at_line(index + 2));
+        for index in 1..fields.rows() {
+            let found = fields.row(index).len();
+            if found != header.len() {
+                let problem = Problem::Count { what: "fields".to_owned(), wanted: header.len(), found };
+                return Err(problem.at_line(index + 1));
             }
         }
-        Ok(Self { header, rows })
+        Ok(Self { header, fields })
     }
 
     /// The rows in order.
     pub fn rows(&self) -> impl Iterator<Item = Row<'_>> {
-        (0..self.rows.len()).map(|index| Row { table: self, index })
+        (1..self.fields.rows()).map(|index| Row { table: self, index })
     }
 
     /// Refuses a table without one of some columns.
@@ -64,14 +112,15 @@ impl Row<'_> {
     /// The line of the row in the file, where no field holds a line break.
     #[must_use]
     pub const fn line(&self) -> usize {
-        self.index + 2
+        self.index + 1
     }
 
     /// A field; none where it is empty or the column is missing.
     #[must_use]
     pub fn text(&self, column: &str) -> Option<&str> {
         let at = self.table.header.iter().position(|name| name == column)?;
-        let field = self.table.rows[self.index].get(at).map(String::as_str).filter(|field| !field.is_empty())?;
+        let fields = &self.table.fields;
+        let field = Some(fields.field(fields.row(self.index).nth(at)?)).filter(|field| !field.is_empty())?;
         Some(field.strip_prefix('\'').filter(|rest| is_formula(rest)).unwrap_or(field))
     }
 
@@ -122,44 +171,39 @@ pub fn numbers(what: &str, line: &str) -> Result<Vec<f64>, Problem> {
     line.split_whitespace().map(|field| number(what, field)).collect()
 }
 
-/// Rows of fields; they are boxed, as a table may have many short ones.
-fn split(text: &str) -> Result<Vec<Box<[String]>>, Problem> {
-    let mut rows: Vec<Box<[String]>> = Vec::new();
-    let (mut row, mut field) = (Vec::new(), String::new());
+/// The fields of a text, without empty lines.
+fn split(text: &str) -> Result<Fields, Problem> {
+    let mut fields = Fields::default();
     let mut quoted = false;
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
         match letter {
             '"' if quoted && letters.peek() == Some(&'"') => {
                 letters.next();
-                field.push('"');
+                fields.text.push('"');
             }
             '"' => quoted = !quoted,
             ',' if !quoted => {
-                row.push(std::mem::take(&mut field));
-                if row.len() >= MAX_COLUMNS {
-                    let found = format!("line {} has more than {MAX_COLUMNS} columns", rows.len() + 1);
+                fields.end_field();
+                if fields.row(fields.rows()).len() >= MAX_COLUMNS {
+                    let found = format!("line {} has more than {MAX_COLUMNS} columns", fields.rows() + 1);
                     return Err(Problem::NotFormat { wanted: "a table", found });
                 }
             }
             '\r' if !quoted && letters.peek() == Some(&'\n') => {}
             '\n' if !quoted => {
-                row.push(std::mem::take(&mut field));
-                rows.push(row.drain(..).collect());
+                fields.end_field();
+                fields.end_row();
             }
-            other => field.push(other),
+            other => fields.text.push(other),
         }
     }
     if quoted {
         return Err(Problem::NotFormat { wanted: "a table", found: "a quote is never closed".to_owned() });
     }
-    if !field.is_empty() || !row.is_empty() {
-        row.push(field);
-        rows.push(row.into());
-    }
-    // Empty lines at the end and between.
-    rows.retain(|row| row.len() > 1 || row.iter().any(|field| !field.is_empty()));
-    Ok(rows)
+    fields.end_field();
+    fields.end_row();
+    Ok(fields)
 }
 
 /// Whether a spreadsheet would calculate a cell, or would if apostrophes were taken from its front.

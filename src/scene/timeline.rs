@@ -1,6 +1,6 @@
 //! A document's frames on one line, as plain data: what has been done, what is suggested, how doubtful that is, the shots.
 
-use crate::document::{Document, Frame, FrameStatus, ShotKind, VideoShots};
+use crate::document::{Document, Frame, FrameChanges, FrameStatus, Frames, Shot, ShotKind, VideoShots};
 
 /// The frames of a document, in so many parts of equal length as there is room for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,6 +11,21 @@ pub struct Timeline {
     pub parts: Vec<TimelinePart>,
     /// Where shots begin, in their order; the beginning of a video is not among them.
     pub cuts: Vec<TimelineCut>,
+}
+
+/// What a summary was made of.
+#[derive(Clone, Debug)]
+pub struct TimelineSource {
+    frames: Frames,
+    shots: Vec<Shot>,
+}
+
+impl TimelineSource {
+    /// Of a document. Its frames are shared, not copied.
+    #[must_use]
+    pub fn of(document: &Document) -> Self {
+        Self { frames: document.frames.clone(), shots: document.shots.clone() }
+    }
 }
 
 /// What the frames of a part have come to.
@@ -62,6 +77,28 @@ impl Timeline {
             }
         }
         timeline
+    }
+
+    /// This summary of `before` where it is one of `document` with these frames changed; none where cuts may have moved.
+    #[must_use]
+    pub fn followed(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
+        let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else { return None };
+        let has_moved = |at: &usize| document.frames[*at].video != before.frames[*at].video;
+        if document.shots != before.shots || changed.iter().any(has_moved) {
+            return None;
+        }
+        let mut timeline = self.clone();
+        let count = self.parts.len();
+        let of_part = |at: usize| at * count / self.frames;
+        let mut parts: Vec<usize> = changed.into_iter().map(of_part).collect();
+        parts.dedup();
+        for part in parts {
+            let begin = |part: usize| (part * self.frames).div_ceil(count);
+            let mut summed = TimelinePart::default();
+            document.frames.range(begin(part)..begin(part + 1)).for_each(|frame| summed.add(frame));
+            timeline.parts[part] = summed;
+        }
+        Some(timeline)
     }
 
     /// The part that a frame belongs to, as shares of the whole length.
@@ -148,6 +185,25 @@ mod tests {
         assert_eq!(timeline.cuts, [TimelineCut { position: 6, frame_index: 6, kind: ShotKind::Fade }]);
         assert_eq!(Timeline::of(&document, "match.mp4", 500).parts.len(), 10);
         assert_eq!(Timeline::of(&Document::new(FieldSpec::new("soccer")), "match.mp4", 5).parts, []);
+    }
+
+    #[test]
+    fn a_summary_follows_changed_frames() {
+        for parts in [1, 3, 5, 10] {
+            let mut document = document();
+            let (before, known) = (TimelineSource::of(&document), Timeline::of(&document, "match.mp4", parts));
+            document.frames[0].status = FrameStatus::Reference;
+            document.frames[7].status = FrameStatus::Draft;
+            let anew = Timeline::of(&document, "match.mp4", parts);
+            assert_ne!(anew, known);
+            assert_eq!(known.followed(&document, &before), Some(anew));
+            document.frames[7].video = Some(VideoFrame::new("match.mp4", 70, None));
+            assert_eq!(known.followed(&document, &before), None, "a cut may lie elsewhere");
+        }
+        let mut document = document();
+        let (before, known) = (TimelineSource::of(&document), Timeline::of(&document, "match.mp4", 5));
+        VideoShots::found(&document, "match.mp4", 9, &[(3, ShotKind::Cut)]).write(&mut document);
+        assert_eq!(known.followed(&document, &before), None);
     }
 
     #[test]

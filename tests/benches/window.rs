@@ -11,7 +11,7 @@ use std::time::Duration;
 use touchline::app::TrainerOrder;
 use touchline::app::{Action, App, Command, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
-use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
+use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus, VideoFrame};
 use touchline::field::builtin;
 use touchline::geometry::{ImageSize, Mat3, Vec3};
 #[cfg(feature = "opencv")]
@@ -59,6 +59,15 @@ fn document(frames: usize) -> Document {
             .collect();
         frame.ptz = Some(FramePtz::new(ptz, None));
         document.frames.push(frame.into());
+    }
+    document
+}
+
+/// The same frames as those of one video.
+fn of_video(mut document: Document) -> Document {
+    for (index, frame) in (0_u64..).zip(&mut document.frames) {
+        frame.image = None;
+        frame.video = Some(VideoFrame::new("match.mp4", index, Some(index as f64 / 50.0)));
     }
     document
 }
@@ -172,10 +181,31 @@ fn still(bencher: Bencher<'_, '_>) {
     bencher.bench_local(|| window.frame(Vec::new()));
 }
 
-/// The quality page of 10,000 frames is drawn again, all of the time shown.
+/// The timeline of a video is drawn as well, and the pointer moves along it.
+#[divan::bench]
+fn timeline(bencher: Bencher<'_, '_>) {
+    let mut window = Window::on(of_video(document(frame_count())));
+    let mut x = 0.0;
+    bencher.bench_local(|| {
+        x = (x + 3.0) % 400.0;
+        window.frame(vec![Event::PointerMoved(Pos2::new(300.0 + x, 560.0))])
+    });
+}
+
+/// Every time a frame of a video is accepted.
+#[divan::bench]
+fn timeline_accept(bencher: Bencher<'_, '_>) {
+    let mut window = Window::on(of_video(document(frame_count())));
+    bencher.bench_local(|| {
+        window.app.update(Action::Command(Command::Accept));
+        window.frame(Vec::new())
+    });
+}
+
+/// The quality page is drawn again, all of the time shown.
 #[divan::bench]
 fn quality_page(bencher: Bencher<'_, '_>) {
-    let mut window = Window::on(document(10_000));
+    let mut window = Window::on(document(2 * frame_count()));
     window.app.update(Action::Command(Command::QualityPage));
     let mut x = 0.0;
     bencher.bench_local(|| {
@@ -184,10 +214,10 @@ fn quality_page(bencher: Bencher<'_, '_>) {
     });
 }
 
-/// What the quality page shows of 10,000 frames is derived: it is closed and opened.
+/// What the quality page shows is derived: it is closed and opened.
 #[divan::bench]
 fn quality_page_derived(bencher: Bencher<'_, '_>) {
-    let mut window = Window::on(document(10_000));
+    let mut window = Window::on(document(2 * frame_count()));
     bencher.bench_local(|| {
         window.app.update(Action::Command(Command::QualityPage));
         window.app.update(Action::Command(Command::QualityPage));

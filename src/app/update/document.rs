@@ -2,6 +2,7 @@
 
 use super::App;
 use super::Current;
+use crate::app::Command;
 use crate::app::OpenProject;
 use crate::app::Opened;
 use crate::app::camera_watch::Watched;
@@ -96,9 +97,12 @@ impl App {
 
     /// A template was read; the document that names it may have been closed since.
     pub(super) fn template_read(&mut self, of: &Path, name: &str, template: Result<Box<Template>, FieldError>) {
-        if let Some(open) = self.open.as_mut().filter(|open| open.file == of) {
-            open.template_read(name, template);
+        let Some(open) = self.open.as_mut().filter(|open| open.file == of) else { return };
+        if let Err(error) = &template {
+            let said = format!("The field's lines are not drawn, for its template is not usable: {error}");
+            self.session.notify_with(Level::Warning, said, [("Camera panel", Command::CameraPanel)]);
         }
+        open.template_read(name, template);
     }
 
     pub(super) fn read_failed_templates_again(&mut self) {
@@ -221,6 +225,10 @@ mod tests {
         let missing = FieldError::Unreadable { place: "own.json".to_owned(), problem };
         app.update(read("/match/project.json", Err(missing)));
         assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
+        let said = app.session.notices.last().map(|notice| notice.text.as_str());
+        let wanted =
+            "The field's lines are not drawn, for its template is not usable: own.json: cannot be read: no such file";
+        assert_eq!(said, Some(wanted));
         assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
         assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
         assert!(matches!(app.current().field, Some(Err(FieldError::BeingRead { .. }))));

@@ -2,7 +2,7 @@
 
 use crate::app::OpenProject;
 use crate::app::session::Filter;
-use crate::document::{Clip, Frame, Frames};
+use crate::document::{Clip, Frame, FrameChanges, Frames};
 use egui::{Id, Ui};
 use std::ops::Range;
 use std::sync::Arc;
@@ -66,24 +66,33 @@ struct LaidOutFor {
 }
 
 impl LaidOutFor {
-    fn is(&self, other: &Self) -> bool {
+    /// Whether what was laid out for `before` has its cells where they are now.
+    fn lies_as(&self, before: &Self) -> bool {
         let of = |laid: &Self| (laid.filter, laid.unfolded, laid.item);
-        self.frames.is_same(&other.frames) && of(self) == of(other)
+        if of(self) != of(before) {
+            return false;
+        }
+        let FrameChanges::At(changed) = self.frames.changes_since(&before.frames) else { return false };
+        changed.into_iter().all(|at| self.part_of(at) == before.part_of(at))
+    }
+
+    /// What the strip takes from the frame at a position: whether it is shown, whether it may fold, and its shot.
+    fn part_of(&self, at: usize) -> Option<(bool, bool, Option<&Clip>)> {
+        let frame = self.frames.get(at)?;
+        Some((self.filter.shows(frame), may_fold(self.filter, frame), frame.clip.as_ref()))
     }
 }
 
 impl Strip {
-    /// As [`Self::new`]; the one that was laid out last is kept as long as nothing changes.
+    /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where they are.
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
         let unfolded = frames.get(shown).filter(|frame| may_fold(filter, frame)).map(|_| shown);
         let now = LaidOutFor { frames: frames.clone(), filter, unfolded, item };
         let known = ui.data(|data| data.get_temp::<(LaidOutFor, Arc<Self>)>(memory));
-        if let Some((_, strip)) = known.filter(|(before, _)| before.is(&now)) {
-            return strip;
-        }
-        let strip = Arc::new(Self::new(open, filter, shown, item));
+        let kept = known.filter(|(before, _)| now.lies_as(before)).map(|(_, strip)| strip);
+        let strip = kept.unwrap_or_else(|| Arc::new(Self::new(open, filter, shown, item)));
         ui.data_mut(|data| data.insert_temp(memory, (now, Arc::clone(&strip))));
         strip
     }
@@ -242,6 +251,31 @@ mod tests {
         assert_eq!(strip.cells, [1, 3].map(StripCell::Frame));
         assert_eq!((strip.place_of(3), strip.place_of(2)), (Some(1), None));
         assert!(Strip::new(&open, Filter::Status(FrameStatus::Rejected), 0, 100.0).cells.is_empty());
+    }
+
+    #[test]
+    fn the_strip_is_laid_out_again_only_where_a_cell_moves() {
+        let mut open = open(&[1; 10]);
+        let laid = |open: &OpenProject, filter| LaidOutFor {
+            frames: open.document.frames.clone(),
+            filter,
+            unfolded: None,
+            item: 100.0,
+        };
+        let references = Filter::Status(FrameStatus::Reference);
+        let (all, some) = (laid(&open, Filter::All), laid(&open, references));
+        open.document.frames[4].status = FrameStatus::Reference;
+        assert!(laid(&open, Filter::All).lies_as(&all), "every frame is shown whatever its status");
+        assert!(!laid(&open, references).lies_as(&some));
+        let some = laid(&open, references);
+        open.document.frames[4].gold = true;
+        assert!(laid(&open, references).lies_as(&some));
+        open.document.frames[5].clip = Some(Clip::Number(2));
+        assert!(!laid(&open, Filter::All).lies_as(&all), "another shot begins");
+        open.document.frames[5].clip = Some(Clip::Number(1));
+        assert!(laid(&open, Filter::All).lies_as(&all));
+        open.document.frames.pop();
+        assert!(!laid(&open, Filter::All).lies_as(&all));
     }
 
     #[test]

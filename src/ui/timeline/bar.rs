@@ -4,7 +4,7 @@ use crate::app::place::time_code;
 use crate::app::session::status_label;
 use crate::app::{Action, App, Command, OpenProject, VideoAction};
 use crate::document::{FrameStatus, ShotKind};
-use crate::scene::timeline::{Timeline, TimelineCut};
+use crate::scene::timeline::{Timeline, TimelineCut, TimelineSource};
 use crate::ui::{Panel, theme::Themed as _};
 use egui::{
     Color32, Context, CursorIcon, Id, Painter, Pos2, Rect, Response, Role, Sense, Shape, Stroke, Ui, WidgetInfo, pos2,
@@ -25,7 +25,9 @@ const DOUBT: f32 = 8.0;
 /// The line as it was summed up last, and of what.
 #[derive(Clone)]
 struct Known {
-    of: (PathBuf, u64, String, usize),
+    of: (PathBuf, String, usize),
+    version: u64,
+    source: TimelineSource,
     timeline: Arc<Timeline>,
 }
 
@@ -43,16 +45,19 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
     tooltip(panel.app, open, response, &bar);
 }
 
-/// The line of the open document; made again only when that has changed.
+/// The line of the open document; only what has changed is summed up again.
 fn summed_up(ctx: &Context, app: &App, open: &OpenProject, parts: usize) -> Arc<Timeline> {
     let video = app.frame().and_then(|frame| frame.video.as_ref()).map(|video| video.path.clone()).unwrap_or_default();
-    let of = (open.file.clone(), open.document.version(), video, parts);
+    let (of, version) = ((open.file.clone(), video, parts), open.document.version());
     let memory = Id::unique("timeline");
-    if let Some(known) = ctx.data(|data| data.get_temp::<Known>(memory)).filter(|known| known.of == of) {
-        return known.timeline;
+    let known = ctx.data(|data| data.get_temp::<Known>(memory)).filter(|known| known.of == of);
+    if let Some(known) = known.as_ref().filter(|known| known.version == version) {
+        return Arc::clone(&known.timeline);
     }
-    let timeline = Arc::new(Timeline::of(&open.document, &of.2, parts));
-    ctx.data_mut(|data| data.insert_temp(memory, Known { of, timeline: Arc::clone(&timeline) }));
+    let followed = known.and_then(|known| known.timeline.followed(&open.document, &known.source));
+    let timeline = Arc::new(followed.unwrap_or_else(|| Timeline::of(&open.document, &of.1, parts)));
+    let source = TimelineSource::of(&open.document);
+    ctx.data_mut(|data| data.insert_temp(memory, Known { of, version, source, timeline: Arc::clone(&timeline) }));
     timeline
 }
 
