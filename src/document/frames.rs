@@ -44,8 +44,8 @@ struct State {
     are_known: OnceLock<bool>,
 }
 
-/// So many changes of single frames are remembered: an edit makes a few.
-const REMEMBERED: usize = 64;
+/// So many changes of single frames are remembered: an edit makes a few, a batch of 64 proposals a few for each.
+const REMEMBERED: usize = 256;
 
 impl State {
     /// One that has nothing to do with any before.
@@ -451,7 +451,7 @@ mod tests {
     proptest! {
         #[test]
         fn differences_are_those_of_the_frames_whatever_led_to_them(
-            changes in prop::collection::vec((0usize..4, 0usize..4, 0usize..30, 0u8..40), 1..200),
+            changes in prop::collection::vec((0usize..4, 0usize..4, 0usize..30, 0u8..40), 1..700),
         ) {
             let mut states = [frames(30), frames(30), frames(30), frames(30)];
             for (from, to, at, kind) in changes {

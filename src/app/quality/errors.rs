@@ -1,10 +1,11 @@
 //! How far clicks lie from what they name, as the frames' cameras show it.
 
 use crate::calibrate::observations;
-use crate::document::{CameraId, Document, Fields, Frame, FrameStatus, Target};
+use crate::document::{CameraId, Document, Fields, Frame, FrameStatus, Shared, Target};
 use crate::field::FieldModel;
 use crate::score::{median_normal_size, median_rayleigh, quantile, rayleigh_share};
 use crate::solve::Observation;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// The approximate number of bins of a histogram.
@@ -65,12 +66,14 @@ impl ClickErrors {
     /// The clicks of a camera's solved frames that are not rejected.
     #[must_use]
     pub fn of(document: &Document, fields: &Fields, camera: &CameraId) -> Self {
-        let mut found = Self::default();
-        for (index, frame) in document.frames.iter().enumerate() {
-            if frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty() {
-                found.add(document, index, frame, fields.of_frame(document, frame));
-            }
-        }
+        let of_frame = |(index, frame): (usize, &Shared<Frame>)| {
+            let counts = frame.camera == *camera && frame.status != FrameStatus::Rejected && !frame.clicks.is_empty();
+            counts.then(|| OfFrame::of(document, index, frame, fields.of_frame(document, frame))).flatten()
+        };
+        let of_frames: Vec<OfFrame> = document.frames.par_iter().enumerate().filter_map(of_frame).collect();
+        let without_evidence = of_frames.iter().filter(|of| !of.is_evident).count();
+        let clicks = of_frames.into_iter().flat_map(|of| of.clicks).collect();
+        let mut found = Self { clicks, without_evidence, ..Self::default() };
         let step_px = Histogram::step_for(&found.clicks);
         [found.used, found.held_out] = [false, true].map(|check| found.spread(check, step_px));
         found
@@ -82,34 +85,41 @@ impl ClickErrors {
         let [median_px, most_px] = middle_and_most(those().map(|click| click.error_px))?;
         Some(Spread { count: those().count(), median_px, most_px, histogram: Histogram::of(those(), step_px) })
     }
+}
 
-    fn add(&mut self, document: &Document, index: usize, frame: &Frame, field: &FieldModel) {
-        let Some(camera) = document.pointed(frame) else { return };
+/// The named clicks of a frame.
+struct OfFrame {
+    /// Those whose error says something.
+    clicks: Vec<ClickError>,
+    /// False where clicks took part in the solve and leave nothing to compare.
+    is_evident: bool,
+}
+
+impl OfFrame {
+    fn of(document: &Document, index: usize, frame: &Frame, field: &FieldModel) -> Option<Self> {
+        let camera = document.pointed(frame)?;
         // A frame that names what its field lacks has no solve to speak of either.
-        let Ok(observed) = observations(frame, field) else { return };
+        let observed = observations(frame, field).ok()?;
         let used = || observed.iter().filter(|observation| !observation.check);
         let equations: usize = used().map(Observation::equations).sum();
         // As the verdict has it: two clicks and nothing else are no evidence.
         let evident = equations > UNKNOWNS && used().count() > 2;
-        if !evident && used().count() > 0 {
-            self.without_evidence += 1;
-        }
         let fitted = (equations.saturating_sub(UNKNOWNS) as f64 / equations.max(1) as f64).sqrt();
         let scale = frame.image_size.scale_from_1920();
-        for observation in observed.iter().filter(|observation| evident || observation.check) {
-            let Some(target) = frame.clicks.get(observation.click).and_then(|click| click.target.clone()) else {
-                continue;
-            };
+        let of_click = |observation: &Observation| {
+            let target = frame.clicks.get(observation.click)?.target.clone()?;
             let share = if observation.check { 1.0 } else { fitted };
-            self.clicks.push(ClickError {
+            Some(ClickError {
                 frame: index,
                 click: observation.click,
                 target,
                 check: observation.check,
                 error_px: observation.distance_px(&camera).map_or(f64::INFINITY, |px| px / scale),
                 expected_px: share * usual_px(observation) / scale,
-            });
-        }
+            })
+        };
+        let telling = observed.iter().filter(|observation| evident || observation.check);
+        Some(Self { clicks: telling.filter_map(of_click).collect(), is_evident: evident || used().count() == 0 })
     }
 }
 

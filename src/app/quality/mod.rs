@@ -57,18 +57,20 @@ impl Quality {
     fn derive(open: &mut OpenProject, camera: Option<CameraId>, axis: TimeAxis) -> Self {
         let Some(id) = &camera else { return Self::default() };
         let fields = open.fields();
-        let course = Course::of(&open.document, open.derived.disagreements(&open.document), id, axis);
+        let disagreements = open.derived.disagreements(&open.document);
         let document = &*open.document;
+        let course_of = || Course::of(document, disagreements, id, axis);
         // Without a valid field nothing can be off.
-        let Ok(fields) = fields else { return Self { camera, course, ..Self::default() } };
-        let errors = ClickErrors::of(document, &fields, id);
-        let targets = by_target(&errors);
-        let field = document
-            .cameras
-            .iter()
-            .position(|camera| camera.id == *id)
-            .map(|place| fields.of_cameras(document).swap_remove(place));
-        let seen = field.and_then(|field| Seen::of(document, &field, id));
+        let Ok(fields) = fields else { return Self { course: course_of(), camera, ..Self::default() } };
+        let errors_of = || {
+            let errors = ClickErrors::of(document, &fields, id);
+            let targets = by_target(&errors);
+            (errors, targets)
+        };
+        let place = document.cameras.iter().position(|camera| camera.id == *id);
+        let field = place.map(|place| fields.of_cameras(document).swap_remove(place));
+        let seen_of = || Seen::of(document, &*field?, id);
+        let (course, ((errors, targets), seen)) = rayon::join(course_of, || rayon::join(errors_of, seen_of));
         Self { course, errors, targets, seen, camera, derived_from: None }
     }
 }
