@@ -4,6 +4,7 @@ use crate::app::OpenProject;
 use crate::app::session::Filter;
 use crate::document::{Clip, Frame, FrameChanges, Frames};
 use egui::{Id, Ui};
+use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -56,68 +57,105 @@ pub struct Strip {
 }
 
 /// What a strip was laid out for.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct LaidOutFor {
-    frames: Frames,
     filter: Filter,
     /// The frame that is not folded away though it would be.
     unfolded: Option<usize>,
     item: f32,
 }
 
-impl LaidOutFor {
-    /// Whether what was laid out for `before` has its cells where they are now.
-    fn lies_as(&self, before: &Self) -> bool {
-        let of = |laid: &Self| (laid.filter, laid.unfolded, laid.item);
-        if of(self) != of(before) {
-            return false;
-        }
-        let FrameChanges::At(changed) = self.frames.changes_since(&before.frames) else { return false };
-        changed.into_iter().all(|at| self.part_of(at) == before.part_of(at))
+/// What the strip takes from each frame: a long video's frames lie all over the memory, and are not looked at anew each time.
+#[derive(Clone, Debug, Default)]
+struct Parts {
+    frames: Frames,
+    of_frames: Vec<Part>,
+    /// The shots by their numbers.
+    clips: Vec<Option<Clip>>,
+    numbers: BTreeMap<Option<Clip>, usize>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Part {
+    is_shown: bool,
+    may_fold: bool,
+    clip: usize,
+}
+
+impl Parts {
+    fn of(frames: &Frames, filter: Filter) -> Self {
+        let mut parts = Self { frames: frames.clone(), ..Self::default() };
+        parts.of_frames = frames.iter().map(|frame| parts.part_of(frame, filter)).collect();
+        parts
     }
 
-    /// What the strip takes from the frame at a position: whether it is shown, whether it may fold, and its shot.
-    fn part_of(&self, at: usize) -> Option<(bool, bool, Option<&Clip>)> {
-        let frame = self.frames.get(at)?;
-        Some((self.filter.shows(frame), may_fold(self.filter, frame), frame.clip.as_ref()))
+    /// Goes on to what the frames are now; whether a cell may lie elsewhere then.
+    fn follow(&mut self, frames: &Frames, filter: Filter) -> bool {
+        let FrameChanges::At(changed) = frames.changes_since(&self.frames) else {
+            *self = Self::of(frames, filter);
+            return true;
+        };
+        self.frames = frames.clone();
+        let mut is_other = false;
+        for at in changed {
+            let part = self.part_of(&frames[at], filter);
+            is_other |= std::mem::replace(&mut self.of_frames[at], part) != part;
+        }
+        is_other
+    }
+
+    fn part_of(&mut self, frame: &Frame, filter: Filter) -> Part {
+        let clip = self.numbers.get(&frame.clip).copied().unwrap_or_else(|| {
+            self.clips.push(frame.clip.clone());
+            self.numbers.insert(frame.clip.clone(), self.clips.len() - 1);
+            self.clips.len() - 1
+        });
+        Part { is_shown: filter.shows(frame), may_fold: may_fold(filter, frame), clip }
     }
 }
 
 impl Strip {
     /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where they are.
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
+        type Known = Option<(LaidOutFor, Arc<Parts>, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
         let unfolded = frames.get(shown).filter(|frame| may_fold(filter, frame)).map(|_| shown);
-        let now = LaidOutFor { frames: frames.clone(), filter, unfolded, item };
-        let known = ui.data(|data| data.get_temp::<(LaidOutFor, Arc<Self>)>(memory));
-        let kept = known.filter(|(before, _)| now.lies_as(before)).map(|(_, strip)| strip);
-        let strip = kept.unwrap_or_else(|| Arc::new(Self::new(open, filter, shown, item)));
-        ui.data_mut(|data| data.insert_temp(memory, (now, Arc::clone(&strip))));
+        let now = LaidOutFor { filter, unfolded, item };
+        let known = ui.data_mut(|data| data.remove_temp::<Known>(memory)).flatten();
+        let known = known.filter(|known| known.0.filter == filter);
+        let (parts, kept) = match known {
+            Some((before, mut parts, strip)) => {
+                let is_other = !frames.is_same(&parts.frames) && Arc::make_mut(&mut parts).follow(frames, filter);
+                (parts, Some(strip).filter(|_| !is_other && before == now))
+            }
+            None => (Arc::new(Parts::of(frames, filter)), None),
+        };
+        let strip = kept.unwrap_or_else(|| Arc::new(Self::new(&parts, shown, item)));
+        ui.data_mut(|data| data.insert_temp::<Known>(memory, Some((now, parts, Arc::clone(&strip)))));
         strip
     }
 
-    /// Lays the frames of a document out, `item` points wide each. The `shown` frame is never folded away.
-    fn new(open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Self {
+    /// Lays frames out, `item` points wide each. The `shown` frame is never folded away.
+    fn new(parts: &Parts, shown: usize, item: f32) -> Self {
         let mut cells: Vec<StripCell> = Vec::new();
         // The number of cells at the end that are frames without an answer.
         let mut run = 0;
-        let mut shots: Vec<(usize, Option<Clip>)> = Vec::new();
-        for (index, frame) in open.document.frames.iter().enumerate() {
-            if filter.shows(frame) {
-                if shots.last().is_none_or(|(_, last)| *last != frame.clip) {
-                    fold(&mut cells, std::mem::take(&mut run));
-                    shots.push((cells.len(), frame.clip.clone()));
-                }
-                if index != shown && may_fold(filter, frame) {
-                    run += 1;
-                } else {
-                    fold(&mut cells, std::mem::take(&mut run));
-                }
-                cells.push(StripCell::Frame(index));
+        let mut shots: Vec<(usize, usize)> = Vec::new();
+        for (index, part) in parts.of_frames.iter().enumerate().filter(|(_, part)| part.is_shown) {
+            if shots.last().is_none_or(|(_, last)| *last != part.clip) {
+                fold(&mut cells, std::mem::take(&mut run));
+                shots.push((cells.len(), part.clip));
             }
+            if index != shown && part.may_fold {
+                run += 1;
+            } else {
+                fold(&mut cells, std::mem::take(&mut run));
+            }
+            cells.push(StripCell::Frame(index));
         }
         fold(&mut cells, run);
+        let shots = shots.into_iter().map(|(begin, clip)| (begin, parts.clips[clip].clone())).collect();
         Self { cells, shots, item }
     }
 
@@ -215,10 +253,14 @@ mod tests {
         OpenProject::new(document, "/match/project.json".into(), "/match".into(), None)
     }
 
+    fn laid_out(open: &OpenProject, filter: Filter, shown: usize) -> Strip {
+        Strip::new(&Parts::of(&open.document.frames, filter), shown, 100.0)
+    }
+
     #[test]
     fn shots_stand_apart_and_only_what_is_in_view_is_laid_out() {
         let open = open(&[1, 1, 1, 2, 2, 3]);
-        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.cells, [0, 1, 2, 3, 4, 5].map(StripCell::Frame));
         assert!((strip.left(1) - strip.left(0) - 104.0).abs() < 1e-3);
         assert!((strip.left(3) - strip.left(2) - 104.0 - SHOT_GAP).abs() < 1e-3);
@@ -232,7 +274,7 @@ mod tests {
     #[test]
     fn the_strip_is_scrolled_no_farther_than_it_takes_to_show_a_frame() {
         let open = open(&[1; 100]);
-        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.offset_showing(1, 0.0, 500.0), 0.0, "it is in view");
         let far = strip.offset_showing(50, 0.0, 500.0);
         assert!((far + 500.0 - (strip.left(50) + 250.0)).abs() < 1e-3, "two more than the frame on its right");
@@ -247,35 +289,34 @@ mod tests {
     #[test]
     fn a_filter_leaves_frames_out_and_a_lack_of_shots_shows_none() {
         let open = open(&[1, 1, 1, 2]);
-        let strip = Strip::new(&open, Filter::Status(FrameStatus::Reference), 0, 100.0);
+        let strip = laid_out(&open, Filter::Status(FrameStatus::Reference), 0);
         assert_eq!(strip.cells, [1, 3].map(StripCell::Frame));
         assert_eq!((strip.place_of(3), strip.place_of(2)), (Some(1), None));
-        assert!(Strip::new(&open, Filter::Status(FrameStatus::Rejected), 0, 100.0).cells.is_empty());
+        assert!(laid_out(&open, Filter::Status(FrameStatus::Rejected), 0).cells.is_empty());
     }
 
     #[test]
     fn the_strip_is_laid_out_again_only_where_a_cell_moves() {
         let mut open = open(&[1; 10]);
-        let laid = |open: &OpenProject, filter| LaidOutFor {
-            frames: open.document.frames.clone(),
-            filter,
-            unfolded: None,
-            item: 100.0,
-        };
         let references = Filter::Status(FrameStatus::Reference);
-        let (all, some) = (laid(&open, Filter::All), laid(&open, references));
+        let [mut all, mut some] = [Filter::All, references].map(|filter| Parts::of(&open.document.frames, filter));
+        let mut follows = |open: &OpenProject| {
+            let (parts, frames) = ([&mut all, &mut some], &open.document.frames);
+            let of = |(parts, filter): (&mut Parts, Filter)| {
+                let is_other = parts.follow(frames, filter);
+                assert_eq!(parts.of_frames, Parts::of(frames, filter).of_frames);
+                is_other
+            };
+            parts.into_iter().zip([Filter::All, references]).map(of).collect::<Vec<_>>()
+        };
         open.document.frames[4].status = FrameStatus::Reference;
-        assert!(laid(&open, Filter::All).lies_as(&all), "every frame is shown whatever its status");
-        assert!(!laid(&open, references).lies_as(&some));
-        let some = laid(&open, references);
+        assert_eq!(follows(&open), [false, true], "every frame is shown whatever its status");
         open.document.frames[4].gold = true;
-        assert!(laid(&open, references).lies_as(&some));
-        open.document.frames[5].clip = Some(Clip::Number(2));
-        assert!(!laid(&open, Filter::All).lies_as(&all), "another shot begins");
-        open.document.frames[5].clip = Some(Clip::Number(1));
-        assert!(laid(&open, Filter::All).lies_as(&all));
+        assert_eq!(follows(&open), [false, false]);
+        open.document.frames[4].clip = Some(Clip::Number(2));
+        assert_eq!(follows(&open), [true, true], "another shot begins");
         open.document.frames.pop();
-        assert!(!laid(&open, Filter::All).lies_as(&all));
+        assert_eq!(follows(&open), [true, true]);
     }
 
     #[test]
@@ -287,17 +328,17 @@ mod tests {
             frame.solution = Some(Solution { source: Some(SolutionSource::Forest), ..Solution::default() });
         }
         let fold = |first, last| StripCell::Unanswered { first, last, count: last - first + 1 };
-        let strip = Strip::new(&open, Filter::All, 0, 100.0);
+        let strip = laid_out(&open, Filter::All, 0);
         assert_eq!(strip.cells, [StripCell::Frame(0), fold(1, 5), fold(6, 10)]);
         assert_eq!(
             [0, 1, 5, 6, 10, 11].map(|frame| strip.place_of(frame)),
             [0, 1, 1, 2, 2, 9].map(|at| (at < 9).then_some(at))
         );
         assert_eq!(strip.shot_beginning_at(2).as_deref(), Some("shot 2"));
-        let shown = Strip::new(&open, Filter::All, 6, 100.0);
+        let shown = laid_out(&open, Filter::All, 6);
         assert_eq!(shown.cells, [StripCell::Frame(0), fold(1, 5), StripCell::Frame(6), fold(7, 10)]);
-        let middle = Strip::new(&open, Filter::All, 3, 100.0);
+        let middle = laid_out(&open, Filter::All, 3);
         assert_eq!(middle.cells.len(), 7, "two and two are too few to fold");
-        assert_eq!(Strip::new(&open, Filter::Unanswered, 0, 100.0).cells.len(), 10);
+        assert_eq!(laid_out(&open, Filter::Unanswered, 0).cells.len(), 10);
     }
 }
