@@ -99,7 +99,7 @@ impl App {
     pub(super) fn template_read(&mut self, of: &Path, name: &str, template: Result<Box<Template>, FieldError>) {
         let Some(open) = self.open.as_mut().filter(|open| open.file == of) else { return };
         if let Err(error) = &template {
-            let said = format!("The field's lines are not drawn, for its template is not usable: {error}");
+            let said = format!("The field's lines are not drawn: {error}");
             self.session.notify_with(Level::Warning, said, [("Camera panel", Command::CameraPanel)]);
         }
         open.template_read(name, template);
@@ -226,8 +226,7 @@ mod tests {
         app.update(read("/match/project.json", Err(missing)));
         assert_eq!(app.current().field.as_ref().map(Result::is_err), Some(true));
         let said = app.session.notices.last().map(|notice| notice.text.as_str());
-        let wanted =
-            "The field's lines are not drawn, for its template is not usable: own.json: cannot be read: no such file";
+        let wanted = "The field's lines are not drawn: own.json: cannot be read: no such file";
         assert_eq!(said, Some(wanted));
         assert_eq!(asked(app.update(Action::GoTo(0))), [], "a file is not tried again unasked");
         assert_eq!(asked(app.update(Action::ReadFailedTemplatesAgain)).len(), 1);
