@@ -22,6 +22,9 @@ pub(super) enum ShownFields<'a> {
     Camera(&'a FieldModel),
 }
 
+/// So many frames are solved before what they gave is written down.
+const AT_ONCE: usize = 4096;
+
 /// Called once for each frame that is solved, from any thread; a break ends it with that error.
 pub(super) type WatchFrames<'a, E> = &'a (dyn Fn() -> ControlFlow<E> + Sync);
 
@@ -45,22 +48,32 @@ pub(super) fn solve_frames<E: Send>(
     let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
         solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
     };
+    // All are solved beside what was given, and some at a time: all solutions together would take several times a document's memory.
+    let given = document.clone();
     let solve_first = |&index: &usize| {
-        let solved = solve(document, &lookup, index);
+        let solved = solve(&given, &lookup, index);
         match watch() {
             ControlFlow::Continue(()) => Ok(solved),
             ControlFlow::Break(error) => Err(error),
         }
     };
-    let first = places.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>()?;
-    let mut again = Vec::new();
-    let settled = places.iter().zip(first).map(|(&index, solved)| {
-        settle(&mut document.frames[index], solved.as_deref());
-        let is_undecided = solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
-        again.extend(is_undecided.then_some(index));
-        solved.map(drop)
-    });
-    let settled = settled.collect();
+    let (mut settled, mut again) = (Vec::with_capacity(places.len()), Vec::new());
+    for some in places.chunks(AT_ONCE) {
+        let first = match some.par_iter().map(solve_first).collect::<Result<Vec<Solved>, E>>() {
+            Ok(first) => first,
+            Err(error) => {
+                *document = given;
+                return Err(error);
+            }
+        };
+        for (&index, solved) in some.iter().zip(first) {
+            settle(&mut document.frames[index], solved.as_deref());
+            let is_undecided = solved.as_ref().is_ok_and(|solved| !solved.alternatives.is_empty());
+            again.extend(is_undecided.then_some(index));
+            settled.push(solved.map(drop));
+        }
+    }
+    drop(given);
     if !again.is_empty() {
         lookup.update(document);
     }
@@ -137,5 +150,57 @@ pub fn record_outcome(frame: &mut Frame, solved: Result<&FrameSolution, &Calibra
 pub(super) fn record_if_solved(frame: &mut Frame, solved: Result<&FrameSolution, &CalibrationError>) {
     if let Ok(solved) = solved {
         frame.record(solved);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
+    use crate::document::{Camera, Click, FieldSpec};
+    use crate::field::builtin;
+    use crate::geometry::{ImageSize, Vec3};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    /// So many frames, each with four exact points.
+    fn clicked(frames: usize) -> (Document, FieldModel) {
+        let (size, field) = (ImageSize::new(1280, 720), builtin("soccer").unwrap().default_model().unwrap());
+        let upright = BaseAngles::default().base_from_world();
+        let base = CameraBase::new(Vec3::new(0.0, -66.0, 18.0), upright, size.centre());
+        let pointed = PtzCamera::new(base, Ptz::from_degrees(-30.0, -12.0, 1500.0));
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), size);
+        camera.set_base(&base);
+        document.cameras.push(camera.into());
+        let seen = field.landmarks.iter().filter_map(|landmark| {
+            let image = pointed.image_from_world(field.landmark_in_world(landmark)).ok()?;
+            size.contains(image).then(|| Click::landmark(landmark.id.clone(), image))
+        });
+        let clicks: Vec<Click> = seen.take(4).collect();
+        for index in 0..frames {
+            let mut frame = Frame::from_image(&format!("{index}.jpg"), "main".into(), size);
+            frame.clicks.clone_from(&clicks);
+            document.frames.push(frame.into());
+        }
+        (document, field)
+    }
+
+    #[test]
+    fn frames_are_solved_some_at_a_time_and_all_or_none_of_them() {
+        let (given, field) = clicked(AT_ONCE + 20);
+        let places: Vec<usize> = (0..given.frames.len()).collect();
+        let (solved, mut document) = (AtomicUsize::new(0), given.clone());
+        let ended = || match solved.fetch_add(1, Ordering::Relaxed) {
+            AT_ONCE.. => ControlFlow::Break("ended"),
+            _ => ControlFlow::Continue(()),
+        };
+        let result = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &ended);
+        assert_eq!(result, Err("ended"));
+        assert_eq!(document, given, "what was written before it was ended is taken back");
+        let goes_on = || ControlFlow::<()>::Continue(());
+        let results = solve_frames(&mut document, &places, ShownFields::Camera(&field), record_if_solved, &goes_on);
+        assert_eq!(results.unwrap().iter().filter(|result| result.is_ok()).count(), AT_ONCE + 20);
+        let focal_px = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().ptz().focal_px);
+        assert!(focal_px.into_iter().all(|focal_px| (focal_px - 1500.0).abs() < 1e-3));
     }
 }
