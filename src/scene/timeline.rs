@@ -79,7 +79,8 @@ impl Timeline {
         timeline
     }
 
-    /// This summary of `before` where it is one of `document` with these frames changed; none where cuts may have moved.
+    /// The summary of `document`, made from this one of what it was `before`: only the parts whose frames changed are summed up again.
+    /// None where a cut may lie elsewhere, or many frames changed.
     #[must_use]
     pub fn followed(&self, document: &Document, before: &TimelineSource) -> Option<Self> {
         let FrameChanges::At(changed) = document.frames.changes_since(&before.frames) else { return None };
