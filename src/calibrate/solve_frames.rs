@@ -48,7 +48,7 @@ pub(super) fn solve_frames<E: Send>(
     let solve = |document: &Document, lookup: &FrameLookup, index: usize| {
         solve_one(document, lookup, index, fields, &of_cameras).map(Box::new)
     };
-    // All are solved beside what was given, and some at a time: all solutions together would take several times a document's memory.
+    // All are solved beside what was given, and some at a time, so that the solutions of a long video are not all held at once.
     let given = document.clone();
     let solve_first = |&index: &usize| {
         let solved = solve(&given, &lookup, index);

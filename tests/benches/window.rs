@@ -174,6 +174,23 @@ impl Window {
     }
 }
 
+/// Each time the pointer goes on to the right, from a place up to so many points beyond it.
+fn pointer_along(bencher: Bencher<'_, '_>, mut window: Window, from: Pos2, far: f32) {
+    let mut x = 0.0;
+    bencher.bench_local(|| {
+        x = (x + 3.0) % far;
+        window.frame(vec![Event::PointerMoved(from + vec2(x, 0.0))])
+    });
+}
+
+/// Each time a command is given.
+fn command_each_time(bencher: Bencher<'_, '_>, mut window: Window, command: Command) {
+    bencher.bench_local(|| {
+        window.app.update(Action::Command(command));
+        window.frame(Vec::new())
+    });
+}
+
 /// Nothing happens: the window is drawn again.
 #[divan::bench]
 fn still(bencher: Bencher<'_, '_>) {
@@ -184,22 +201,13 @@ fn still(bencher: Bencher<'_, '_>) {
 /// The timeline of a video is drawn as well, and the pointer moves along it.
 #[divan::bench]
 fn timeline(bencher: Bencher<'_, '_>) {
-    let mut window = Window::on(of_video(document(frame_count())));
-    let mut x = 0.0;
-    bencher.bench_local(|| {
-        x = (x + 3.0) % 400.0;
-        window.frame(vec![Event::PointerMoved(Pos2::new(300.0 + x, 560.0))])
-    });
+    pointer_along(bencher, Window::on(of_video(document(frame_count()))), Pos2::new(300.0, 560.0), 400.0);
 }
 
 /// Every time a frame of a video is accepted.
 #[divan::bench]
 fn timeline_accept(bencher: Bencher<'_, '_>) {
-    let mut window = Window::on(of_video(document(frame_count())));
-    bencher.bench_local(|| {
-        window.app.update(Action::Command(Command::Accept));
-        window.frame(Vec::new())
-    });
+    command_each_time(bencher, Window::on(of_video(document(frame_count()))), Command::Accept);
 }
 
 /// The quality page is drawn again, all of the time shown.
@@ -207,11 +215,7 @@ fn timeline_accept(bencher: Bencher<'_, '_>) {
 fn quality_page(bencher: Bencher<'_, '_>) {
     let mut window = Window::on(document(2 * frame_count()));
     window.app.update(Action::Command(Command::QualityPage));
-    let mut x = 0.0;
-    bencher.bench_local(|| {
-        x = (x + 3.0) % 900.0;
-        window.frame(vec![Event::PointerMoved(Pos2::new(60.0 + x, 100.0))])
-    });
+    pointer_along(bencher, window, Pos2::new(60.0, 100.0), 900.0);
 }
 
 /// What the quality page shows is derived: it is closed and opened.
@@ -227,12 +231,7 @@ fn quality_page_derived(bencher: Bencher<'_, '_>) {
 /// The pointer moves over the picture.
 #[divan::bench]
 fn pointer_moves(bencher: Bencher<'_, '_>) {
-    let mut window = Window::open();
-    let mut x = 0.0;
-    bencher.bench_local(|| {
-        x = (x + 3.0) % 900.0;
-        window.frame(vec![Event::PointerMoved(Pos2::new(20.0 + x, 300.0))])
-    });
+    pointer_along(bencher, Window::open(), Pos2::new(20.0, 300.0), 900.0);
 }
 
 /// The filmstrip is at another frame every time.
@@ -327,21 +326,13 @@ fn review_still(bencher: Bencher<'_, '_>) {
 /// From suggestion to suggestion along the list.
 #[divan::bench]
 fn review_step(bencher: Bencher<'_, '_>) {
-    let mut window = Window::review();
-    bencher.bench_local(|| {
-        window.app.update(Action::Command(Command::NextNeedsMe));
-        window.frame(Vec::new())
-    });
+    command_each_time(bencher, Window::review(), Command::NextNeedsMe);
 }
 
 /// Each time a suggestion is accepted, and the next one shown.
 #[divan::bench]
 fn review_accept(bencher: Bencher<'_, '_>) {
-    let mut window = Window::review();
-    bencher.bench_local(|| {
-        window.app.update(Action::Command(Command::Accept));
-        window.frame(Vec::new())
-    });
+    command_each_time(bencher, Window::review(), Command::Accept);
 }
 
 /// The frame in which a batch of proposals arrives, as they do twice a second while the forest is asked; the pointer is

@@ -70,9 +70,8 @@ struct LaidOutFor {
 struct Parts {
     frames: Frames,
     of_frames: Vec<Part>,
-    /// The shots by their numbers.
-    clips: Vec<Option<Clip>>,
-    numbers: BTreeMap<Option<Clip>, usize>,
+    /// The numbers of the shots.
+    clips: BTreeMap<Option<Clip>, usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -105,10 +104,10 @@ impl Parts {
     }
 
     fn part_of(&mut self, frame: &Frame, filter: Filter) -> Part {
-        let clip = self.numbers.get(&frame.clip).copied().unwrap_or_else(|| {
-            self.clips.push(frame.clip.clone());
-            self.numbers.insert(frame.clip.clone(), self.clips.len() - 1);
-            self.clips.len() - 1
+        let clip = self.clips.get(&frame.clip).copied().unwrap_or_else(|| {
+            let next = self.clips.len();
+            self.clips.insert(frame.clip.clone(), next);
+            next
         });
         Part { is_shown: filter.shows(frame), may_fold: may_fold(filter, frame), clip }
     }
@@ -117,7 +116,7 @@ impl Parts {
 impl Strip {
     /// As [`Self::new`]; the one that was laid out last is kept as long as its cells stay where they are.
     pub fn of(ui: &Ui, open: &OpenProject, filter: Filter, shown: usize, item: f32) -> Arc<Self> {
-        type Known = Option<(LaidOutFor, Arc<Parts>, Arc<Strip>)>;
+        type Known = Option<(LaidOutFor, Parts, Arc<Strip>)>;
         let memory = Id::unique("filmstrip as laid out");
         let frames = &open.document.frames;
         let unfolded = frames.get(shown).filter(|frame| may_fold(filter, frame)).map(|_| shown);
@@ -126,10 +125,10 @@ impl Strip {
         let known = known.filter(|known| known.0.filter == filter);
         let (parts, kept) = match known {
             Some((before, mut parts, strip)) => {
-                let is_other = !frames.is_same(&parts.frames) && Arc::make_mut(&mut parts).follow(frames, filter);
+                let is_other = parts.follow(frames, filter);
                 (parts, Some(strip).filter(|_| !is_other && before == now))
             }
-            None => (Arc::new(Parts::of(frames, filter)), None),
+            None => (Parts::of(frames, filter), None),
         };
         let strip = kept.unwrap_or_else(|| Arc::new(Self::new(&parts, shown, item)));
         ui.data_mut(|data| data.insert_temp::<Known>(memory, Some((now, parts, Arc::clone(&strip)))));
@@ -141,11 +140,12 @@ impl Strip {
         let mut cells: Vec<StripCell> = Vec::new();
         // The number of cells at the end that are frames without an answer.
         let mut run = 0;
-        let mut shots: Vec<(usize, usize)> = Vec::new();
+        let mut shots = Vec::new();
+        let mut shot = None;
         for (index, part) in parts.of_frames.iter().enumerate().filter(|(_, part)| part.is_shown) {
-            if shots.last().is_none_or(|(_, last)| *last != part.clip) {
+            if shot.replace(part.clip) != Some(part.clip) {
                 fold(&mut cells, std::mem::take(&mut run));
-                shots.push((cells.len(), part.clip));
+                shots.push((cells.len(), parts.frames[index].clip.clone()));
             }
             if index != shown && part.may_fold {
                 run += 1;
@@ -155,7 +155,6 @@ impl Strip {
             cells.push(StripCell::Frame(index));
         }
         fold(&mut cells, run);
-        let shots = shots.into_iter().map(|(begin, clip)| (begin, parts.clips[clip].clone())).collect();
         Self { cells, shots, item }
     }
 
