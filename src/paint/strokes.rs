@@ -1,13 +1,14 @@
 //! Painted strokes of a picture, found without any camera: thin and long, brighter than the ground on both sides, or darker where
 //! that is a floor.
 //!
-//! The middle of a stroke is where the blurred brightness, cut across the direction in which it bends most, has its maximum
-//! (Steger, "An unbiased detector of curvilinear structures", PAMI 1998).
+//! A stroke is where the blurred brightness, cut across the direction in which it bends most, has its maximum (Steger, "An unbiased
+//! detector of curvilinear structures", PAMI 1998), and its middle lies between the two edges of the paint.
 
 use super::GroundPicture;
 use super::ground_area::{GroundArea, parts};
+use super::profile::Profile;
 use crate::geometry::{ImagePoint, ImageSize, Vec2};
-use crate::media::GreyPicture;
+use crate::media::{GreyPicture, Picture};
 
 /// How far beside a stroke the ground is compared with it, px: the nearest suits thin lines, the farthest those near the
 /// camera.
@@ -80,7 +81,7 @@ impl Strokes {
             }
         }
         let ridges = ridges(ground, &area);
-        let points = long_ones(&ridges, size);
+        let points = long_ones(&ridges, size, ground.surface().is_turf());
         for point in &points {
             cells.mark_stroke(point.at);
         }
@@ -109,6 +110,50 @@ struct RidgePixel {
     index: usize,
     at: ImagePoint,
     normal: Vec2,
+    colours: Colours,
+}
+
+/// The colours of a stroke and of the ground beside it, red, green and blue, summed over places.
+#[derive(Clone, Copy, Debug, Default)]
+struct Colours {
+    stroke: [f64; 3],
+    ground: [f64; 3],
+}
+
+impl Colours {
+    /// At the middle of a stroke, the ground taken `side_px` beside it.
+    fn at(picture: &Picture, at: ImagePoint, normal: Vec2, side_px: f64) -> Self {
+        let colour = |at: ImagePoint| {
+            let pixel = picture.pixel(at.x.max(0.0) as u32, at.y.max(0.0) as u32).unwrap_or_default();
+            [0, 1, 2].map(|channel| f64::from(pixel[channel]))
+        };
+        let (one, other) = (colour(at.moved(normal * side_px)), colour(at.moved(normal * -side_px)));
+        Self { stroke: colour(at), ground: [0, 1, 2].map(|channel| f64::midpoint(one[channel], other[channel])) }
+    }
+
+    fn add(&mut self, other: &Self) {
+        for channel in 0..3 {
+            self.stroke[channel] += other.stroke[channel];
+            self.ground[channel] += other.ground[channel];
+        }
+    }
+
+    /// Whether the stroke is turf that is brighter than that beside it, as a stripe of mowing seen from far away is: what it adds
+    /// has the green of the ground. White paint adds less green than red and blue, yellow paint hardly any blue.
+    fn are_of_brighter_turf(&self) -> bool {
+        /// Painted lines on a drawn match had at most .1 of the ground's green in what they add, stripes .44 and more.
+        const GREEN: f64 = 0.35;
+        /// By so much of what it adds yellow paint has more red than blue.
+        const YELLOW: f64 = 0.35;
+        let added = [0, 1, 2].map(|channel| self.stroke[channel] - self.ground[channel]);
+        let green = |[red, green, blue]: [f64; 3]| (green - f64::midpoint(red, blue)) / (red + green + blue);
+        let [red, _, blue] = added;
+        let all: f64 = added.iter().sum();
+        all > 0.0
+            && green(self.ground) > 0.0
+            && green(added) > GREEN * green(self.ground)
+            && (red - blue) / all < YELLOW
+    }
 }
 
 /// Whether a stroke is brighter than the ground or darker.
@@ -134,6 +179,7 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
     let smooth = blurred(ground.grey());
     let tones: &[Tone] = if ground.surface().is_turf() { &[Tone::Bright] } else { &[Tone::Bright, Tone::Dark] };
     let mut found = Vec::new();
+    let mut profile = Profile::default();
     for y in 1..height.saturating_sub(1) {
         for x in 1..width.saturating_sub(1) {
             if !area.is_near(x, y) {
@@ -143,9 +189,16 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
             for tone in tones {
                 let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else { continue };
                 let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
-                if contrasts(ground.grey(), at, normal, *tone) && has_ground_beside(area, at, normal) {
-                    found.push(RidgePixel { index, at, normal });
+                let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else { continue };
+                if !has_ground_beside(area, at, normal) {
+                    continue;
                 }
+                let at = match tone {
+                    Tone::Bright => between_edges(&mut profile, ground.grey(), at, normal, side_px),
+                    Tone::Dark => at,
+                };
+                let colours = Colours::at(ground.picture(), at, normal, side_px);
+                found.push(RidgePixel { index, at, normal, colours });
             }
         }
     }
@@ -177,11 +230,35 @@ fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2,
     within.then(|| (Vec2::new(f64::from(normal_x), f64::from(normal_y)), f64::from(beside)))
 }
 
-/// Whether a place is brighter than the ground on both sides, or darker.
-fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> bool {
+/// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing end where lines are painted, and
+/// the blurred brightness has its maximum on the brighter side, by 1.5 px where the paint is 1 px wide; the edges, each halfway
+/// between the paint and its own ground, stay where they are.
+fn between_edges(profile: &mut Profile, grey: &GreyPicture, at: ImagePoint, normal: Vec2, side_px: f64) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    /// The paint is at its brightest this near to the maximum of the blurred brightness, px.
+    const BESIDE_PX: f64 = 3.0;
+    profile.read(grey, at, normal, 2.0 * side_px, STEP_PX);
+    let middle = profile.len() / 2;
+    let (side, beside) = (profile.places(side_px), profile.places(BESIDE_PX).unsigned_abs());
+    let near = middle.saturating_sub(beside)..=(middle + beside).min(profile.len() - 1);
+    let Some(brightest) = near.max_by(|one, other| profile.grey(*one).total_cmp(&profile.grey(*other))) else {
+        return at;
+    };
+    let (before, behind) = (profile.mean(middle, -2 * side, -side), profile.mean(middle, side, 2 * side));
+    let edge = |direction: isize, ground: f64| {
+        profile.falls_below(brightest, direction, f64::midpoint(profile.grey(brightest), ground), 2.0 * side_px)
+    };
+    match (edge(-1, before), edge(1, behind)) {
+        (Some(from), Some(to)) => at.moved(normal * profile.offset_px(f64::midpoint(from, to))),
+        _ => at,
+    }
+}
+
+/// How far beside a place the ground on both sides is darker, or brighter, than there, px.
+fn contrasts(grey: &GreyPicture, at: ImagePoint, normal: Vec2, tone: Tone) -> Option<f64> {
     let here = grey.at(at);
-    SIDES_PX.into_iter().any(|side_px| {
-        let (one, other) = (grey.at(at.moved(normal * side_px)), grey.at(at.moved(normal * -side_px)));
+    SIDES_PX.into_iter().find(|side_px| {
+        let (one, other) = (grey.at(at.moved(normal * *side_px)), grey.at(at.moved(normal * -side_px)));
         let (stands_out, brighter) = match tone {
             Tone::Bright => (here - one.max(other), one.max(other)),
             Tone::Dark => (one.min(other) - here, one.max(other)),
@@ -201,8 +278,8 @@ fn has_ground_beside(area: &GroundArea, at: ImagePoint, normal: Vec2) -> bool {
     }
 }
 
-/// Places on strokes that are long enough, row by row.
-fn long_ones(ridges: &[RidgePixel], size: ImageSize) -> Vec<StrokePoint> {
+/// Places on strokes that are long enough, row by row; on turf without those of brighter turf.
+fn long_ones(ridges: &[RidgePixel], size: ImageSize, is_turf: bool) -> Vec<StrokePoint> {
     let (width, height) = (size.width as usize, size.height as usize);
     // Strokes are joined over gaps of two pixels.
     let mut set = vec![false; width * height];
@@ -212,7 +289,8 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize) -> Vec<StrokePoint> {
             set[y * width + x.saturating_sub(1)..y * width + (x + 2).min(width)].fill(true);
         }
     }
-    let mut length_px = vec![0.0_f32; width * height];
+    let mut of_part = vec![0_usize; width * height];
+    let mut strokes: Vec<(f64, Colours)> = Vec::new();
     for part in parts(&set, width) {
         let extent = |of: &dyn Fn(usize) -> usize| {
             let (least, most) = part
@@ -223,12 +301,21 @@ fn long_ones(ridges: &[RidgePixel], size: ImageSize) -> Vec<StrokePoint> {
         };
         let length = extent(&|index| index % width).hypot(extent(&|index| index / width));
         for index in part {
-            length_px[index] = length;
+            of_part[index] = strokes.len();
         }
+        strokes.push((f64::from(length), Colours::default()));
+    }
+    for ridge in ridges {
+        strokes[of_part[ridge.index]].1.add(&ridge.colours);
     }
     let least_px = (MIN_LENGTH_PX * size.scale_from_1920()).max(GRAIN_PX) + 2.0;
-    let long = ridges.iter().filter(|ridge| f64::from(length_px[ridge.index]) > least_px);
-    long.map(|ridge| StrokePoint { at: ridge.at, normal: ridge.normal, length_px: f64::from(length_px[ridge.index]) })
+    let is_paint: Vec<bool> = strokes
+        .iter()
+        .map(|(length_px, colours)| *length_px > least_px && !(is_turf && colours.are_of_brighter_turf()))
+        .collect();
+    let painted = ridges.iter().filter(|ridge| is_paint[of_part[ridge.index]]);
+    painted
+        .map(|ridge| StrokePoint { at: ridge.at, normal: ridge.normal, length_px: strokes[of_part[ridge.index]].0 })
         .collect()
 }
 
@@ -307,7 +394,7 @@ impl Cells {
 mod tests {
     use super::super::drawn::{PICTURE, SIZE, soccer, truth};
     use super::*;
-    use crate::geometry::Vec3;
+    use crate::geometry::{Vec3, median};
     use crate::markings::{SampleOptions, sample_lines};
 
     #[test]
@@ -330,9 +417,64 @@ mod tests {
         assert_eq!(strokes.shown(ImagePoint::new(-3.0, 5.0)), Shown::Other);
     }
 
+    /// Turf in two stripes of mowing with a painted line between them through the middle of the picture, and the normal of the line.
+    fn line_between_stripes(angle_deg: f64, width_px: f64, stripes: [f64; 2]) -> (GroundPicture, ImagePoint, Vec2) {
+        let size = ImageSize::new(160, 120);
+        let (middle, normal) =
+            (ImagePoint::new(80.3, 60.1), Vec2::new(angle_deg.to_radians().cos(), angle_deg.to_radians().sin()));
+        // An edge with the blur of a lens.
+        let beyond = |off_px: f64| 1.0 / (1.0 + (-off_px / 0.4).exp());
+        let green = |x: u32, y: u32| {
+            let off_px = ImagePoint::new(f64::from(x) + 0.5, f64::from(y) + 0.5).offset_from(middle).dot(&normal);
+            let paint = beyond(off_px + 0.5 * width_px) - beyond(off_px - 0.5 * width_px);
+            let ground = stripes[0] + (stripes[1] - stripes[0]) * beyond(off_px);
+            (ground, paint)
+        };
+        let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y))).flat_map(|(x, y)| {
+            let (ground, paint) = green(x, y);
+            let channel = |share: f64| (ground * share * (1.0 - paint) + 220.0 * paint) as u8;
+            [channel(0.6), channel(1.2), channel(0.4), 255]
+        });
+        (GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[]), middle, normal)
+    }
+
+    #[test]
+    fn the_middle_of_a_stroke_stays_where_a_stripe_of_mowing_ends_there() {
+        for angle_deg in [0.0, 25.0, 90.0, 160.0] {
+            for width_px in [1.2, 2.5, 5.0, 9.0] {
+                for stripes in [[85.0, 85.0], [80.0, 105.0], [105.0, 80.0]] {
+                    let (ground, middle, normal) = line_between_stripes(angle_deg, width_px, stripes);
+                    let points = Strokes::of(&ground).points;
+                    assert!(points.len() > 40, "{angle_deg}°, {width_px} px, {stripes:?}: {} places", points.len());
+                    let mut off_px: Vec<f64> =
+                        points.iter().map(|point| point.at.offset_from(middle).dot(&normal)).collect();
+                    let median_px = median(&mut off_px).unwrap();
+                    assert!(median_px.abs() < 0.2, "{angle_deg}°, {width_px} px, {stripes:?}: {median_px:.2} px off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_bright_stripe_of_mowing_is_no_stroke_and_white_and_yellow_paint_are() {
+        let size = ImageSize::new(160, 120);
+        let strokes_of = |colour: [f64; 3]| {
+            let pixels = (0..size.height * size.width).flat_map(|pixel| {
+                let off_px = f64::from(pixel / size.width) + 0.5 - 60.3;
+                let share = (2.5 - off_px.abs()).clamp(0.0, 1.0);
+                let channel = |at: usize| ([54.0, 96.0, 40.0][at] * (1.0 - share) + colour[at] * share) as u8;
+                [channel(0), channel(1), channel(2), 255]
+            });
+            Strokes::of(&GroundPicture::new(&Picture::new(size, pixels.collect()).unwrap(), &[])).points.len()
+        };
+        assert_eq!(strokes_of([75.0, 130.0, 55.0]), 0, "brighter turf");
+        for paint in [[120.0, 150.0, 110.0], [220.0, 220.0, 210.0], [210.0, 200.0, 50.0], [90.0, 120.0, 90.0]] {
+            assert!(strokes_of(paint) > 100, "{paint:?}");
+        }
+    }
+
     #[test]
     fn a_picture_without_pixels_or_paint_has_no_strokes() {
-        use crate::media::Picture;
         for size in [ImageSize::new(0, 0), ImageSize::new(3, 2), ImageSize::new(200, 100)] {
             let picture = Picture::filled(size, [60, 110, 40, 255]);
             assert!(Strokes::of(&GroundPicture::new(&picture, &[])).points.is_empty(), "{size:?}");
