@@ -19,7 +19,7 @@ use crate::document::{Camera, CameraId, FieldSpec, RejectReason, Target};
 use crate::field::{FieldError, Symmetry, Template};
 use crate::geometry::{ImagePoint, PixelBox};
 use crate::paint::SnappedPoint;
-use crate::proposals::{FoundMask, Proposal, UsedFeatures};
+use crate::proposals::{CarriedProposal, FoundMask, Proposal, UsedFeatures};
 use crate::scene::{OverlayStyle, PictureLook, Sport};
 use crate::store::{OrphanEdits, Outside};
 use std::path::PathBuf;
@@ -199,6 +199,8 @@ pub enum Action {
 
     /// Cameras that the forest proposes for frames that nobody has looked at.
     Proposals(Vec<Proposal>),
+    /// Cameras carried from such frames to those between them.
+    CarriedProposals(Vec<CarriedProposal>),
     /// The pointer is over the review panel's list, or has left it: see [`super::review`].
     HoldReview(bool),
     /// The order of the review panel's list.

@@ -100,6 +100,7 @@ impl Action {
             | Self::MirrorNames { .. } => ActionKind::Edit,
             Self::Video(_)
             | Self::Proposals(_)
+            | Self::CarriedProposals(_)
             | Self::BurntIn { .. }
             | Self::SnapProgress { .. }
             | Self::Snapped { .. }

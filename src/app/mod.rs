@@ -81,7 +81,9 @@ pub use settings::{Settings, WindowPlace};
 pub use shot_search::{FoundShots, ShotFailure, ShotProgress, ShotSearch};
 pub use shown::Shown;
 pub use tracking::{CarriedShot, LastCarried, TrackAction, TrackFailure, TrackOrder, Tracking};
-pub use trainer::{Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference};
+pub use trainer::{
+    Doing, ForestFacts, Share, TrainerOrder, TrainerState, TrainerStatus, UnusableReference, describe_left,
+};
 pub use update::{App, MAX_SCALE};
 pub use versioned::Versioned;
 pub use video::VideoAction;

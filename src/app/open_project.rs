@@ -6,7 +6,7 @@ use super::prepared::Prepared;
 use crate::calibrate::{BetterCamera, CalibrationError, better_camera, calibrate};
 use crate::document::{Document, DocumentAt, Edit, EditKind, Fields, Frame, FrameStatus, History, Shared, Step};
 use crate::field::{FieldError, FieldModel, Template};
-use crate::proposals::{Layered, Proposal};
+use crate::proposals::{CarriedProposal, Layered, Offer, Proposal};
 use crate::solve::FrameSolution;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -92,9 +92,19 @@ impl OpenProject {
         let newest = proposals.iter().map(|proposal| proposal.generation).max()?;
         self.forest_generation = self.forest_generation.max(newest);
         let is_current = |proposal: &&Proposal| proposal.generation == self.forest_generation;
-        let current: Vec<&Proposal> = proposals.iter().filter(is_current).collect();
+        let current = proposals.iter().filter(is_current);
+        self.suggest(&current.filter_map(Proposal::offer).collect::<Vec<_>>())
+    }
+
+    /// Takes in cameras that were carried from what a forest answered, in the same way.
+    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) -> Option<Edit> {
+        let current = carried.iter().filter(|carried| carried.generation >= self.forest_generation);
+        self.suggest(&current.map(CarriedProposal::offer).collect::<Vec<_>>())
+    }
+
+    fn suggest(&mut self, offers: &[Offer<'_>]) -> Option<Edit> {
         let mut document = self.document.clone();
-        let edit = self.journalled.suggest(&mut document, &current)?;
+        let edit = self.journalled.suggest(&mut document, offers)?;
         *self.document = document;
         self.revision += 1;
         Some(edit)

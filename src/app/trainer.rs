@@ -29,6 +29,8 @@ pub struct TrainerState {
 pub struct TrainerStatus {
     /// What it is doing.
     pub doing: Doing,
+    /// How long that will take by its pace so far; none before there is a pace.
+    pub left: Option<Duration>,
     /// References of the document.
     pub references: usize,
     /// Those that are used for training.
@@ -78,6 +80,8 @@ pub enum Doing {
     Training(Share),
     /// It asks the forest for cameras of frames.
     Proposing(Share),
+    /// It carries cameras from key frames of videos to the frames between.
+    Carrying(Share),
     /// It tests the forest on references that are left out.
     Measuring(Share),
     /// It rests.
@@ -144,6 +148,7 @@ impl Doing {
             Self::Features(done) => share("Finding features of references", done),
             Self::Training(done) => format!("Training: {:.0} %", 100.0 * done.fraction()),
             Self::Proposing(done) => share("Proposing cameras", done),
+            Self::Carrying(done) => share("Carrying cameras to the frames between", done),
             Self::Measuring(done) => share("Measuring accuracy", done),
             Self::Paused => "Paused".to_owned(),
         }
@@ -157,18 +162,33 @@ impl Doing {
             Self::Features(share) => format!("features {}/{}", share.done, share.of),
             Self::Training(share) => format!("training {:.0} %", 100.0 * share.fraction()),
             Self::Proposing(share) => format!("proposing {}/{}", share.done, share.of),
+            Self::Carrying(share) => format!("carrying {}/{}", share.done, share.of),
             Self::Measuring(share) => format!("measuring {}/{}", share.done, share.of),
             Self::Paused => "trainer paused".to_owned(),
         })
+    }
+
+    /// How much longer it takes at the pace at which it came here from an earlier state, some time ago; none where they are not
+    /// parts of the same, or so little was done since that it says nothing.
+    #[must_use]
+    pub fn left_since(self, earlier: Self, elapsed: Duration) -> Option<Duration> {
+        /// A pace is that of some seconds.
+        const LEAST: Duration = Duration::from_secs(4);
+        let (now, then) = (self.share()?, earlier.share()?);
+        let done = now.done.checked_sub(then.done).filter(|done| *done > 0)?;
+        let is_paced = self.is_kind_of(earlier) && elapsed >= LEAST;
+        is_paced.then(|| elapsed.mul_f64(now.of.saturating_sub(now.done) as f64 / done as f64))
     }
 
     /// How far it has come, where that is known.
     #[must_use]
     pub const fn share(self) -> Option<Share> {
         match self {
-            Self::Features(share) | Self::Training(share) | Self::Proposing(share) | Self::Measuring(share) => {
-                Some(share)
-            }
+            Self::Features(share)
+            | Self::Training(share)
+            | Self::Proposing(share)
+            | Self::Carrying(share)
+            | Self::Measuring(share) => Some(share),
             Self::Nothing | Self::Settling | Self::Paused => None,
         }
     }
@@ -177,5 +197,38 @@ impl Doing {
     #[must_use]
     pub fn is_kind_of(self, other: Self) -> bool {
         std::mem::discriminant(&self) == std::mem::discriminant(&other)
+    }
+}
+
+/// A time that is left, in words: as rough as it is known.
+#[must_use]
+pub fn describe_left(left: Duration) -> String {
+    match left.as_secs() {
+        0..=9 => "a few seconds left".to_owned(),
+        seconds @ 10..=89 => format!("about {} s left", seconds.next_multiple_of(10)),
+        seconds @ 90..=5_399 => format!("about {} min left", seconds.div_ceil(60)),
+        seconds => format!("about {:.1} h left", seconds as f64 / 3600.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_left_follows_from_the_pace() {
+        let at = |done: usize| Doing::Proposing(Share { done, of: 100 });
+        let left = |now: Doing, then: Doing, seconds: u64| now.left_since(then, Duration::from_secs(seconds));
+        assert_eq!(left(at(30), at(10), 10), Some(Duration::from_secs(35)));
+        assert_eq!(left(at(100), at(10), 10), Some(Duration::ZERO));
+        assert_eq!(left(at(30), at(10), 2), None, "two seconds are no pace");
+        assert_eq!(left(at(10), at(10), 10), None);
+        assert_eq!(left(at(5), at(10), 10), None);
+        assert_eq!(left(at(30), Doing::Carrying(Share { done: 10, of: 100 }), 10), None);
+        assert_eq!(left(Doing::Nothing, at(10), 10), None);
+        let words = [3, 41, 119, 3600, 7200].map(|seconds| describe_left(Duration::from_secs(seconds)));
+        let expected =
+            ["a few seconds left", "about 50 s left", "about 2 min left", "about 60 min left", "about 2.0 h left"];
+        assert_eq!(words, expected);
     }
 }

@@ -42,6 +42,7 @@ pub use clip::{
     ClipEvidence, ClipFrame, ClipFrames, ClipProgress, ClipStop, MovedReference, TrackClipError, TrackClipOptions,
     TrackedClip, TrackedFrame, WatchClip, clips, record_tracked, track_clip,
 };
+pub(crate) use clip::{is_anchor, record_tracked_frame};
 pub use disagreement::{Disagreement, Disagreements, disagreements};
 pub(crate) use follow_base::moved_frames;
 pub use found_camera::FoundCamera;

@@ -337,6 +337,7 @@ impl Runner {
         actions.extend(reports.into_iter().map(|report| match report {
             TrainerReport::Status(status) => Action::Trainer(status),
             TrainerReport::Proposals(proposals) => Action::Proposals(proposals),
+            TrainerReport::Carried(carried) => Action::CarriedProposals(carried),
             TrainerReport::Features(used) => Action::Features(used),
             TrainerReport::Broken { message } => {
                 let text = format!("The trainer stopped: internal error (please report it): {message}");

@@ -6,11 +6,23 @@
 //!
 //! A file has both in one: [`Layered::shown`]. That is also what every reader reads and what the journal keeps.
 
+use super::Asked;
 use super::suggestions::Suggestions;
-use super::{NoProposal, Proposal};
 use crate::camera::CameraBase;
-use crate::document::{Camera, CameraId, Document, Edit, Frame, FramePtz, Shared, Solution, SplitDocument, Suggestion};
+use crate::document::{
+    Camera, CameraId, Document, Edit, Frame, FrameId, FramePtz, Shared, Solution, SplitDocument, Suggestion,
+};
 use std::collections::BTreeMap;
+
+/// Something that was found for a frame.
+pub(crate) struct Offer<'a> {
+    /// The frame.
+    pub(super) id: &'a FrameId,
+    /// What it was when it was asked for.
+    pub(super) asked: &'a Asked,
+    /// What is suggested for it.
+    pub(super) suggestion: Suggestion,
+}
 
 /// A document in two layers, what people did and what is suggested, and both together as a reader sees them.
 #[derive(Clone, Debug)]
@@ -111,27 +123,24 @@ impl Layered {
         Some(edit)
     }
 
-    /// Takes in what the forest answered and says what is to be journalled; none if a reader sees nothing new. `now` is what edits
+    /// Takes in what was found for frames and says what is to be journalled; none if a reader sees nothing new. `now` is what edits
     /// that are under way have made of [`Self::shown`]; it shows the answers too, except in frames that are being edited.
-    pub(crate) fn suggest(&mut self, now: &mut Document, proposals: &[&Proposal]) -> Option<Edit> {
+    pub(crate) fn suggest(&mut self, now: &mut Document, offers: &[Offer<'_>]) -> Option<Edit> {
         let mut shown = self.shown().clone();
         let bases = Bases::of(self.edited());
         let mut count = 0;
-        for proposal in proposals {
-            let Some(position) = self.edited().frames.position_of(&proposal.frame) else { continue };
+        for Offer { id, asked, suggestion } in offers {
+            let Some(position) = self.edited().frames.position_of(id) else { continue };
             let frame = self.edited().frames[position].clone();
-            // Without a base nothing was asked: there is nothing to say about the frame.
-            let is_answer = !matches!(proposal.outcome, Err(NoProposal::NoBase { .. })) && proposal.asked.is_of(&frame);
-            let suggestion = proposal.suggestion();
-            if !is_answer || !self.suggestions.is_news(&proposal.frame, &suggestion) {
+            if !asked.is_of(&frame) || !self.suggestions.is_news(id, suggestion) {
                 continue;
             }
-            self.suggestions.put(&proposal.frame, suggestion);
+            self.suggestions.put(id, suggestion.clone());
             let with = self.with_suggestion(&frame, &bases);
             if with == shown.frames[position] {
                 continue;
             }
-            if let Some(here) = now.frames.position_of(&proposal.frame)
+            if let Some(here) = now.frames.position_of(id)
                 && now.frames[here] == shown.frames[position]
             {
                 now.frames[here] = with.clone();

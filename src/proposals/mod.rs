@@ -9,6 +9,7 @@
 //! | `Layered` | what the forest suggests, beside what people did; a document as a reader sees it |
 //! | [`LineEvidence`] | what the painted lines say about an answer |
 //! | `AskingOrder` | which frames the forest is asked for first |
+//! | `KeyWindow`, [`CarriedProposal`] | key frames of a video; the cameras carried from them to the frames between |
 //! | `TrainingSet` | what a forest was trained on |
 //! | [`measure`], [`Quality`] | references left out and asked for |
 //! | [`ExpectedWrong`] | how many of some answers are wrong |
@@ -22,10 +23,12 @@
 mod advice;
 mod bases;
 mod burnt_in;
+mod carried;
 mod coverage;
 mod expected_wrong;
 mod features;
 mod find_burnt_in;
+mod key_frames;
 mod label;
 mod label_needs;
 mod layer;
@@ -50,13 +53,15 @@ pub(crate) use advice::LabelAdvice;
 pub use advice::{LabelNext, label_advice};
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
+pub use carried::CarriedProposal;
 pub use coverage::{Coverage, CoverageCell};
 pub use expected_wrong::ExpectedWrong;
 pub use features::{FrameFeatures, FramePictures};
 pub use find_burnt_in::find_burnt_in;
+pub(crate) use key_frames::KeyWindow;
 pub use label_needs::SURE;
 pub(crate) use label_needs::{LabelNeeds, is_uncertain};
-pub(crate) use layer::Layered;
+pub(crate) use layer::{Layered, Offer};
 pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn, study};
 pub use line_evidence::LineEvidence;
 pub(crate) use order::AskingOrder;

@@ -1,6 +1,6 @@
 //! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
 
-use super::PictureError;
+use super::{Offer, PictureError};
 use crate::camera::CameraBase;
 use crate::document::{
     Camera, CameraId, Document, Frame, FrameId, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning,
@@ -193,7 +193,7 @@ impl Proposal {
     }
 
     /// What it suggests for its frame: a camera, or none and the reason among the warnings.
-    pub(crate) fn suggestion(&self) -> Suggestion {
+    pub(super) fn suggestion(&self) -> Suggestion {
         let timings_ms = Some(TimingsMs::from(self.timings));
         let solution = Solution { source: Some(SolutionSource::Forest), timings_ms, ..Solution::default() };
         let (ptz, solution) = match &self.outcome {
@@ -215,6 +215,12 @@ impl Proposal {
             }
         };
         Suggestion { revision: self.asked.revision, base: self.asked.base, ptz, solution: Some(solution) }
+    }
+
+    /// The same for the layer of suggestions; none without a base: nothing was asked, and there is nothing to say about the frame.
+    pub(crate) fn offer(&self) -> Option<Offer<'_>> {
+        let is_answer = !matches!(self.outcome, Err(NoProposal::NoBase { .. }));
+        is_answer.then(|| Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion() })
     }
 
     /// Writes the answer into its frame, as a file has it.

@@ -3,14 +3,22 @@
 
 use crate::parts::{Test, frames_folder, tests};
 use crate::program::touchline;
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+use touchline::app::{Doing, TrainerOrder, TrainerStatus};
 use touchline::calibrate::{Problem, check_pictures};
-use touchline::document::{Document, FieldSpec, Frame};
-use touchline::geometry::ImageSize;
+use touchline::camera::{CameraBase, FocalCurve, Ptz};
+use touchline::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, SolutionSource};
+use touchline::geometry::rotation::nearest_rotation;
+use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
+use touchline::jobs::{SharedPictures, Trainer, TrainerOptions, TrainerReport};
 use touchline::store::read;
 
 pub const TESTS: &[Test] = tests![
     [Frames] new_takes_the_frames_of_a_video_that_decode;
     [Frames] check_compares_frame_numbers_and_times_of_a_video;
+    [Frames] the_trainer_carries_cameras_between_key_frames;
 ];
 
 fn new_takes_the_frames_of_a_video_that_decode() {
@@ -44,4 +52,76 @@ fn check_compares_frame_numbers_and_times_of_a_video() {
         "frames[4] (match.mp4#10): pts_s 0.48 is not the time of frame 10 of the video (0.4000); inspect the label",
     ];
     assert_eq!(said, expected);
+}
+
+/// The first frames of the match; their camera and two of its views as `touchline calibrate` finds them.
+fn two_references(frames: u64) -> Document {
+    let size = ImageSize::new(1280, 720);
+    let mut document = Document::new(FieldSpec::new("soccer"));
+    let mut main = Camera::new("main".into(), size);
+    let rows = [[1.0, 0.0, 0.00142], [0.00142, -0.00281, -1.0], [0.0, 1.0, -0.00281]];
+    let base_from_world = nearest_rotation(&Mat3::from_fn(|row, column| rows[row][column]));
+    let distortion = FocalCurve { at_focal_px: 1333.3, value: 0.0633, per_1000_px: 0.3986, k2_per_k1_squared: 2.0 };
+    let centre = ImagePoint::new(644.65, 329.17);
+    main.set_base(&CameraBase {
+        distortion,
+        ..CameraBase::new(Vec3::new(-0.043, -70.724, 15.334), base_from_world, centre)
+    });
+    document.cameras.push(main.into());
+    for index in 0..frames {
+        let video = touchline::document::VideoFrame::new("match.mp4", index, None);
+        document.frames.push(Frame::from_video(video, "main".into(), size).into());
+    }
+    for (index, pan_deg, tilt_deg, focal_px) in [(0, 8.53823, -11.79129, 2539.516), (60, 7.79803, -11.35380, 2627.479)]
+    {
+        document.frames[index].status = FrameStatus::Reference;
+        document.frames[index].ptz = Some(FramePtz::new(Ptz::from_degrees(pan_deg, tilt_deg, focal_px), None));
+    }
+    document
+}
+
+fn the_trainer_carries_cameras_between_key_frames() {
+    let folder = tempfile::tempdir().unwrap();
+    let video = frames_folder().join("video-soccer/match.mp4").canonicalize().unwrap();
+    std::os::unix::fs::symlink(video, folder.path().join("match.mp4")).unwrap();
+    let mut document = two_references(61);
+    let (wake, woken) = channel();
+    let wake = Arc::new(move || wake.send(()).unwrap_or_default());
+    let options = TrainerOptions { settle: Duration::ZERO, ..TrainerOptions::default() };
+    let file = folder.path().join("project.json");
+    let trainer = Trainer::start(file, options, SharedPictures::none(), wake).unwrap();
+    trainer.tell(TrainerOrder::Document(Box::new(document.clone())));
+    let (mut status, mut asked, mut carried) = (TrainerStatus::default(), 0, 0);
+    while !(status.doing == Doing::Nothing && status.forest.is_some()) {
+        woken.recv().unwrap();
+        for report in trainer.poll() {
+            match report {
+                TrainerReport::Status(now) => status = *now,
+                TrainerReport::Proposals(proposals) => {
+                    asked += proposals.len();
+                    proposals.iter().for_each(|it| it.record(document.frames.by_id_mut(&it.frame).unwrap()));
+                }
+                TrainerReport::Carried(cameras) => {
+                    carried += cameras.len();
+                    cameras.iter().for_each(|it| it.record(document.frames.by_id_mut(&it.frame).unwrap()));
+                }
+                TrainerReport::Features(_) => panic!("nobody asked for features"),
+                TrainerReport::Broken { message } => panic!("{message}"),
+            }
+        }
+    }
+    assert_eq!(status.trouble, None);
+    // Eight beside the first frame, and two key frames.
+    assert!(asked <= 10 && carried >= 49, "{asked} asked, {carried} carried");
+    let pans: Vec<f64> = document.frames.iter().map(|frame| frame.ptz.as_ref().unwrap().pan_deg).collect();
+    let of_carried = |at: &usize| {
+        let source = document.frames[*at].solution.as_ref().and_then(|solution| solution.source);
+        source == Some(SolutionSource::Tracking)
+    };
+    let rests: Vec<usize> = (12..58).filter(of_carried).collect();
+    assert!(rests.len() > 40, "{rests:?}");
+    for at in rests {
+        let jerk_deg = pans[at - 1] - 2.0 * pans[at] + pans[at + 1];
+        assert!(jerk_deg.abs() < 0.05, "frame {at}: {jerk_deg}°");
+    }
 }

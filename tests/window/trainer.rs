@@ -32,6 +32,7 @@ fn status(document: &Document) -> TrainerStatus {
     };
     TrainerStatus {
         doing: Doing::Proposing(Share { done: 30, of: 120 }),
+        left: Some(Duration::from_secs(63)),
         references: 8,
         training_frames: 6,
         withheld: 2,

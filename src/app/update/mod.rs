@@ -204,6 +204,7 @@ impl App {
             Action::AbortEdit => self.abort(),
             Action::SolveAgain => self.solve_again(),
             Action::Proposals(proposals) => self.take_proposals(&proposals),
+            Action::CarriedProposals(carried) => self.take_carried(&carried),
             Action::Trainer(status) => self.trainer_reported(*status),
             Action::Features(used) => self.session.trainer.features = Some(*used),
             Action::HoldReview(held) => self.session.review.held = held,

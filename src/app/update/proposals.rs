@@ -4,23 +4,37 @@ use super::App;
 use crate::app::effect::Effect;
 use crate::app::session::{Level, Saving};
 use crate::calibrate::moved_frames;
-use crate::proposals::{NoProposal, Proposal};
+use crate::document::Edit;
+use crate::proposals::{CarriedProposal, NoProposal, Proposal};
 
 impl App {
     /// Takes proposals in: journalled, but not a step of undo. Those of an older forest than the last one are dropped.
     pub(super) fn take_proposals(&mut self, proposals: &[Proposal]) {
         let Some(open) = self.open.as_mut().filter(|open| open.read_only.is_none()) else { return };
         let Some(edit) = open.take_proposals(proposals) else { return };
-        self.effects.push(Effect::Journal { edit, revision: open.revision });
-        if !matches!(self.session.saving, Saving::Failed { .. }) {
-            self.session.saving = Saving::Pending;
-        }
+        self.journal_suggested(edit);
         let mistake = proposals.iter().find_map(|proposal| match &proposal.outcome {
             Err(mistake @ NoProposal::Panicked { .. }) => Some(mistake.to_string()),
             _ => None,
         });
         if let Some(mistake) = mistake {
             self.session.notify(Level::Error, format!("No proposal: {mistake}."));
+        }
+    }
+
+    /// Takes in cameras that were carried from what the forest proposed, in the same way.
+    pub(super) fn take_carried(&mut self, carried: &[CarriedProposal]) {
+        let open = self.open.as_mut().filter(|open| open.read_only.is_none());
+        if let Some(edit) = open.and_then(|open| open.take_carried(carried)) {
+            self.journal_suggested(edit);
+        }
+    }
+
+    fn journal_suggested(&mut self, edit: Edit) {
+        let Some(open) = &self.open else { return };
+        self.effects.push(Effect::Journal { edit, revision: open.revision });
+        if !matches!(self.session.saving, Saving::Failed { .. }) {
+            self.session.saving = Saving::Pending;
         }
     }
 

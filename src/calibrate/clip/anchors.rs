@@ -26,16 +26,31 @@ pub(super) fn anchors(document: &Document, clip: &ClipFrames, base: &CameraBase)
     frames.filter_map(|(at, frame)| of_frame(frame, at, base)).collect()
 }
 
-fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)> {
-    let ptz = frame.ptz.as_ref()?.ptz();
-    let solution = frame.solution.as_ref();
-    let is_persons = frame.status == FrameStatus::Reference || frame.is_solved_by_clicks();
-    let confidence = if is_persons { 1.0 } else { solution?.confidence? };
-    if !is_persons && (confidence < SURE || frame.is_carried()) {
-        return None;
+/// Whether a frame's camera is certain enough to be carried on from, and was not carried there itself.
+pub(crate) fn is_anchor(frame: &Frame) -> bool {
+    confidence_of(frame).is_some()
+}
+
+/// How certain a person or the forest is of a frame's camera; none where it holds nothing.
+fn confidence_of(frame: &Frame) -> Option<f64> {
+    frame.ptz.as_ref()?;
+    if is_persons(frame) {
+        return Some(1.0);
     }
+    let confidence = frame.solution.as_ref()?.confidence?;
+    (confidence >= SURE && !frame.is_carried()).then_some(confidence)
+}
+
+fn is_persons(frame: &Frame) -> bool {
+    frame.status == FrameStatus::Reference || frame.is_solved_by_clicks()
+}
+
+fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)> {
+    let confidence = confidence_of(frame)?;
+    let ptz = frame.ptz.as_ref()?.ptz();
+    let is_persons = is_persons(frame);
     let camera = PtzCamera::new(*base, ptz);
-    let stated = solution.and_then(|solution| solution.covariance);
+    let stated = frame.solution.as_ref().and_then(|solution| solution.covariance);
     let covariance = match stated {
         Some(stated) => Uncertainty::of_stored(&camera, &stated, frame.image_size)
             .map_or_else(|| covariance_in_radians(&stated), |uncertainty| uncertainty.clicks),

@@ -8,10 +8,12 @@ mod paint;
 mod record;
 mod track;
 
+pub(crate) use anchors::is_anchor;
 pub use error::TrackClipError;
 pub use evidence::ClipEvidence;
 pub use frames::{ClipFrame, ClipFrames, clips};
 pub use record::record_tracked;
+pub(crate) use record::record_tracked_frame;
 pub use track::{
     ClipProgress, ClipStop, MovedReference, TrackClipOptions, TrackedClip, TrackedFrame, WatchClip, track_clip,
 };

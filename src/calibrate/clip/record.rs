@@ -18,7 +18,7 @@ const RAW: &str = "raw_ptz";
 pub fn record_tracked(document: &mut Document, tracked: &TrackedClip) {
     for of_frame in &tracked.frames {
         if let Some(frame) = document.frames.get_mut(of_frame.place) {
-            record(frame, tracked, of_frame);
+            record_tracked_frame(frame, tracked, of_frame);
         }
     }
     for moved in &tracked.references {
@@ -43,7 +43,8 @@ fn keep_raw(solution: &mut Solution, base: &CameraBase, raw: Ptz) {
     }
 }
 
-fn record(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
+/// Writes the camera that was carried to a frame into it, as a suggestion.
+pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracked: &TrackedFrame) {
     let camera = PtzCamera::new(clip.base, tracked.ptz);
     frame.ptz = Some(with_numbers(frame.ptz.take(), &clip.base, tracked.ptz));
     frame.status = FrameStatus::Suggested;

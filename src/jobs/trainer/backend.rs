@@ -6,11 +6,13 @@ use super::kept_forest::{keep_forest, kept_forest};
 use super::mailbox::TrainerMailbox;
 use super::watch::Watch;
 use crate::app::{Doing, Share, UnusableReference};
-use crate::document::Document;
+use crate::calibrate::{ClipEvidence, ClipProgress, TrackClipError, TrackClipOptions, track_clip};
+use crate::document::{Document, Fields};
 use crate::media::FrameReader;
 use crate::proposals::{
-    FeatureStore, FramePictures, LearnError, LearnOptions, LineEvidence, NoProposal, Proposal, Quality, Studied,
-    Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose, study,
+    CarriedProposal, FeatureStore, FramePictures, KeyWindow, LearnError, LearnOptions, LineEvidence, NoProposal,
+    Proposal, Quality, Studied, Suspect, TrainingSet, UsedFeatures, WorkFolder, find_suspects, learn, measure, propose,
+    study,
 };
 use crate::relocalize::{ForestModel, RelocalizeOptions, Stopped};
 use std::ops::ControlFlow;
@@ -49,6 +51,16 @@ pub(super) trait Backend {
         snapping: bool,
         watch: &dyn Fn(usize) -> ControlFlow<()>,
     ) -> Vec<Proposal>;
+
+    /// Carries cameras through a window of a video, after a forest's answers; none where the watch, which receives the number of
+    /// pictures done, ended it.
+    fn carry(
+        &mut self,
+        document: &Document,
+        window: &KeyWindow,
+        generation: u64,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Option<Vec<CarriedProposal>>;
 
     /// The accuracy of a forest of these training frames, and which of them contradict others; none where the watch ended it.
     fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured>;
@@ -185,6 +197,36 @@ impl Backend for ForestBackend {
             made.append(&mut proposals);
         }
         made
+    }
+
+    fn carry(
+        &mut self,
+        document: &Document,
+        window: &KeyWindow,
+        generation: u64,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Option<Vec<CarriedProposal>> {
+        let at = document.at(&self.folder);
+        let first = window.keys.first().and_then(|place| document.frames.get(*place));
+        // A field that is not valid is named where the document is opened.
+        let Some((first, fields)) = first.zip(Fields::of(at).ok()) else { return Some(Vec::new()) };
+        let pictures = window.clip.frames.len();
+        let mut told = |progress| match progress {
+            ClipProgress::Following(done, _) => watch(done / 2),
+            ClipProgress::Painting(done, of) => watch(pictures / 2 + pictures * done / (2 * of.max(1))),
+            ClipProgress::Adjusting => watch(pictures / 2),
+        };
+        let (field, options) = (fields.of_frame(document, first), TrackClipOptions::default());
+        let mut evidence = ClipEvidence::default();
+        match track_clip(at, &window.clip, field, &mut self.reader, &options, &mut evidence, &mut told) {
+            Ok(clip) => {
+                let carried = clip.frames.iter();
+                Some(carried.filter_map(|tracked| CarriedProposal::of(document, &clip, tracked, generation)).collect())
+            }
+            Err(TrackClipError::Stopped) => None,
+            // The forest is asked for these frames instead.
+            Err(_) => Some(Vec::new()),
+        }
     }
 
     fn measure(&mut self, document: &Document, training_frames: &[usize], watch: &Watch<'_>) -> Option<Measured> {

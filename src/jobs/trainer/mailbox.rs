@@ -1,10 +1,10 @@
 //! What the trainer is to do, and how it reports.
 
 use super::TrainerReport;
-use crate::app::{TrainerOrder, TrainerStatus};
+use crate::app::{Doing, TrainerOrder, TrainerStatus};
 use crate::document::{Document, FrameId};
 use crate::jobs::worker::Mailbox;
-use crate::proposals::{Proposal, UsedFeatures};
+use crate::proposals::{CarriedProposal, Proposal, UsedFeatures};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -57,8 +57,17 @@ pub(super) struct TrainerMailbox {
 /// The last status that was reported, and when.
 #[derive(Default)]
 struct Told {
+    /// Without the time that is left.
     status: TrainerStatus,
     at: Option<Instant>,
+    /// What was begun, and when.
+    begun: Option<(Doing, Instant)>,
+}
+
+/// Whether work has gone on from an earlier state to a later one.
+fn is_part_of(earlier: Doing, later: Doing) -> bool {
+    let done = |doing: Doing| doing.share().map_or(0, |share| share.done);
+    earlier.is_kind_of(later) && done(earlier) <= done(later)
 }
 
 impl TrainerMailbox {
@@ -87,8 +96,11 @@ impl TrainerMailbox {
         if mere_progress && told.at.is_some_and(|at| at.elapsed() < TELL_EVERY) {
             return;
         }
-        *told = Told { status: status.clone(), at: Some(Instant::now()) };
-        let report = TrainerReport::Status(Box::new(status.clone()));
+        let now = Instant::now();
+        let begun = told.begun.filter(|(doing, _)| is_part_of(*doing, status.doing)).unwrap_or((status.doing, now));
+        *told = Told { status: status.clone(), at: Some(now), begun: Some(begun) };
+        let left = status.doing.left_since(begun.0, now - begun.1);
+        let report = TrainerReport::Status(Box::new(TrainerStatus { left, ..status.clone() }));
         self.mailbox.report_instead(report, |before| matches!(before, TrainerReport::Status(_)));
     }
 
@@ -96,6 +108,11 @@ impl TrainerMailbox {
     pub(super) fn show_features(&self, used: UsedFeatures) {
         let report = TrainerReport::Features(Box::new(used));
         self.mailbox.report_instead(report, |before| matches!(before, TrainerReport::Features(_)));
+    }
+
+    /// Leaves cameras that were carried; waits for room.
+    pub(super) fn carry(&self, carried: Vec<CarriedProposal>) {
+        self.mailbox.report(TrainerReport::Carried(carried));
     }
 
     /// Leaves the proposals of one forest; waits for room.

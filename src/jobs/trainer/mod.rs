@@ -16,6 +16,7 @@ mod mailbox;
 #[cfg(test)]
 mod tests;
 mod watch;
+mod windows;
 mod work;
 
 use self::backend::{Backend, ForestBackend};
@@ -24,7 +25,7 @@ use self::work::Work;
 use super::worker::{Mailbox, Worker};
 use super::{SharedPictures, Wake};
 use crate::app::{TrainerOrder, TrainerStatus};
-use crate::proposals::{Proposal, UsedFeatures};
+use crate::proposals::{CarriedProposal, Proposal, UsedFeatures};
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -57,6 +58,8 @@ pub enum TrainerReport {
     Status(Box<TrainerStatus>),
     /// What the forest proposes.
     Proposals(Vec<Proposal>),
+    /// Cameras carried from key frames of a video to those between them.
+    Carried(Vec<CarriedProposal>),
     /// How the forest used the shown frame's features.
     Features(Box<UsedFeatures>),
     /// An internal error stopped it; there is no trainer any more.

@@ -8,11 +8,12 @@ use super::watch::Watch;
 use super::{Trainer, TrainerOptions, TrainerReport};
 use crate::app::{Doing, Share, TrainerOrder, TrainerStatus};
 use crate::camera::{BaseAngles, CameraBase, PanTilt, Ptz};
-use crate::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus};
+use crate::document::{Camera, Document, FieldSpec, Frame, FrameId, FramePtz, FrameStatus, VideoFrame};
 use crate::features::{DESCRIPTOR_BYTES, Descriptor, FeatureOptions};
 use crate::geometry::{ImageSize, Vec3};
 use crate::proposals::{
-    Answer, Asked, LearnError, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings, TrainingSet, UsedFeatures,
+    Answer, Asked, CarriedProposal, KeyWindow, LearnError, LeftOutBy, NoProposal, Proposal, Quality, Suspect, Timings,
+    TrainingSet, UsedFeatures,
 };
 use crate::relocalize::{CameraForest, ForestModel, Samples, SeenRange, TrainOptions, train};
 use std::io;
@@ -30,6 +31,8 @@ enum Begun {
     Recall,
     Learn(Vec<usize>),
     Propose(Vec<usize>),
+    /// The key frames.
+    Carry(Vec<usize>),
     Measure,
 }
 
@@ -122,6 +125,27 @@ impl Backend for StandIn {
         }
     }
 
+    fn carry(
+        &mut self,
+        document: &Document,
+        window: &KeyWindow,
+        generation: u64,
+        watch: &dyn Fn(usize) -> ControlFlow<()>,
+    ) -> Option<Vec<CarriedProposal>> {
+        match self.begin(Begun::Carry(window.keys.clone())) {
+            Let::Well => {
+                let all = window.clip.frames.iter().filter_map(|frame| frame.place);
+                Some(all.map(|place| CarriedProposal::at_pan(document, place, place as f64, generation)).collect())
+            }
+            Let::Fail => Some(Vec::new()),
+            Let::Panic => panic!("the rope snapped"),
+            Let::Stopped => {
+                until_stopped(&|| watch(0));
+                None
+            }
+        }
+    }
+
     fn measure(&mut self, document: &Document, _: &[usize], watch: &Watch<'_>) -> Option<Measured> {
         match self.begin(Begun::Measure) {
             Let::Well => {
@@ -167,6 +191,7 @@ struct Controller {
     woken: Receiver<()>,
     status: TrainerStatus,
     proposals: Vec<Proposal>,
+    carried: Vec<CarriedProposal>,
     features: Vec<FrameId>,
 }
 
@@ -179,7 +204,8 @@ impl Controller {
         let make = move |_| StandIn { begun: begin, orders, confidence };
         let trainer = Trainer::start_with(options, Arc::new(move || wake.send(()).unwrap_or_default()), make).unwrap();
         let (status, proposals) = (TrainerStatus::default(), Vec::new());
-        Self { trainer: Some(trainer), begun, go, woken, status, proposals, features: Vec::new() }
+        let (carried, features) = (Vec::new(), Vec::new());
+        Self { trainer: Some(trainer), begun, go, woken, status, proposals, carried, features }
     }
 
     fn tell(&self, order: TrainerOrder) {
@@ -201,6 +227,7 @@ impl Controller {
             match report {
                 TrainerReport::Status(status) => self.status = *status,
                 TrainerReport::Proposals(proposals) => self.proposals.extend(proposals),
+                TrainerReport::Carried(carried) => self.carried.extend(carried),
                 TrainerReport::Features(used) => self.features.push(used.frame),
                 TrainerReport::Broken { message } => panic!("{message}"),
             }
@@ -363,6 +390,83 @@ fn every_stage_can_be_paused_and_taken_up_again() {
         controller.expect(&stage, Let::Well);
     }
     controller.until_idle();
+}
+
+/// Frames of a video that follow each other; the first is a reference.
+fn video(frames: usize) -> Document {
+    let mut all = document(1, frames - 1);
+    for index in 0..frames {
+        all.frames[index].image = None;
+        all.frames[index].video = Some(VideoFrame::new("match.mp4", index as u64, None));
+    }
+    all
+}
+
+#[test]
+fn of_a_video_the_forest_answers_key_frames_and_the_rest_is_carried() {
+    let mut controller = Controller::start(0.95);
+    let mut all = video(61);
+    controller.document(&all);
+    controller.expect(&Begun::Recall, Let::Well);
+    controller.expect(&Begun::Propose(vec![1, 2, 3, 4]), Let::Well);
+    controller.expect(&Begun::Propose(vec![5, 6, 7, 8]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&Begun::Propose(vec![25, 50, 60]), Let::Well);
+    let keys = Begun::Carry(vec![0, 25, 50, 60]);
+    controller.expect(&keys, Let::Stopped);
+    controller.until(|status| matches!(status.doing, Doing::Carrying(Share { of: 57, .. })));
+    controller.tell(TrainerOrder::Pause(true));
+    controller.until(|status| status.doing == Doing::Paused);
+    controller.tell(TrainerOrder::Pause(false));
+    controller.expect(&keys, Let::Well);
+    controller.until_idle();
+    // What the forest was sure of stays as it is.
+    assert_eq!(controller.carried.len(), 61 - 4 - 8);
+    controller.nothing_begun();
+
+    // The document that shows it all, and one in which the frames near the other end are looked at, ask for nothing more.
+    for proposal in controller.proposals.drain(..) {
+        proposal.record(all.frames.by_id_mut(&proposal.frame).unwrap());
+    }
+    for carried in controller.carried.drain(..) {
+        carried.record(all.frames.by_id_mut(&carried.frame).unwrap());
+    }
+    controller.document(&all);
+    controller.tell(TrainerOrder::Frame(all.frames[40].id.clone()));
+    controller.until_idle();
+    controller.nothing_begun();
+
+    // Another reference between them: all is carried again, from it too.
+    accept(&mut all.frames[30], 30.5);
+    all.frames[30].solution = None;
+    controller.document(&all);
+    controller.expect(&Begun::Learn(vec![0, 30]), Let::Well);
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&keys, Let::Well);
+    while controller.carried.is_empty() {
+        controller.woken.recv().unwrap();
+        controller.poll();
+    }
+    assert_eq!(controller.carried.len(), 61 - 4 - 8 - 1);
+}
+
+#[test]
+fn frames_that_no_camera_is_carried_to_are_asked_for() {
+    let mut controller = Controller::start(0.95);
+    controller.document(&video(31));
+    controller.expect(&Begun::Recall, Let::Well);
+    for near in [vec![1, 2, 3, 4], vec![5, 6, 7, 8]] {
+        controller.expect(&Begun::Propose(near), Let::Well);
+    }
+    controller.expect(&Begun::Measure, Let::Well);
+    controller.expect(&Begun::Propose(vec![25, 30]), Let::Well);
+    controller.expect(&Begun::Carry(vec![0, 25, 30]), Let::Panic);
+    for left in [9..13, 13..17, 17..21, 21..25, 26..30] {
+        controller.expect(&Begun::Propose(left.collect()), Let::Well);
+    }
+    controller.until_idle();
+    assert_eq!(controller.carried, []);
+    assert!(controller.status.trouble.as_ref().is_some_and(|trouble| trouble.contains("carrying")));
 }
 
 #[test]

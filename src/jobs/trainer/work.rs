@@ -5,9 +5,10 @@ use super::answer_cache::{AnswerCache, Asking};
 use super::backend::{Backend, Learnt, Measured};
 use super::mailbox::{Orders, TrainerMailbox};
 use super::watch::{Until, Watch};
+use super::windows::Windows;
 use crate::app::{Doing, ForestFacts, Share, TrainerStatus};
 use crate::document::{Document, FrameId};
-use crate::proposals::{AskingOrder, Coverage, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet};
+use crate::proposals::{AskingOrder, Coverage, KeyWindow, NoProposal, Proposal, Quality, TrainingFrames, TrainingSet};
 use crate::relocalize::ForestModel;
 use std::any::Any;
 use std::collections::VecDeque;
@@ -44,6 +45,9 @@ pub(super) struct Work<C> {
     /// Until then proposals have their turn.
     turn_until: Instant,
     answer_cache: AnswerCache,
+    windows: Windows,
+    /// Frames between key frames that cameras have been carried to, as long as there are more.
+    carried: usize,
     queue: Queue,
     /// The frame whose features were shown last, and by which forest.
     shown: Option<(FrameId, u64)>,
@@ -64,6 +68,8 @@ struct Forest {
 struct Queue {
     first: VecDeque<usize>,
     rest: VecDeque<usize>,
+    /// Frames of videos between key frames: asked for only where no camera was carried to them.
+    between: VecDeque<usize>,
     made_for: Option<(u64, Option<FrameId>, Asking)>,
 }
 
@@ -73,6 +79,7 @@ enum Step {
     Learn,
     ShowFeatures(usize),
     Propose(Vec<usize>),
+    Carry(Box<KeyWindow>),
     Measure,
     /// Wait for an order, but not beyond a time.
     Wait(Doing, Option<Instant>),
@@ -96,6 +103,8 @@ impl<C: Backend> Work<C> {
             failed: None,
             turn_until: now,
             answer_cache: AnswerCache::default(),
+            windows: Windows::default(),
+            carried: 0,
             queue: Queue::default(),
             shown: None,
             measured: 0,
@@ -118,6 +127,7 @@ impl<C: Backend> Work<C> {
                 Step::Learn => self.learn(),
                 Step::ShowFeatures(frame) => self.show_features(frame),
                 Step::Propose(frames) => self.propose(&frames),
+                Step::Carry(window) => self.carry(&window),
                 Step::Measure => self.measure(),
                 Step::Wait(doing, until) => {
                     self.report(doing);
@@ -144,6 +154,7 @@ impl<C: Backend> Work<C> {
                 self.changed = Instant::now();
             }
             self.answer_cache.look_at(document);
+            self.windows.look_at(document, self.backend.folder());
             let TrainingFrames { frames, references, withheld } = &self.training_frames;
             (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
@@ -196,6 +207,13 @@ impl<C: Backend> Work<C> {
                 return Step::Measure;
             }
             if let Some(frames) = self.take_from_queue(|queue| &mut queue.rest) {
+                return Step::Propose(frames);
+            }
+            if let Some(window) = self.due_window() {
+                return Step::Carry(Box::new(window));
+            }
+            self.carried = 0;
+            if let Some(frames) = self.take_from_queue(|queue| &mut queue.between) {
                 return Step::Propose(frames);
             }
         }
@@ -289,7 +307,9 @@ impl<C: Backend> Work<C> {
     fn propose(&mut self, frames: &[usize]) {
         let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
         let done = self.answer_cache.given_by(self.asking());
-        let of = done + frames.len() + self.queue.first.len() + self.queue.rest.len();
+        let queue = &self.queue;
+        let between = if queue.rest.is_empty() { queue.between.len() } else { 0 };
+        let of = done + frames.len() + queue.first.len() + queue.rest.len() + between;
         let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
         let asking = |more: usize| watch.tell(Doing::Proposing(Share { done: done + more, of }));
         let (document, asked) = (&self.document, self.asking());
@@ -315,10 +335,53 @@ impl<C: Backend> Work<C> {
         }
         for proposal in &proposals {
             self.answer_cache.enter(proposal, asked);
+            // What is carried begins from what was just answered.
+            if let Some(frame) = self.document.frames.by_id_mut(&proposal.frame).filter(|frame| frame.is_open()) {
+                proposal.record(frame);
+            }
         }
         self.gathered.extend(proposals);
         if self.gathered.len() >= GATHER_MOST {
             self.hand_over();
+        }
+    }
+
+    /// The next window through which cameras are to be carried.
+    fn due_window(&self) -> Option<KeyWindow> {
+        let (model, asking) = (&self.forest.as_ref()?.model, self.asking());
+        let wanted = |index| self.answer_cache.wants(&self.document, index, model, asking);
+        self.windows.due(&self.document, self.current().unwrap_or(0), wanted).cloned()
+    }
+
+    fn carry(&mut self, window: &KeyWindow) {
+        let Some(model) = self.forest.as_ref().map(|forest| Arc::clone(&forest.model)) else { return };
+        let asking = self.asking();
+        let wanted = |index| self.answer_cache.wants(&self.document, index, &model, asking);
+        let waiting = self.windows.waiting(&self.document, wanted);
+        let watch = Watch::new(&self.mailbox, &self.status, self.orders.edition, Until::Done);
+        let (backend, document, generation) = (&mut self.backend, &self.document, self.generation);
+        let before = self.carried;
+        let share = |done: usize| Share { done: before + done.min(window.between.len()), of: before + waiting };
+        let tell = |done| watch.tell(Doing::Carrying(share(done)));
+        let carried = catch_unwind(AssertUnwindSafe(|| backend.carry(document, window, generation, &tell)));
+        let carried = match carried {
+            // What was ended is begun again.
+            Ok(None) => return,
+            Ok(Some(carried)) => carried,
+            Err(panic) => {
+                self.status.trouble = Some(broke_down("carrying cameras", panic.as_ref()));
+                Vec::new()
+            }
+        };
+        self.carried += window.between.len();
+        let news = self.windows.enter(window, &self.document, carried);
+        for carried in &news {
+            if let Some(frame) = self.document.frames.by_id_mut(&carried.frame) {
+                carried.record(frame);
+            }
+        }
+        if !news.is_empty() {
+            self.mailbox.carry(news);
         }
     }
 
@@ -414,9 +477,13 @@ impl<C: Backend> Work<C> {
         if self.queue.made_for != made_for {
             let wanted = |index| self.answer_cache.wants(&self.document, index, &forest.model, asking);
             let AskingOrder { first, rest } = AskingOrder::of(&self.document, self.current().unwrap_or(0), wanted);
-            self.queue = Queue { first: first.into(), rest: rest.into(), made_for };
+            let (between, rest): (Vec<usize>, Vec<usize>) =
+                rest.into_iter().partition(|index| self.windows.holds_back(*index));
+            let is_left = |index: &usize| !self.windows.has_given(&self.document.frames[*index].id);
+            let between = between.into_iter().filter(is_left).collect();
+            self.queue = Queue { first: first.into(), rest: rest.into(), between, made_for };
         }
-        !(self.queue.first.is_empty() && self.queue.rest.is_empty())
+        !(self.queue.first.is_empty() && self.queue.rest.is_empty() && self.queue.between.is_empty())
     }
 
     /// How frames are asked for now.

@@ -7,6 +7,7 @@ use crate::document::{
     Click, FieldSpec, FramePtz, FrameStatus, History, SolutionSource, Step, document_from_bytes, document_to_string,
 };
 use crate::geometry::{ImagePoint, ImageSize, Vec3};
+use crate::proposals::Proposal;
 use crate::proposals::{Answer, Asked, Timings};
 use crate::relocalize::NotFound;
 use proptest::prelude::*;
@@ -66,8 +67,8 @@ impl Desk {
     }
 
     fn suggest(&mut self, proposals: &[Proposal]) {
-        let proposals: Vec<&Proposal> = proposals.iter().collect();
-        self.journal.extend(self.layered.suggest(&mut self.now, &proposals));
+        let offers: Vec<_> = proposals.iter().filter_map(Proposal::offer).collect();
+        self.journal.extend(self.layered.suggest(&mut self.now, &offers));
     }
 
     fn step(&mut self, back: bool) -> bool {

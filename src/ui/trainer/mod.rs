@@ -9,7 +9,7 @@ use super::{
     Panel,
     theme::{self, Themed as _},
 };
-use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference};
+use crate::app::{Action, Command, Doing, ForestFacts, TrainerStatus, UnusableReference, describe_left};
 use crate::document::FrameId;
 use crate::geometry::thousands;
 use crate::proposals::Suspect;
@@ -75,7 +75,10 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     let said = match status.doing {
         Doing::Nothing if status.references == 0 => "Waiting for the first reference.".to_owned(),
         Doing::Nothing => "Up to date: every frame that can be answered is.".to_owned(),
-        doing => format!("{}.", doing.describe()),
+        doing => match status.left {
+            Some(left) => format!("{}, {}.", doing.describe(), describe_left(left)),
+            None => format!("{}.", doing.describe()),
+        },
     };
     ui.add(Label::new(said).wrap());
     if let Some(share) = status.doing.share() {
