@@ -46,7 +46,16 @@ impl Crown {
     }
 }
 
+/// Only large fields, those of grass, are built higher in the middle, m.
+const MIN_CROWNED_WIDTH_M: f64 = 40.0;
+
 impl FieldModel {
+    /// Whether fields of this width are built higher in the middle.
+    #[must_use]
+    pub fn may_be_crowned(&self) -> bool {
+        self.width_m >= MIN_CROWNED_WIDTH_M
+    }
+
     /// The shape of its ground.
     #[must_use]
     pub const fn crown(&self) -> Crown {

@@ -5,6 +5,7 @@ use super::strokes::{Shown, StrokePoint, Strokes};
 use crate::camera::PtzCamera;
 use crate::geometry::{ImagePoint, Vec3};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// The share of the frames showing ground in a direction that have to show paint there.
 const MIN_SHARE: f64 = 0.3;
@@ -33,11 +34,7 @@ pub struct PersistentPoint {
 /// what was found in them.
 #[must_use]
 pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint> {
-    let needed = match frames.len() {
-        0..=2 => 1,
-        3..=5 => 2,
-        _ => 3,
-    };
+    let needed = needed(frames.len());
     let of_frame = |frame: usize| -> Vec<PersistentPoint> {
         let (camera, strokes) = &frames[frame];
         let others = others_of(frames, frame);
@@ -60,6 +57,15 @@ pub fn persistent_paint(frames: &[(PtzCamera, Strokes)]) -> Vec<PersistentPoint>
     (0..frames.len()).into_par_iter().flat_map_iter(of_frame).collect()
 }
 
+/// How many of so many frames have to show paint in a direction, and ground, for what they show there to count.
+const fn needed(frames: usize) -> usize {
+    match frames {
+        0..=2 => 1,
+        3..=5 => 2,
+        _ => 3,
+    }
+}
+
 /// What a frame shows where the camera sees a point of `world`.
 fn shown((camera, strokes): &(PtzCamera, Strokes), point_in_world: Vec3) -> Shown {
     camera.image_from_world(point_in_world).map_or(Shown::Other, |image| strokes.shown(image))
@@ -78,7 +84,8 @@ fn others_of(frames: &[(PtzCamera, Strokes)], frame: usize) -> Vec<usize> {
     others.into_iter().map(|(other, _)| other).collect()
 }
 
-/// The directions in which any of the frames shows ground: a grid over pan and tilt.
+/// The directions in which so many of the frames show ground that [`persistent_paint`] would find paint there: a grid over pan and
+/// tilt.
 #[derive(Clone, Debug)]
 pub struct SeenGround {
     columns: usize,
@@ -90,28 +97,27 @@ impl SeenGround {
     /// Of frames of one camera in one place.
     #[must_use]
     pub fn of(frames: &[(PtzCamera, Strokes)]) -> Self {
+        /// Places of a frame that are looked at in each row: the widest views leave no cell out.
+        const ACROSS: usize = 320;
         let (columns, rows) = ((360.0 / SEEN_CELL_DEG) as usize, (90.0 / SEEN_CELL_DEG) as usize);
-        let mut seen = vec![false; columns * rows];
-        for frame in frames {
-            let size = frame.1.size();
-            let step = f64::from(size.width) / 160.0;
-            let (across, down) = (160, (f64::from(size.height) / step) as usize);
-            for cell in 0..across * down {
-                let at = ImagePoint::new(
-                    (cell % across) as f64 * step + step / 2.0,
-                    (cell / across) as f64 * step + step / 2.0,
-                );
-                if frame.1.shown(at) == Shown::Other {
-                    continue;
-                }
-                if let Some(cell) =
-                    frame.0.world_direction_from_image(at).ok().and_then(|d| Self::cell(columns, rows, d))
-                {
-                    seen[cell] = true;
-                }
-            }
+        let cells_of = |(camera, strokes): &(PtzCamera, Strokes)| -> BTreeSet<usize> {
+            let size = strokes.size();
+            let step = f64::from(size.width) / ACROSS as f64;
+            let places = (0..ACROSS * (f64::from(size.height) / step) as usize).map(|place| {
+                let [column, row] = [place % ACROSS, place / ACROSS].map(|at| (at as f64 + 0.5) * step);
+                ImagePoint::new(column, row)
+            });
+            let is_ground = |at: &ImagePoint| strokes.shown(*at) != Shown::Other;
+            let cell = |at| Self::cell(columns, rows, camera.world_direction_from_image(at).ok()?);
+            places.filter(is_ground).filter_map(cell).collect()
+        };
+        let of_frames: Vec<BTreeSet<usize>> = frames.par_iter().map(cells_of).collect();
+        let mut counts = vec![0_usize; columns * rows];
+        for cell in of_frames.into_iter().flatten() {
+            counts[cell] += 1;
         }
-        Self { columns, rows, seen }
+        let needed = needed(frames.len());
+        Self { columns, rows, seen: counts.into_iter().map(|count| count >= needed).collect() }
     }
 
     /// The cell of a direction below the horizon.
@@ -126,7 +132,7 @@ impl SeenGround {
         Some(row * columns + column)
     }
 
-    /// Whether any frame shows ground in a direction of `world`.
+    /// Whether enough frames show ground in a direction of `world`.
     #[must_use]
     pub fn holds(&self, direction: Vec3) -> bool {
         Self::cell(self.columns, self.rows, direction).is_some_and(|cell| self.seen[cell])

@@ -99,11 +99,15 @@ fn the_trainer_carries_cameras_between_key_frames() {
                 TrainerReport::Status(now) => status = *now,
                 TrainerReport::Proposals(proposals) => {
                     asked += proposals.len();
-                    proposals.iter().for_each(|it| it.record(document.frames.by_id_mut(&it.frame).unwrap()));
+                    for camera in proposals {
+                        camera.record(document.frames.by_id_mut(&camera.frame).unwrap());
+                    }
                 }
                 TrainerReport::Carried(cameras) => {
                     carried += cameras.len();
-                    cameras.iter().for_each(|it| it.record(document.frames.by_id_mut(&it.frame).unwrap()));
+                    for camera in cameras {
+                        camera.record(document.frames.by_id_mut(&camera.frame).unwrap());
+                    }
                 }
                 TrainerReport::Features(_) => panic!("nobody asked for features"),
                 TrainerReport::Broken { message } => panic!("{message}"),

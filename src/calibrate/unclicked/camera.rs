@@ -28,6 +28,9 @@ use std::collections::BTreeSet;
 /// real and drawn matches, wrong ones .5 and less.
 const MIN_SNAPPED: f64 = 0.75;
 
+/// So many have to agree before the last adjustment, which brings a place that is nearly right to its lines.
+const MIN_BEFORE: f64 = 0.5;
+
 /// With a rival that explains nearly as much, this share has to agree with the one and at most that with the other.
 const OVER_REFUTED: f64 = 0.85;
 const REFUTED: f64 = 0.65;
@@ -134,15 +137,18 @@ impl Search<'_> {
         let best = self.snapped(best, &neighbours, &frames, picture)?;
         let looked_at = LookedAt { frames: &frames, traces: &traces };
         let Some(other) = other else {
-            return self.found(best, neighbours, looked_at, picture);
+            return self.found(best, neighbours, looked_at, picture, MIN_SNAPPED);
         };
         let is_doubted = !doubts.is_empty() || !other.doubts.is_empty();
         let (mut other, of_other) = unsnapped(other, &frames);
         other.evidence.rival = best.evidence.score();
         let other = self.snapped(other, &of_other, &frames, picture)?;
         // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
-        if snapped_share(&best) >= OVER_REFUTED && snapped_share(&other) <= REFUTED {
-            return self.found(best, neighbours, looked_at, picture);
+        if snapped_share(&other) <= REFUTED {
+            match self.found(best.clone(), neighbours, looked_at, picture, OVER_REFUTED) {
+                Err(Stop::Abstained(_)) => {}
+                answer => return answer,
+            }
         }
         // Two that are left to a person to choose from have to be as good as one that refutes another.
         let is_few = |found| few_snapped(found, OVER_REFUTED);
@@ -162,12 +168,13 @@ impl Search<'_> {
         neighbours: Neighbours,
         looked_at: LookedAt<'_>,
         picture: PictureOfFrame<'_>,
+        least_snapped: f64,
     ) -> Result<UnclickedAnswer, Stop> {
         let frames = looked_at.frames;
         let uncertain = |doubt, found: UnclickedCamera| {
             Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(found)) }.into())
         };
-        if let Some(doubt) = few_snapped(&found, MIN_SNAPPED) {
+        if let Some(doubt) = few_snapped(&found, MIN_BEFORE) {
             return uncertain(doubt, found);
         }
         self.told(UnclickedProgress::Refining)?;
@@ -182,7 +189,7 @@ impl Search<'_> {
             (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
         };
         let contradicted = || self.contradicted(&found);
-        match few_snapped(&found, MIN_SNAPPED).or_else(missing).or_else(contradicted) {
+        match few_snapped(&found, least_snapped).or_else(missing).or_else(contradicted) {
             Some(doubt) => uncertain(doubt, found),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }

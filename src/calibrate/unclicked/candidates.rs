@@ -4,8 +4,11 @@ use super::clicked::GroundClick;
 use super::error::Stop;
 use super::joint::{FramePaint, Joint, joint};
 use super::pitch_map::PitchMap;
+use super::rig::{Rig, adjusted_rig};
+use super::search::Hypothesis;
 use super::starts::{Start, named, searched};
 use super::tied::TiedFrames;
+use super::turn_levels::TurnLevels;
 use super::venue::Venue;
 use super::{Doubt, UnclickedError, UnclickedEvidence, UnclickedProgress, WatchUnclicked, evidence};
 use crate::camera::{CameraBase, Ptz};
@@ -79,29 +82,29 @@ pub(super) fn candidates(
     told(UnclickedProgress::Gathering)?;
     let fields = venue.levels();
     let maps: Vec<PitchMap> = fields.iter().map(PitchMap::of).collect();
-    let starts = match clicks {
+    let (starts, levels) = match clicks {
         None => searched(tied, &maps, watch)?,
         Some(clicks) => named(tied, &fields, &maps, clicks, watch)?,
     };
-    let (group, size) = (&tied.group, tied.size);
-
+    let group = &tied.group;
+    let rigs = rigs(&starts, &levels, &fields, venue);
     let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
-    let mut tried = 0;
-    for start in &starts {
-        if tried == ADJUSTED {
-            break;
-        }
-        told(UnclickedProgress::Adjusting { done: tried, of: ADJUSTED })?;
-        let base = start.base(size);
-        if joints.iter().any(|(joint, ..)| (joint.start_m - base.position_m).norm() < SAME_M) {
-            continue;
-        }
-        tried += 1;
-        let adjusted = |sized: Option<&Venue>| adjusted(&fields[start.hypothesis.field], sized, start, &base, tied);
-        let as_assumed = (start.hypothesis.field == 0).then(|| adjusted(None)).flatten();
-        let sized = venue.is_open().then(|| adjusted(Some(venue))).flatten();
+    for (done, (rig, start)) in rigs.iter().enumerate() {
+        told(UnclickedProgress::Adjusting { done, of: rigs.len() })?;
+        let of_assumed = |sized: bool| {
+            let field = &venue.assumed;
+            adjusted_rig(start, (rig.pose, rig.log_scale), field, sized.then_some(venue), &levels)
+        };
+        // Where the size is open the rig has the one that fits, elsewhere the one that is known.
+        let (as_assumed, sized) = if venue.is_known || !venue.is_open() {
+            (Some(rig.clone()), venue.is_open().then(|| of_assumed(true)).flatten())
+        } else {
+            (of_assumed(false), Some(rig.clone()))
+        };
+        let as_assumed = as_assumed.and_then(|rig| adjusted(&Begin::at(&rig), None, start, tied));
+        let sized = sized.and_then(|rig| adjusted(&Begin::at(&rig), Some(venue), start, tied));
         let better = of_one_size(as_assumed, sized, venue.is_known);
-        joints.extend(better.map(|(joint, evidence)| (joint, evidence, start)));
+        joints.extend(better.map(|(joint, evidence)| (joint, evidence, *start)));
     }
     joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
     if venue.is_open() && !venue.is_known {
@@ -126,35 +129,69 @@ pub(super) fn candidates(
     Ok(joints.into_iter().map(candidate).collect())
 }
 
-/// A base adjusted from a place, and again from where that ends while more is explained by it: frames that were taken for other
-/// lines at first find theirs from a better base and size.
+/// The best of the rigs that several starts lead to, each once, with its start.
+fn rigs<'a>(starts: &'a [Start], levels: &TurnLevels, fields: &[FieldModel], venue: &Venue) -> Vec<(Rig, &'a Start)> {
+    let sized = (venue.is_open() && !venue.is_known).then_some(venue);
+    let of_start = |start: &'a Start| {
+        let Hypothesis { pose, field, .. } = start.hypothesis;
+        Some((adjusted_rig(start, (pose, start.log_scale), &fields[field], sized, levels)?, start))
+    };
+    let mut found: Vec<(Rig, &Start)> = starts.par_iter().filter_map(of_start).collect();
+    let score = |(rig, start): &(Rig, &Start)| rig.explained * start.hypothesis.visible;
+    found.sort_by(|a, b| score(b).total_cmp(&score(a)));
+    let mut distinct: Vec<(Rig, &Start)> = Vec::new();
+    for (rig, start) in found {
+        let near = |(other, _): &(Rig, &Start)| (other.pose.position_m - rig.pose.position_m).norm() < SAME_M;
+        if distinct.len() < ADJUSTED && !distinct.iter().any(near) {
+            distinct.push((rig, start));
+        }
+    }
+    distinct
+}
+
+/// Where an adjustment begins.
+struct Begin {
+    field: FieldModel,
+    base: CameraBase,
+    ptz: Vec<Option<Ptz>>,
+}
+
+impl Begin {
+    /// Where a rig stands.
+    fn at(rig: &Rig) -> Self {
+        Self { field: rig.field.clone(), base: rig.base(), ptz: rig.turns.ptz.iter().copied().map(Some).collect() }
+    }
+
+    /// Where an adjustment has ended, the frames that it left out put beside their neighbours.
+    fn again(joint: &Joint, start: &Start, tied: &TiedFrames) -> Option<Self> {
+        let ptz = filled(&joint.ptz, &start.turns.ptz, &tied.ties)?;
+        Some(Self { field: joint.field.clone(), base: joint.base, ptz: ptz.into_iter().map(Some).collect() })
+    }
+}
+
+/// A base adjusted, and again from where that ends while more is explained by it: frames that were taken for other lines at first
+/// find theirs from a better base and size.
 fn adjusted(
-    field: &FieldModel,
+    begin: &Begin,
     sized: Option<&Venue>,
     start: &Start,
-    base: &CameraBase,
     tied: &TiedFrames,
 ) -> Option<(Joint, UnclickedEvidence)> {
     const PASSES: usize = 4;
-    let mut best: Option<(Joint, UnclickedEvidence)> = None;
-    let ptz = start.turns.ptz.iter().copied().map(Some).collect();
-    let mut from: (FieldModel, CameraBase, Vec<Option<Ptz>>) = (field.clone(), *base, ptz);
-    for _ in 0..PASSES {
-        let Some(mut joint) = joint(&from.0, sized, &start.paint, &from.1, (&from.2, &tied.ties), tied.size) else {
-            break;
-        };
-        joint.start_m = base.position_m;
+    let adjust = |Begin { field, base, ptz }: &Begin| {
+        let joint = joint(field, sized, &start.paint, base, (ptz, &tied.ties), tied.size)?;
         let evidence = evidence::of(&joint, &start.paint, &tied.strokes);
-        if best.as_ref().is_some_and(|(_, known)| evidence.score() <= BETTER * known.score()) {
+        Some((joint, evidence))
+    };
+    let mut best = adjust(begin)?;
+    for _ in 1..PASSES {
+        let Some(next) = Begin::again(&best.0, start, tied).and_then(|again| adjust(&again)) else { break };
+        if next.1.score() <= BETTER * best.1.score() {
             break;
         }
-        let again = filled(&joint.ptz, &start.turns.ptz, &tied.ties);
-        let again = again.map(|ptz| (joint.field.clone(), joint.base, ptz.into_iter().map(Some).collect()));
-        best = Some((joint, evidence));
-        let Some(again) = again else { break };
-        from = again;
+        best = next;
     }
-    best
+    Some(best)
 }
 
 /// A base on the field as assumed, unless another size explains more; where the size is known, that is a doubt about it.
@@ -163,7 +200,8 @@ fn of_one_size(
     sized: Option<(Joint, UnclickedEvidence)>,
     is_known: bool,
 ) -> Option<(Joint, UnclickedEvidence)> {
-    /// Two more numbers always explain a little more: .1 % on a real pitch of the usual size, 2.8 % on a drawn one 3 m wider.
+    /// A stated size is doubted for this. Two more numbers always explain a little more: .1 % on a real pitch of the usual size, 2.8 % on
+    /// a drawn one 3 m wider.
     const CLEARLY: f64 = 1.01;
     /// Nobody doubts a stated size for less, m: pitches are painted by tape, and a few decimetres explain a little more on most.
     const DOUBTED_M: f64 = 1.0;
@@ -171,11 +209,11 @@ fn of_one_size(
         (Some((assumed, evidence)), Some(sized)) => (assumed, evidence, sized),
         (as_assumed, sized) => return as_assumed.or(sized.filter(|_| !is_known)),
     };
+    if !is_known && sized.1.score() >= evidence.score() {
+        return Some(sized);
+    }
     if sized.1.score() <= CLEARLY * evidence.score() {
         return Some((assumed, evidence));
-    }
-    if !is_known {
-        return Some(sized);
     }
     let [length_m, width_m] = [sized.0.field.length_m, sized.0.field.width_m];
     let off_m = (length_m - assumed.field.length_m).abs().max((width_m - assumed.field.width_m).abs());
@@ -202,10 +240,9 @@ fn climb(
         });
         let tried: Vec<(Joint, UnclickedEvidence)> = tried.collect();
         let best = tried.into_iter().max_by(|a, b| a.1.score().total_cmp(&b.1.score()));
-        let Some((mut joint, evidence)) = best.filter(|(_, it)| it.score() > BETTER * evidence_here.score()) else {
+        let Some((joint, evidence)) = best.filter(|(_, it)| it.score() > BETTER * evidence_here.score()) else {
             return;
         };
-        joint.start_m = joint_here.start_m;
         (*joint_here, *evidence_here) = (joint, evidence);
     }
 }

@@ -99,7 +99,7 @@ mod tests {
             let image = ImagePoint::new(x, y);
             let ray = turns.camera(frame).world_direction_from_image(image).unwrap();
             let landmark = &mut field.landmarks[place];
-            landmark.nominal_m = truth.ground(ray).unwrap();
+            landmark.nominal_m = truth.at_height(ray, 0.0).unwrap();
             GroundClick { frame, landmark: landmark.id.clone(), image }
         };
         let (one, other) = (clicked(0, 0, 500.0, 700.0), clicked(1, 1, 1300.0, 600.0));

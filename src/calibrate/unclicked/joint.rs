@@ -1,6 +1,7 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
-use super::pitch_map::PitchMap;
+use super::pitch_map::{OnLine, PitchMap};
+use super::pose::share_of_angles;
 use super::venue::Venue;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -48,8 +49,6 @@ pub(super) type FramePaint = Vec<ImagePoint>;
 
 /// A base adjusted to paint.
 pub(super) struct Joint {
-    /// Where the adjustment began, m.
-    pub start_m: Vec3,
     pub base: CameraBase,
     /// With the crown, and the size where that was fitted.
     pub field: FieldModel,
@@ -144,7 +143,9 @@ pub(super) fn joint(
     let mut base = *start;
     let mut ptz = ptz.to_vec();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
-    for (round, reach_px) in REACH_PX.into_iter().enumerate() {
+    // From low cameras the lines lie too near to each other for the first rounds, and the start is the nearer.
+    let widest_px = share_of_angles(start.position_m.z) * REACH_PX[0];
+    for (round, reach_px) in REACH_PX.into_iter().enumerate().skip_while(|(_, reach_px)| *reach_px > widest_px) {
         let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
             let camera = ptz.map(|ptz| PtzCamera::new(base, ptz));
             let observations = camera
@@ -184,7 +185,7 @@ pub(super) fn joint(
             Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(MIN_SIGMA_M));
     }
     let halves_m = between.map_or(f64::INFINITY, |between| between.norm());
-    Some(Joint { start_m: start.position_m, base, field, sizes, ptz, halves_m, taken, scale })
+    Some(Joint { base, field, sizes, ptz, halves_m, taken, scale })
 }
 
 /// The same paint on the lines of a field of another crown or size.
@@ -216,7 +217,16 @@ fn options(loss: Loss) -> AdjustOptions {
     AdjustOptions { loss, max_iterations: 15, ..AdjustOptions::default() }
 }
 
-/// Paint taken for the line nearest to it on the ground, within reach in the picture; spread over the lines.
+/// How far a place of a picture lies beside a line, px; none where the line cannot be seen.
+fn beside_px(camera: &PtzCamera, line: &OnLine, image: ImagePoint) -> Option<f64> {
+    const STEP_M: f64 = 0.1;
+    let at = camera.image_from_world(line.at).ok()?;
+    let further = camera.image_from_world(line.at + STEP_M * line.tangent.normalize()).ok()?;
+    let along = further.offset_from(at).try_normalize(0.0)?;
+    Some(image.offset_from(at).perp(&along).abs())
+}
+
+/// Paint taken for the line that is seen nearest to it, within reach in the picture; spread over the lines.
 fn near_lines(
     field: &FieldModel,
     map: &PitchMap,
@@ -226,9 +236,11 @@ fn near_lines(
     scale: f64,
 ) -> Vec<Observation> {
     let mut of_line: Vec<Vec<Observation>> = vec![Vec::new(); field.lines.len()];
+    let eye_m = camera.base().position_m;
     for (place, image) in paint.iter().enumerate() {
-        let Some(near) = camera.plane_from_image(*image, 0.0).and_then(|ground| map.nearest(ground)) else { continue };
-        let off_px = camera.image_from_world(near.at).map_or(f64::INFINITY, |seen| seen.distance_px(*image));
+        let ground = map.ground(|z_m| camera.plane_from_image(*image, z_m));
+        let Some(near) = ground.and_then(|ground| map.nearest(ground, eye_m)) else { continue };
+        let off_px = beside_px(camera, &near, *image).unwrap_or(f64::INFINITY);
         if off_px > reach_px {
             continue;
         }

@@ -22,10 +22,12 @@ mod pose;
 mod progress;
 mod record;
 mod refined;
+mod rig;
 mod search;
 mod starts;
 mod tied;
 mod traces;
+mod turn_levels;
 mod venue;
 
 pub use answer::{DecidingLandmark, UnclickedAnswer};

@@ -1,7 +1,7 @@
-//! Painted lines of a field seen from above: how far each place is from the nearest.
+//! Painted lines of a field: which of them a place of the ground belongs to, as a camera sees it.
 
-use crate::field::{Curve, FieldModel};
-use crate::geometry::Vec3;
+use crate::field::{Crown, Curve, FieldModel};
+use crate::geometry::{Vec2, Vec3};
 
 /// The side of a cell, m.
 const CELL_M: f64 = 0.25;
@@ -9,17 +9,31 @@ const CELL_M: f64 = 0.25;
 /// How far beyond the field the map reaches, m.
 const BEYOND_M: f64 = 12.0;
 
-/// The painted lines of a field, on flat ground.
+/// How far beyond its ends a line still counts, m.
+const OVERSHOOT_M: f64 = 2.0;
+
+/// Lines that run along, lines that run across, and arcs. A low camera sees the ground so flat that the line that lies nearest to
+/// a place on the ground is hardly ever the nearest one in the picture: it is one of the nearest of each kind.
+const KINDS: usize = 3;
+
+/// The painted lines of a field; distances are those on flat ground.
 pub(super) struct PitchMap {
+    crown: Crown,
     /// The painted curves, each with the number of its line in the field.
     curves: Vec<(usize, Curve)>,
     half_length_m: f64,
     half_width_m: f64,
     columns: usize,
     rows: usize,
-    distances_m: Vec<f32>,
-    /// The nearest curve of each cell.
-    nearest: Vec<u16>,
+    nearest: [Vec<Nearest>; KINDS],
+}
+
+/// The nearest curve of a kind to a cell.
+#[derive(Clone, Copy)]
+struct Nearest {
+    /// Across it, m; infinite where no curve passes.
+    distance_m: f32,
+    curve: u16,
 }
 
 /// The point of a line that is nearest to a place.
@@ -30,6 +44,31 @@ pub(super) struct OnLine {
     pub tangent: Vec3,
     /// Which of the field's lines.
     pub line: usize,
+    /// Where on the line, from 0 to 1.
+    pub parameter: f64,
+}
+
+impl OnLine {
+    /// How far its place lies from here on another field of this kind, m.
+    pub fn offset_on(&self, field: &FieldModel) -> Vec3 {
+        let curve = field.lines[self.line].paint_centre;
+        field.crown().world_from_nominal(curve.point_at(self.parameter)) - self.at
+    }
+
+    /// How far a direction from a camera passes the line, as the sine of the angle; a line that points at the camera is passed by
+    /// nothing.
+    pub fn passed_by(&self, eye_m: Vec3, direction: Vec3) -> f64 {
+        let across = (self.at - eye_m).cross(&self.tangent);
+        let length = across.norm();
+        if length > 0.0 { (direction.dot(&across) / length).abs() } else { f64::INFINITY }
+    }
+}
+
+/// How far a direction may be off in sideways and in upright angles, rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Scatter {
+    pub sideways: f64,
+    pub upright: f64,
 }
 
 impl PitchMap {
@@ -39,19 +78,28 @@ impl PitchMap {
         let (half_length_m, half_width_m) = (field.length_m / 2.0 + BEYOND_M, field.width_m / 2.0 + BEYOND_M);
         let columns = (2.0 * half_length_m / CELL_M).ceil() as usize;
         let rows = (2.0 * half_width_m / CELL_M).ceil() as usize;
-        let (mut distances_m, mut nearest) = (Vec::with_capacity(columns * rows), Vec::with_capacity(columns * rows));
-        for cell in 0..columns * rows {
+        let place = |cell: usize| {
             let x = (cell % columns) as f64 * CELL_M + CELL_M / 2.0 - half_length_m;
             let y = (cell / columns) as f64 * CELL_M + CELL_M / 2.0 - half_width_m;
-            let place = Vec3::new(x, y, 0.0);
-            let distance =
-                |(_, curve): &(usize, Curve)| (curve.point_at(nearest_parameter(curve, place)) - place).norm();
-            let best = curves.iter().map(distance).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-            let (curve, distance_m) = best.unwrap_or((0, f64::INFINITY));
-            distances_m.push(distance_m as f32);
-            nearest.push(curve as u16);
-        }
-        Self { curves, half_length_m, half_width_m, columns, rows, distances_m, nearest }
+            Vec3::new(x, y, 0.0)
+        };
+        let nearest = std::array::from_fn(|kind| {
+            let of_kind: Vec<(u16, &Curve)> =
+                (0_u16..).zip(&curves).map(|(number, (_, curve))| (number, curve)).collect();
+            let of_kind: Vec<(u16, &Curve)> = of_kind.into_iter().filter(|(_, curve)| kind_of(curve) == kind).collect();
+            let of_cell = |cell: usize| {
+                let place = place(cell);
+                let near = |&(curve, shape): &(u16, &Curve)| {
+                    let distance_m = across_m(shape, place)? as f32;
+                    Some(Nearest { distance_m, curve })
+                };
+                let none = Nearest { distance_m: f32::INFINITY, curve: 0 };
+                let nearer = |a: Nearest, b: Nearest| if b.distance_m < a.distance_m { b } else { a };
+                of_kind.iter().filter_map(near).fold(none, nearer)
+            };
+            (0..columns * rows).map(of_cell).collect()
+        });
+        Self { crown: field.crown(), curves, half_length_m, half_width_m, columns, rows, nearest }
     }
 
     fn cell(&self, x_m: f64, y_m: f64) -> Option<usize> {
@@ -60,29 +108,102 @@ impl PitchMap {
         inside.then(|| row as usize * self.columns + column as usize)
     }
 
-    /// The distance of a place from the nearest line, m; none far from the field.
-    pub fn distance_m(&self, x_m: f64, y_m: f64) -> Option<f64> {
-        self.cell(x_m, y_m).map(|cell| f64::from(self.distances_m[cell]))
+    /// The nearest of each kind of curve to a place.
+    fn near(&self, place: Vec3) -> impl Iterator<Item = Nearest> + '_ {
+        let cell = self.cell(place.x, place.y);
+        let of_cell = move |nearest: &Vec<Nearest>| cell.map(|cell| nearest[cell]);
+        self.nearest.iter().filter_map(of_cell).filter(|nearest| nearest.distance_m.is_finite())
     }
 
-    /// The nearest point of a line; none far from the field.
-    pub fn nearest(&self, place: Vec3) -> Option<OnLine> {
-        let (line, curve) = self.curves.get(usize::from(self.nearest[self.cell(place.x, place.y)?]))?;
-        let line = *line;
-        let parameter = nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0));
-        Some(OnLine { at: curve.point_at(parameter), tangent: curve.tangent_at(parameter), line })
+    /// Where a ray meets the ground; `at` says where it comes to a height (m).
+    pub fn ground(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
+        /// A crown rises by a hundredth at most, flat rays fall by a twentieth: an error shrinks to a fifth each time.
+        const TIMES: usize = 2;
+        let roughly = self.ground_roughly(&at)?;
+        if self.crown.height_m == 0.0 {
+            return Some(roughly);
+        }
+        (0..TIMES).try_fold(roughly, |ground, _| at(self.crown.ground_z(ground.y)))
+    }
+
+    /// The same to some decimetres.
+    pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
+        let flat = at(0.0)?;
+        if self.crown.height_m == 0.0 { Some(flat) } else { at(self.crown.ground_z(flat.y)) }
+    }
+
+    /// How far a camera sees a place beside the nearest line, in units of a scatter of angles, squared; none far from the field.
+    pub fn beside_squared(&self, place: Vec3, eye_m: Vec3, scatter: Scatter) -> Option<f64> {
+        let view = place - eye_m;
+        let range_squared = view.norm_squared();
+        let fall_squared = view.z * view.z / range_squared;
+        let [sideways, upright] = [scatter.sideways, scatter.upright].map(|scatter| scatter * scatter);
+        // What lies across the line on the ground, seen as an angle: flat views shorten what lies along them.
+        let beside = |near: Nearest| {
+            let (_, curve) = &self.curves[usize::from(near.curve)];
+            let tangent = direction(curve, place);
+            let along_squared = tangent.dot(&view.xy()).powi(2) / range_squared;
+            let side_squared = tangent.perp(&view.xy()).powi(2) / range_squared;
+            let seen = side_squared * upright + along_squared * fall_squared * sideways;
+            f64::from(near.distance_m).powi(2) / range_squared * fall_squared / seen
+        };
+        self.near(place).map(beside).min_by(f64::total_cmp)
+    }
+
+    /// The point of the line that a camera sees nearest to a place; none far from the field.
+    pub fn nearest(&self, place: Vec3, eye_m: Vec3) -> Option<OnLine> {
+        let direction = (place - eye_m).normalize();
+        let on_line = |near: Nearest| {
+            let (line, curve) = &self.curves[usize::from(near.curve)];
+            let on_line = self.on_line(*line, curve, nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)));
+            (on_line.passed_by(eye_m, direction), on_line)
+        };
+        self.near(place).map(on_line).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, on_line)| on_line)
+    }
+
+    /// A point of a line, on the crowned ground.
+    fn on_line(&self, line: usize, curve: &Curve, parameter: f64) -> OnLine {
+        let (at, mut tangent) = (self.crown.world_from_nominal(curve.point_at(parameter)), curve.tangent_at(parameter));
+        let [drop_by_y, _] = self.crown.drop_share_by_y_and_width(at.y);
+        tangent.z -= self.crown.height_m * drop_by_y * tangent.y;
+        OnLine { at, tangent, line, parameter }
     }
 
     /// Points along all lines, about as far apart as stated, m.
     pub fn samples(&self, spacing_m: f64) -> impl Iterator<Item = OnLine> + '_ {
-        self.curves.iter().flat_map(move |&(line, curve)| {
+        self.curves.iter().flat_map(move |(line, curve)| {
             let count = (curve.length_m() / spacing_m).ceil().max(1.0);
-            (0..=count as usize).map(move |step| {
-                let parameter = step as f64 / count;
-                OnLine { at: curve.point_at(parameter), tangent: curve.tangent_at(parameter), line }
-            })
+            (0..=count as usize).map(move |step| self.on_line(*line, curve, step as f64 / count))
         })
     }
+}
+
+/// Which of the [`KINDS`] a curve is.
+fn kind_of(curve: &Curve) -> usize {
+    match *curve {
+        Curve::Segment { from, to } if (to.x - from.x).abs() >= (to.y - from.y).abs() => 0,
+        Curve::Segment { .. } => 1,
+        Curve::Arc { .. } => 2,
+    }
+}
+
+/// Along a curve where it is nearest to a place, unit.
+fn direction(curve: &Curve, place: Vec3) -> Vec2 {
+    let along = match *curve {
+        Curve::Segment { from, to } if from.y == to.y => return Vec2::x(),
+        Curve::Segment { from, to } if from.x == to.x => return Vec2::y(),
+        Curve::Segment { from, to } => (to - from).xy(),
+        Curve::Arc { centre, .. } => Vec2::new(centre.y - place.y, place.x - centre.x),
+    };
+    along.try_normalize(0.0).unwrap_or_default()
+}
+
+/// How far a place lies across a curve, m; none beyond its ends.
+fn across_m(curve: &Curve, place: Vec3) -> Option<f64> {
+    let nearest = curve.point_at(nearest_parameter(curve, place));
+    let off = (place - nearest).xy();
+    let along = direction(curve, nearest);
+    (off.dot(&along).abs() <= OVERSHOOT_M).then(|| off.perp(&along).abs())
 }
 
 /// The parameter of a curve's point nearest to a place of its plane, from 0 to 1.
@@ -104,6 +225,66 @@ fn nearest_parameter(curve: &Curve, place: Vec3) -> f64 {
             }
             // The nearer end.
             if from_start - extent < turn - from_start { 1.0 } else { 0.0 }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::builtin;
+    use std::collections::BTreeMap;
+
+    fn map(crown_m: f64) -> PitchMap {
+        PitchMap::of(&builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap())
+    }
+
+    #[test]
+    fn a_low_camera_sees_another_line_nearest_than_one_from_above() {
+        let map = map(0.0);
+        // 2 m before the far touchline, 1.5 m beside the halfway line.
+        let place = Vec3::new(1.5, 32.0, 0.0);
+        let is_across = |line: OnLine| line.tangent.x.abs() < 1e-9;
+        assert!(is_across(map.nearest(place, Vec3::new(0.0, -60.0, 500.0)).unwrap()));
+        assert!(!is_across(map.nearest(place, Vec3::new(0.0, -60.0, 6.0)).unwrap()));
+        let scatter = Scatter { sideways: 0.02, upright: 0.02 };
+        let low = map.beside_squared(place, Vec3::new(0.0, -60.0, 6.0), scatter).unwrap().sqrt();
+        // 2 m of the ground, 92 m away and 6 m below.
+        let expected = 2.0 * 6.0 / 92.0_f64.powi(2) / 0.02;
+        assert!((low - expected).abs() < 0.05 * expected, "{low} {expected}");
+        assert_eq!(
+            map.beside_squared(Vec3::new(0.0, 90.0, 0.0), Vec3::new(0.0, -60.0, 6.0), scatter),
+            None,
+            "far from the field"
+        );
+    }
+
+    #[test]
+    fn a_place_beside_a_line_belongs_to_it_and_one_beyond_its_end_does_not() {
+        let map = map(0.0);
+        // The near side of the left penalty area ends 16.5 m from the goal line.
+        let high = Vec3::new(-36.0, -20.0, 300.0);
+        let before = map.nearest(Vec3::new(-38.0, -20.6, 0.0), high).unwrap();
+        let beyond = map.nearest(Vec3::new(-33.0, -20.16, 0.0), high);
+        assert!((before.at.y + 20.16).abs() < 0.1 && before.tangent.y.abs() < 1e-9, "{before:?}");
+        assert!(beyond.is_none_or(|line| line.line != before.line), "{beyond:?}");
+        // On an arc the tangent is square to its radius.
+        let on_circle = map.nearest(Vec3::new(6.6, 6.4, 0.0), Vec3::new(0.0, 0.0, 300.0)).unwrap();
+        assert!(on_circle.at.xy().dot(&on_circle.tangent.xy()).abs() < 1e-6, "{on_circle:?}");
+        assert!((on_circle.at.xy().norm() - 9.15).abs() < 0.1, "{on_circle:?}");
+    }
+
+    #[test]
+    fn rays_meet_the_crowned_ground_and_lines_lie_on_it() {
+        let (crowned, eye) = (map(0.2), Vec3::new(0.0, -60.0, 6.0));
+        let towards = Vec3::new(5.0, 20.0, crowned.crown.ground_z(20.0)) - eye;
+        let met = crowned.ground(|z_m| Some(eye + towards * ((z_m - eye.z) / towards.z))).unwrap();
+        assert!((met - Vec3::new(5.0, 20.0, crowned.crown.ground_z(20.0))).norm() < 0.02, "{met:?}");
+        for on_line in crowned.samples(3.0) {
+            assert!((on_line.at.z - crowned.crown.ground_z(on_line.at.y)).abs() < 1e-12);
+            let step = 1e-4 * on_line.tangent;
+            let along = crowned.crown.ground_z(on_line.at.y + step.y) - on_line.at.z;
+            assert!((along - step.z).abs() < 1e-6, "{on_line:?}");
         }
     }
 }

@@ -21,11 +21,23 @@ impl RigPose {
         Self { position_m, world_from_rig: Mat3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0) }
     }
 
-    /// Where the ray of a direction (`rig`) meets the ground.
-    pub fn ground(&self, direction_in_rig: Vec3) -> Option<Vec3> {
+    /// Shifted (m) and turned about its place by a rotation vector (rad), both in `world`.
+    pub fn moved(&self, shift_m: Vec3, turn: Vec3) -> Self {
+        let world_from_rig = nearest_rotation(&(from_rotation_vector(turn) * self.world_from_rig));
+        Self { position_m: self.position_m + shift_m, world_from_rig }
+    }
+
+    /// Where the ray of a direction (`rig`) comes down to a height, m.
+    pub fn at_height(&self, direction_in_rig: Vec3, z_m: f64) -> Option<Vec3> {
         let direction = self.world_from_rig * direction_in_rig;
-        let range = -self.position_m.z / direction.z;
+        let range = (z_m - self.position_m.z) / direction.z;
         (range.is_finite() && range > 0.0).then(|| self.position_m + direction * range)
+    }
+
+    /// The line of a field that is seen nearest to a direction (`rig`).
+    pub fn line_at(&self, direction_in_rig: Vec3, map: &PitchMap) -> Option<OnLine> {
+        let ground = map.ground(|z_m| self.at_height(direction_in_rig, z_m))?;
+        map.nearest(ground, self.position_m)
     }
 
     /// The direction (`rig`, unit) in which a point of `world` is seen.
@@ -35,16 +47,16 @@ impl RigPose {
 }
 
 /// A direction of paint with the line that it should lie on.
-struct PaintSight {
-    direction_in_rig: Vec3,
-    line: OnLine,
+pub(super) struct PaintSight {
+    pub direction_in_rig: Vec3,
+    pub line: OnLine,
     /// What it counts for against the prior: directions scatter by this, rad.
-    sigma: f64,
+    pub sigma: f64,
 }
 
 impl PaintSight {
     /// The plane through the camera and the line, as its unit normal, and how far that was from unit.
-    fn plane(&self, at: &RigPose) -> Option<(Vec3, f64)> {
+    pub fn plane(&self, at: &RigPose) -> Option<(Vec3, f64)> {
         let across = (self.line.at - at.position_m).cross(&self.line.tangent);
         let length = across.norm();
         (length > 0.0).then(|| (across / length, length))
@@ -138,27 +150,33 @@ impl Problem for OnPaint {
     }
 
     fn stepped(&self, from: &RigPose, step: &SVector<f64, 6>) -> RigPose {
-        let turn = from_rotation_vector(Vec3::new(step[3], step[4], step[5]));
-        RigPose {
-            position_m: from.position_m + Vec3::new(step[0], step[1], step[2]),
-            world_from_rig: nearest_rotation(&(turn * from.world_from_rig)),
-        }
+        from.moved(step.fixed_rows::<3>(0).into_owned(), step.fixed_rows::<3>(3).into_owned())
     }
 }
 
-/// How far off paint still pulls in each round, degrees.
-const ROUNDS_DEG: [f64; 6] = [1.5, 1.5, 1.0, 0.6, 0.6, 0.3];
+/// How far off paint still pulls in each round, degrees, from [`USUAL_HEIGHT_M`]. What is no line pulls too: wider, it would pull
+/// low cameras away from where they stand.
+const ROUNDS_DEG: [f64; 5] = [0.6, 0.6, 0.4, 0.3, 0.3];
+
+/// From lower cameras than this lines far away lie nearer to each other in the picture, as far as angles go, by its height.
+const USUAL_HEIGHT_M: f64 = 15.0;
+const LEAST_SHARE: f64 = 0.4;
+
+/// Angles between lines from a height (m), as a share of those from the usual height and above.
+pub(super) fn share_of_angles(height_m: f64) -> f64 {
+    (height_m / USUAL_HEIGHT_M).clamp(LEAST_SHARE, 1.0)
+}
 
 /// The pan axis is vertical within this 1-σ.
-const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
+pub(super) const UPRIGHT_SIGMA: Angle = Angle::from_degrees(2.0);
 
 /// A rig moved so that directions of paint lie on the lines of a field, each on the one nearest to it as it goes.
 pub(super) fn fitted(start: RigPose, directions_in_rig: &[Vec3], map: &PitchMap) -> RigPose {
     let mut pose = start;
     for reach_deg in ROUNDS_DEG {
-        let sigma = reach_deg.to_radians();
+        let sigma = share_of_angles(pose.position_m.z) * reach_deg.to_radians();
         let sight = |direction: &Vec3| {
-            let line = map.nearest(pose.ground(*direction)?)?;
+            let line = pose.line_at(*direction, map)?;
             let sight = PaintSight { direction_in_rig: *direction, line, sigma };
             let off = sight.value(&pose)?[0].abs();
             (off < 3.0 * sigma).then_some(sight)

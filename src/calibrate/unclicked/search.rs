@@ -1,10 +1,12 @@
 //! Where a camera may stand: many places tried, the best fitted.
 
-use super::pitch_map::PitchMap;
-use super::pose::{RigPose, fitted};
+use super::pitch_map::{PitchMap, Scatter};
+use super::pose::{RigPose, fitted, share_of_angles};
+use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Angle, Vec3};
 use crate::paint::SeenGround;
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 /// What is known of the paint: directions in the rig's frame, and where ground was seen.
 pub(super) struct Panorama {
@@ -14,29 +16,37 @@ pub(super) struct Panorama {
     painted: PaintedSphere,
 }
 
-/// Directions near paint: a grid over pan and tilt.
+/// How far directions are from paint: a grid over pan and tilt.
 struct PaintedSphere {
     columns: usize,
     rows: usize,
-    painted: Vec<bool>,
+    /// To the nearest paint, in cells; [`FARTHEST`] and beyond.
+    off: Vec<u8>,
 }
 
-const CELL_DEG: f64 = 0.1;
+const CELL_DEG: f64 = 0.05;
+
+/// No distance from paint is asked beyond so many cells.
+const FARTHEST: u8 = 24;
 
 impl PaintedSphere {
-    fn of(directions: &[Vec3], reach_deg: f64) -> Self {
+    fn of(directions: &[Vec3]) -> Self {
         let (columns, rows) = ((360.0 / CELL_DEG) as usize, (90.0 / CELL_DEG) as usize);
-        let mut sphere = Self { columns, rows, painted: vec![false; columns * rows] };
-        let reach = (reach_deg / CELL_DEG).round() as isize;
-        for direction in directions {
-            let Some((column, row)) = sphere.cell(*direction) else { continue };
+        let mut sphere = Self { columns, rows, off: vec![FARTHEST; columns * rows] };
+        let painted: BTreeSet<(usize, usize)> =
+            directions.iter().filter_map(|direction| sphere.cell(*direction)).collect();
+        let reach = isize::from(i8::try_from(FARTHEST).unwrap_or(i8::MAX));
+        for (column, row) in painted {
             for dy in -reach..=reach {
+                let y = row as isize + dy;
+                if y < 0 || y >= rows as isize {
+                    continue;
+                }
                 for dx in -reach..=reach {
-                    let y = row as isize + dy;
-                    if dx * dx + dy * dy <= reach * reach && y >= 0 && y < rows as isize {
-                        let x = (column as isize + dx).rem_euclid(columns as isize);
-                        sphere.painted[y as usize * columns + x as usize] = true;
-                    }
+                    let x = (column as isize + dx).rem_euclid(columns as isize);
+                    let off = f64::from((dx * dx + dy * dy) as i32).sqrt().min(f64::from(FARTHEST)) as u8;
+                    let known = &mut sphere.off[y as usize * columns + x as usize];
+                    *known = off.min(*known);
                 }
             }
         }
@@ -50,8 +60,10 @@ impl PaintedSphere {
             .then(|| ((pan / CELL_DEG) as usize % self.columns, ((down / CELL_DEG) as usize).min(self.rows - 1)))
     }
 
-    fn holds(&self, direction: Vec3) -> bool {
-        self.cell(direction).is_some_and(|(column, row)| self.painted[row * self.columns + column])
+    /// Whether paint lies within an angle of a direction, [`FARTHEST`] cells at most.
+    fn is_within(&self, direction: Vec3, within_deg: f64) -> bool {
+        let off = self.cell(direction).map(|(column, row)| self.off[row * self.columns + column]);
+        off.is_some_and(|off| off < FARTHEST && f64::from(off) * CELL_DEG <= within_deg)
     }
 }
 
@@ -60,7 +72,7 @@ impl Panorama {
     pub fn of(all: &[Vec3], seen: SeenGround) -> Self {
         const KEPT: usize = 1500;
         const APART_DEG: f64 = 0.2;
-        let mut taken = std::collections::BTreeSet::new();
+        let mut taken = BTreeSet::new();
         let spread: Vec<Vec3> = all
             .iter()
             .filter(|direction| {
@@ -72,7 +84,7 @@ impl Panorama {
             .collect();
         let every = spread.len().div_ceil(KEPT).max(1);
         let directions = spread.iter().step_by(every).copied().collect();
-        let painted = PaintedSphere::of(all, 0.3);
+        let painted = PaintedSphere::of(all);
         Self { directions, seen, painted }
     }
 }
@@ -128,17 +140,19 @@ fn place(index: usize) -> (Vec3, Angle) {
     (Vec3::new(x, y, z), Angle::from_degrees(to_middle_deg + TURN_DEG.at(index)))
 }
 
-/// How far paint may lie beside a line at the first look, as a share of its distance from the camera, and at least, m.
+/// How far paint may be seen beside a line at the first look, sideways, rad.
 const SCATTER: f64 = 0.025;
-const SCATTER_M: f64 = 0.3;
 
-/// A pan axis that leans by this, rad, moves what is seen at a distance by its square over the camera's height: from low cameras
-/// that is more than the scatter.
+/// The same upright: by this share of how steeply the camera looks down, and by how far the pan axis may lean, rad.
+const SCATTER_OF_FALL: f64 = 0.025;
 const LEAN: f64 = 0.005;
 
 /// How many of the places first tried on a field are looked at closer, and how many are fitted.
 const LOOKED_AT: usize = 400;
-const FITTED: usize = 80;
+const FITTED: usize = 120;
+
+/// A line is seen where paint lies this near at a first look, degrees.
+const WIDE_DEG: f64 = 1.2;
 
 /// Directions of paint that are asked at the first look.
 const ASKED_FIRST: usize = 500;
@@ -166,7 +180,7 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
         .into_par_iter()
         .map(|index| {
             let (position_m, heading) = place(index);
-            (explained_roughly(&RigPose::upright(position_m, heading), &few, map), index)
+            (explained_roughly(&RigPose::upright(position_m, heading), &few, map, 1.0), index)
         })
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -187,14 +201,16 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
         .par_iter()
         .map(|(position_m, heading)| {
             let pose = RigPose::upright(*position_m, *heading);
-            let explained = explained_roughly(&pose, &panorama.directions, map);
-            Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 1.2) }
+            let explained = explained_roughly(&pose, &panorama.directions, map, 1.0);
+            Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 1.0, WIDE_DEG) }
         })
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
-    let fitted =
-        |hypothesis: &Hypothesis| judged(fitted(hypothesis.pose, &panorama.directions, map), panorama, (field, map));
+    let fitted = |hypothesis: &Hypothesis| {
+        let pose = climbed(hypothesis.pose, &few, panorama, map);
+        judged(fitted(pose, &panorama.directions, map), panorama, (field, map))
+    };
     looked.par_iter().map(fitted).collect()
 }
 
@@ -202,42 +218,90 @@ pub(super) fn sort(hypotheses: &mut [Hypothesis]) {
     hypotheses.sort_by(|a, b| b.score().total_cmp(&a.score()));
 }
 
+/// A line is seen where paint lies this near, degrees, from the usual height.
+const PAINTED_DEG: f64 = 0.3;
+
 /// What speaks for a fitted place.
 pub(super) fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
     const WITHIN_DEG: f64 = 0.25;
+    let within = share_of_angles(pose.position_m.z) * WITHIN_DEG.to_radians();
     let explains = |direction: &&Vec3| {
-        pose.ground(**direction).and_then(|ground| map.nearest(ground)).is_some_and(|line| {
-            let across = (line.at - pose.position_m).cross(&line.tangent);
-            let off = (pose.world_from_rig * **direction).dot(&across) / across.norm();
-            let there = (line.at - pose.position_m).normalize();
-            let along = (pose.world_from_rig * **direction - there).norm();
-            off.abs() < WITHIN_DEG.to_radians() && along < 3.0 * WITHIN_DEG.to_radians()
-        })
+        let line = pose.line_at(**direction, map);
+        line.is_some_and(|line| line.passed_by(pose.position_m, pose.world_from_rig * **direction) < within)
     };
     let explained =
         panorama.directions.iter().filter(explains).count() as f64 / panorama.directions.len().max(1) as f64;
-    Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 0.0) }
+    Hypothesis {
+        pose,
+        field,
+        explained,
+        visible: visible(&pose, panorama, map, 1.0, PAINTED_DEG * share_of_angles(pose.position_m.z)),
+    }
 }
 
-/// The share of the paint that lies near a line, more the nearer.
-fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap) -> f64 {
+/// The share of the paint that lies near a line, more the nearer; at the first look (1) paint may lie farther off than later.
+fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap, share_of_scatter: f64) -> f64 {
     let near = |direction: &Vec3| -> f64 {
-        let Some(ground) = pose.ground(*direction) else { return 0.0 };
-        let Some(distance_m) = map.distance_m(ground.x, ground.y) else { return 0.0 };
-        let range_m = (ground - pose.position_m).norm();
-        let leaning_m = LEAN * range_m * range_m / pose.position_m.z;
-        let scatter_m = (SCATTER * range_m).max(leaning_m).max(SCATTER_M);
-        let ratio = distance_m / scatter_m;
-        if ratio < 2.0 { (1.0 - 0.25 * ratio * ratio).powi(2) } else { 0.0 }
+        let Some(ground) = map.ground_roughly(|z_m| pose.at_height(*direction, z_m)) else { return 0.0 };
+        let range_squared = (ground - pose.position_m).norm_squared();
+        let fall_squared = pose.position_m.z.powi(2) / range_squared;
+        let upright = (SCATTER_OF_FALL.powi(2) * fall_squared + LEAN.powi(2)).sqrt();
+        let [sideways, upright] = [SCATTER, upright].map(|scatter| share_of_scatter * scatter);
+        match map.beside_squared(ground, pose.position_m, Scatter { sideways, upright }) {
+            Some(squared) if squared < 4.0 => (1.0 - 0.25 * squared).powi(2),
+            _ => 0.0,
+        }
     };
     directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
 }
 
+/// A pose moved to where paint and lines belong together the most: places and headings that are tried lie too far apart for a low
+/// camera, and its pan axis leans.
+fn climbed(start: RigPose, directions: &[Vec3], panorama: &Panorama, map: &PitchMap) -> RigPose {
+    /// Of the distance between the places that are tried, and of the scatter, round by round.
+    const ROUNDS: [(f64, f64); 5] = [(0.5, 1.0), (0.35, 0.7), (0.2, 0.4), (0.1, 0.2), (0.05, 0.1)];
+    /// Of the lean that is tried, degrees.
+    const LEAN_DEG: f64 = 1.0;
+    const SPACING_M: f64 = 3.0;
+    let moved = |from: &RigPose, way: usize, step: f64| {
+        let turned = |axis: Vec3, angle_deg: f64| {
+            let turned = from_rotation_vector(axis * angle_deg.to_radians()) * from.world_from_rig;
+            RigPose { world_from_rig: nearest_rotation(&turned), ..*from }
+        };
+        let shifted = |by: Vec3| RigPose { position_m: from.position_m + by, ..*from };
+        match way {
+            0 => shifted(Vec3::x() * (step * X_M.step)),
+            1 => shifted(Vec3::y() * (step * Y_M.step)),
+            2 => shifted(Vec3::z() * (from.position_m.z * (HEIGHT_RATIO.powf(step) - 1.0))),
+            3 => turned(Vec3::z(), step * TURN_DEG.step),
+            4 => turned(Vec3::x(), step * LEAN_DEG),
+            _ => turned(Vec3::y(), step * LEAN_DEG),
+        }
+    };
+    let mut pose = start;
+    for (step, scatter) in ROUNDS {
+        let score = |pose: &RigPose| {
+            let within_deg = (WIDE_DEG * scatter).max(PAINTED_DEG * share_of_angles(pose.position_m.z));
+            explained_roughly(pose, directions, map, scatter) * visible(pose, panorama, map, SPACING_M, within_deg)
+        };
+        let mut best = score(&pose);
+        for way in 0..6 {
+            for sign in [-1.0, 1.0] {
+                let there = moved(&pose, way, sign * step);
+                let found = score(&there);
+                if found > best {
+                    (pose, best) = (there, found);
+                }
+            }
+        }
+    }
+    pose
+}
+
 /// The share of the lines that lie where ground was seen and near paint; weighted by how long they seem.
-fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, more_deg: f64) -> f64 {
-    const SPACING_M: f64 = 1.0;
+fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, spacing_m: f64, within_deg: f64) -> f64 {
     let (mut all, mut seen) = (0.0, 0.0);
-    for sample in map.samples(SPACING_M) {
+    for sample in map.samples(spacing_m) {
         let Some(direction) = pose.direction_in_rig(sample.at) else { continue };
         if !panorama.seen.holds(direction) {
             continue;
@@ -246,9 +310,7 @@ fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, more_deg: f64) -
         let along = sample.tangent.normalize();
         let weight = (along - direction_of(offset) * along.dot(&direction_of(offset))).norm() / offset.norm();
         all += weight;
-        let near =
-            if more_deg > 0.0 { near_within(panorama, direction, more_deg) } else { panorama.painted.holds(direction) };
-        if near {
+        if panorama.painted.is_within(direction, within_deg) {
             seen += weight;
         }
     }
@@ -257,13 +319,4 @@ fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, more_deg: f64) -
 
 fn direction_of(offset: Vec3) -> Vec3 {
     offset / offset.norm().max(1e-9)
-}
-
-/// Whether paint lies within an angle of a direction: the direction itself and eight around it are asked.
-fn near_within(panorama: &Panorama, direction: Vec3, within_deg: f64) -> bool {
-    let side = Vec3::z().cross(&direction).normalize();
-    let up = direction.cross(&side);
-    let reach = within_deg.to_radians() / 2.0;
-    let mut steps = (-2..=2).flat_map(|a| (-2..=2).map(move |b| (f64::from(a), f64::from(b))));
-    steps.any(|(a, b)| panorama.painted.holds(direction + side * (a * reach) + up * (b * reach)))
 }

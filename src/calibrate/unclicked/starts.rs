@@ -4,13 +4,12 @@ use super::clicked::{GroundClick, poses};
 use super::error::Stop;
 use super::joint::FramePaint;
 use super::pitch_map::PitchMap;
-use super::pose::{RigPose, fitted};
+use super::pose::fitted;
 use super::search::{Hypothesis, PLACES, Panorama, judged, search, sort};
 use super::tied::TiedFrames;
+use super::turn_levels::TurnLevels;
 use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
-use crate::camera::{BaseAngles, CameraBase};
 use crate::field::FieldModel;
-use crate::geometry::ImageSize;
 use crate::track::Turns;
 
 /// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
@@ -28,21 +27,18 @@ const OF_SCALE: usize = 3;
 /// A place from which everything is adjusted.
 pub(super) struct Start {
     pub hypothesis: Hypothesis,
+    /// The logarithm of the focal scale.
+    pub log_scale: f64,
     pub turns: Turns,
     pub paint: Vec<FramePaint>,
 }
 
-impl Start {
-    pub fn base(&self, size: ImageSize) -> CameraBase {
-        let RigPose { position_m, world_from_rig } = self.hypothesis.pose;
-        let base_from_rig = BaseAngles::default().base_from_world();
-        let base_from_world = base_from_rig * world_from_rig.transpose();
-        CameraBase { distortion: self.turns.lens, ..CameraBase::new(position_m, base_from_world, size.centre()) }
-    }
-}
-
 /// The best places of a search for tied frames on one of several fields, the most likely first.
-pub(super) fn searched(tied: &TiedFrames, maps: &[PitchMap], watch: WatchUnclicked<'_>) -> Result<Vec<Start>, Stop> {
+pub(super) fn searched(
+    tied: &TiedFrames,
+    maps: &[PitchMap],
+    watch: WatchUnclicked<'_>,
+) -> Result<(Vec<Start>, TurnLevels), Stop> {
     begun(tied, &FOCAL_PERCENT, PLACES * maps.len(), watch, |_, panorama| search(panorama, maps))
 }
 
@@ -53,7 +49,7 @@ pub(super) fn named(
     maps: &[PitchMap],
     clicks: &[GroundClick],
     watch: WatchUnclicked<'_>,
-) -> Result<Vec<Start>, Stop> {
+) -> Result<(Vec<Start>, TurnLevels), Stop> {
     begun(tied, &FINE_FOCAL_PERCENT, fields.len(), watch, |turns, panorama| {
         let mut found = Vec::new();
         for (field, map) in maps.iter().enumerate() {
@@ -72,8 +68,8 @@ fn begun(
     places: usize,
     watch: WatchUnclicked<'_>,
     of_turns: impl Fn(&Turns, &Panorama) -> Vec<Hypothesis>,
-) -> Result<Vec<Start>, Stop> {
-    let mut starts: Vec<Start> = Vec::new();
+) -> Result<(Vec<Start>, TurnLevels), Stop> {
+    let (mut starts, mut levels): (Vec<Start>, Vec<(u32, Turns)>) = (Vec::new(), Vec::new());
     for (done, percent) in focal_percent.iter().enumerate() {
         if watch(UnclickedProgress::Trying { places, done, of: focal_percent.len() }).is_break() {
             return Err(UnclickedError::Stopped.into());
@@ -84,9 +80,12 @@ fn begun(
             Err(_) => continue,
         };
         let gathered = tied.gathered(&turns)?;
-        let start = |hypothesis| Start { hypothesis, turns: turns.clone(), paint: gathered.of_frames.clone() };
+        let log_scale = (f64::from(*percent) / 100.0).ln();
+        let start =
+            |hypothesis| Start { hypothesis, log_scale, turns: turns.clone(), paint: gathered.of_frames.clone() };
         starts.extend(of_turns(&turns, &gathered.panorama).into_iter().take(OF_SCALE).map(start));
+        levels.push((*percent, turns));
     }
     starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
-    Ok(starts)
+    Ok((starts, TurnLevels::new(levels)))
 }

@@ -2,9 +2,11 @@
 
 use crate::calibrate::size_fit::OpenSize;
 use crate::camera::{CameraBase, Ptz};
-use crate::document::{CameraId, DocumentAt, FieldSize};
+use crate::document::{CROWN, CameraId, DocumentAt, FieldSize};
 use crate::field::{FieldError, FieldModel};
-use crate::solve::base::{AdjustOptions, BaseModel, FittedSize, FrameClicks, SizeStart, fit_field_size};
+use crate::solve::base::{
+    AdjustOptions, BaseModel, BasePriors, FittedSize, FrameClicks, SizeParam, SizeStart, fit_field_size,
+};
 
 /// Other sizes that are tried at the start lie this share of what the rules allow beside the one assumed: a fit reaches half as
 /// far.
@@ -13,9 +15,16 @@ const LEVEL_SHARE: f64 = 0.125;
 /// Neighbouring sizes differ by this much, m.
 const STEP_M: f64 = 2.5;
 
+/// A length of a field that the rules leave open, m.
+pub(super) struct OpenLength {
+    pub value_m: f64,
+    /// What is assumed, and its 1-σ.
+    pub assumed: (f64, f64),
+}
+
 /// A field, and how its size may differ.
 pub(super) struct Venue {
-    /// As the document has it.
+    /// As the document has it, crowned where it does not say.
     pub assumed: FieldModel,
     /// None where the rules leave no choice of its size.
     open: Option<OpenSize>,
@@ -27,7 +36,11 @@ impl Venue {
     /// The field of a document's camera. Its size is open where the document only assumes it.
     pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
         let spec = document.field_of_camera(camera);
-        let assumed = document.model_of(spec)?;
+        let mut assumed = document.model_of(spec)?;
+        // Low cameras see how far away a line is by their height above the ground: where it is crowned, usually as much as this.
+        if assumed.may_be_crowned() && !spec.params.contains_key(CROWN) {
+            assumed.crown_m = BasePriors::default().crown_m.0;
+        }
         let is_known = !matches!(spec.size(), FieldSize::Assumed | FieldSize::Fitted);
         let open = OpenSize::new(spec.template(document.folder)?, &assumed);
         Ok(Self { assumed, open: Some(open).filter(|open| !open.params.is_empty()), is_known })
@@ -38,7 +51,7 @@ impl Venue {
         let mut levels = vec![self.assumed.clone()];
         if let Some(open) = self.open.as_ref().filter(|_| !self.is_known) {
             let corners = (0..1_usize << open.params.len()).filter_map(|corner| {
-                let value = |(index, param): (usize, &crate::solve::base::SizeParam)| {
+                let value = |(index, param): (usize, &SizeParam)| {
                     let sign = if corner >> index & 1 == 0 { -1.0 } else { 1.0 };
                     param.assumed_m + sign * LEVEL_SHARE * (param.max_m - param.min_m)
                 };
@@ -62,6 +75,21 @@ impl Venue {
             allowed.contains(&moved[param]).then(|| open.sized(&moved)).flatten()
         });
         moved.map(|moved| FieldModel { crown_m: field.crown_m, ..moved }).collect()
+    }
+
+    /// The lengths that are open, those of `field` being their values.
+    pub fn lengths(&self, field: &FieldModel) -> Vec<OpenLength> {
+        let Some(open) = &self.open else { return Vec::new() };
+        let of = |(here, param): (SizeParam, &SizeParam)| OpenLength {
+            value_m: here.assumed_m,
+            assumed: (param.assumed_m, param.sigma_m),
+        };
+        open.params_of(field).into_iter().zip(&open.params).map(of).collect()
+    }
+
+    /// The field of these lengths, in their order, as far as the rules allow.
+    pub fn of_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
+        self.open.as_ref()?.sized(values_m)
     }
 
     /// Whether another size is possible.

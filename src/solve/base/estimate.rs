@@ -315,9 +315,6 @@ const NO_FIT_PX: f64 = 25.0;
 /// A base whose position is less well known than this is none, m.
 const MAX_POSITION_SIGMA_M: f64 = 20.0;
 
-/// Only large fields, those of grass, are built higher in the middle.
-const MIN_CROWNED_WIDTH_M: f64 = 40.0;
-
 /// The models to compare, simple ones first.
 fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions) -> Vec<BaseModel> {
     let lenses = match options.lens {
@@ -326,7 +323,7 @@ fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions
     };
     let crowns = match options.crown {
         Some(crown) => vec![crown],
-        None if field.width_m >= MIN_CROWNED_WIDTH_M => vec![CrownModel::Fixed(field.crown_m), CrownModel::Free],
+        None if field.may_be_crowned() => vec![CrownModel::Fixed(field.crown_m), CrownModel::Free],
         None => vec![CrownModel::Fixed(field.crown_m)],
     };
     let principal_point = options.principal_point.then_some(principal_point);
