@@ -27,11 +27,6 @@ impl CarriedProposal {
         Some(Self { frame: frame.id.clone(), asked, generation, suggestion })
     }
 
-    /// How probable it is that its overlay is right.
-    pub(crate) fn confidence(&self) -> f64 {
-        self.suggestion.solution.as_ref().and_then(|solution| solution.confidence).unwrap_or(0.0)
-    }
-
     /// The same for the layer of suggestions.
     pub(crate) fn offer(&self) -> Offer<'_> {
         Offer { id: &self.frame, asked: &self.asked, suggestion: self.suggestion.clone() }

@@ -2,7 +2,7 @@
 
 use crate::calibrate::is_anchor;
 use crate::camera::Ptz;
-use crate::document::{Document, Frame, FrameId, FramePtz, FrameStatus};
+use crate::document::{Document, Frame, FrameId, FramePtz, FrameStatus, Shared};
 use crate::proposals::{CarriedProposal, KeyWindow};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,6 +19,8 @@ pub(super) struct Windows {
     carried: BTreeMap<FrameId, Vec<Known>>,
     /// Frames that got a camera here, and whether the document has shown it.
     given: BTreeMap<FrameId, bool>,
+    /// Those of them that the forest answered, as its answer has them: what is carried is carried from that.
+    answered: BTreeMap<FrameId, Shared<Frame>>,
 }
 
 /// A frame from which cameras are carried.
@@ -62,6 +64,20 @@ impl Windows {
         }
     }
 
+    /// A document in which key frames are as the forest answered them, not as they were adjusted with the frames between.
+    pub(super) fn with_answers(&self, mut document: Document) -> Document {
+        for (id, answered) in &self.answered {
+            if let Some(frame) = document.frames.by_id_mut(id)
+                && frame.is_open()
+                && frame.is_carried()
+                && frame.revision == answered.revision
+            {
+                *frame = answered.clone();
+            }
+        }
+        document
+    }
+
     /// Whether the forest is not asked for a frame as long as cameras may be carried to it.
     pub(super) fn holds_back(&self, place: usize) -> bool {
         self.between.get(place).copied().unwrap_or(false)
@@ -102,8 +118,7 @@ impl Windows {
             }
     }
 
-    /// Stores what came of a window; those of its cameras are left that are news: for frames without a camera, with one that was
-    /// carried here before, or with one that is less certain.
+    /// Stores what came of a window; those of its cameras are left that are news: not where a person decided, or had cameras carried.
     pub(super) fn enter(
         &mut self,
         window: &KeyWindow,
@@ -113,16 +128,17 @@ impl Windows {
         if let Some(first) = window.keys.first().and_then(|place| document.frames.get(*place)) {
             self.carried.insert(first.id.clone(), known(window, document));
         }
-        let confidence =
-            |frame: &Frame| frame.solution.as_ref().and_then(|solution| solution.confidence).unwrap_or(0.0);
         let is_news = |carried: &CarriedProposal| {
-            let Some(frame) = document.frames.by_id(&carried.frame) else { return false };
-            let is_less_certain = !is_anchor(frame) && !frame.is_carried() && confidence(frame) < carried.confidence();
-            frame.is_open() && (frame.ptz.is_none() || self.has_given(&frame.id) || is_less_certain)
+            let frame = document.frames.by_id(&carried.frame);
+            frame.is_some_and(|frame| frame.is_open() && (!frame.is_carried() || self.has_given(&frame.id)))
         };
         let news: Vec<CarriedProposal> = carried.into_iter().filter(is_news).collect();
+        let keys: Vec<&Shared<Frame>> = window.keys.iter().filter_map(|place| document.frames.get(*place)).collect();
         for carried in &news {
             self.given.entry(carried.frame.clone()).or_insert(false);
+            if let Some(key) = keys.iter().find(|key| key.id == carried.frame && !key.is_carried()) {
+                self.answered.insert(key.id.clone(), (*key).clone());
+            }
         }
         news
     }

@@ -145,7 +145,8 @@ impl<C: Backend> Work<C> {
         if orders.edition != self.orders.edition
             && let Some(document) = &orders.document
         {
-            self.document = document.clone();
+            self.windows.look_at(document, self.backend.folder());
+            self.document = self.windows.with_answers(document.clone());
             self.training_frames = TrainingFrames::of_solved(document);
             let training_set = TrainingSet::of(document, &self.training_frames.frames);
             if training_set != self.training_set {
@@ -153,8 +154,7 @@ impl<C: Backend> Work<C> {
                 self.forget_changed(&before);
                 self.changed = Instant::now();
             }
-            self.answer_cache.look_at(document);
-            self.windows.look_at(document, self.backend.folder());
+            self.answer_cache.look_at(&self.document);
             let TrainingFrames { frames, references, withheld } = &self.training_frames;
             (self.status.references, self.status.training_frames, self.status.withheld) =
                 (*references, frames.len(), *withheld);
@@ -376,8 +376,9 @@ impl<C: Backend> Work<C> {
         self.carried += window.between.len();
         let news = self.windows.enter(window, &self.document, carried);
         for carried in &news {
-            if let Some(frame) = self.document.frames.by_id_mut(&carried.frame) {
-                carried.record(frame);
+            let is_key = |place: usize| window.keys.contains(&place);
+            if let Some(place) = self.document.frames.position_of(&carried.frame).filter(|place| !is_key(*place)) {
+                carried.record(&mut self.document.frames[place]);
             }
         }
         if !news.is_empty() {
