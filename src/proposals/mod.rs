@@ -21,6 +21,7 @@
 //! The window's trainer and the command line both live on this room; nothing here starts a thread.
 
 mod advice;
+mod asked;
 mod bases;
 mod burnt_in;
 mod carried;
@@ -51,6 +52,7 @@ mod used_features;
 
 pub(crate) use advice::LabelAdvice;
 pub use advice::{LabelNext, label_advice};
+pub use asked::Asked;
 pub use bases::{BaseMismatch, adopt_bases};
 pub use burnt_in::FoundMask;
 pub use carried::CarriedProposal;
@@ -66,7 +68,7 @@ pub use learning::{LearnError, LearnOptions, Studied, TrainingSampleError, learn
 pub use line_evidence::LineEvidence;
 pub(crate) use order::AskingOrder;
 pub use picture::{PictureError, read_picture};
-pub use proposal::{Answer, Asked, NoProposal, Proposal, Timings};
+pub use proposal::{Answer, NoProposal, Proposal, Timings};
 pub use proposing::propose;
 pub use quality::WRONG_PX;
 pub use quality::{FoundAgain, LeftOut, LeftOutBy, Quality, measure, overlay_error_px};

@@ -1,10 +1,8 @@
 //! A proposed camera as plain data: for which frame, by which forest, what it is or why there is none.
 
-use super::{Offer, PictureError};
-use crate::camera::CameraBase;
+use super::{Asked, Offer, PictureError};
 use crate::document::{
-    Camera, CameraId, Document, Frame, FrameId, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning,
-    Suggestion, TimingsMs,
+    Document, Frame, FrameId, FramePtz, PaintEvidence, Solution, SolutionSource, SolutionWarning, Suggestion, TimingsMs,
 };
 use crate::geometry::Mat3;
 use crate::paint::LineCheck;
@@ -25,21 +23,6 @@ pub struct Proposal {
     pub outcome: Result<Answer, NoProposal>,
     /// What it took.
     pub timings: Timings,
-}
-
-/// A frame as it was when the forest was asked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Asked {
-    /// The revision of the frame.
-    pub revision: u64,
-    /// The frame's picture, by name.
-    pub picture: String,
-    /// The hash of its image file, where the document has one.
-    pub sha256: Option<String>,
-    /// Its camera.
-    pub camera: CameraId,
-    /// Where that camera stands.
-    pub base: Option<CameraBase>,
 }
 
 /// A camera that the forest proposes.
@@ -155,31 +138,6 @@ impl NoProposal {
             Self::Picture(_) => "picture",
             Self::Panicked { .. } => "failed",
         }
-    }
-}
-
-impl Asked {
-    /// A frame as it is now.
-    #[must_use]
-    pub fn of(document: &Document, frame: &Frame) -> Self {
-        Self {
-            revision: frame.revision,
-            picture: frame.name(),
-            sha256: frame.sha256.clone(),
-            camera: frame.camera.clone(),
-            base: document.camera_of(frame).and_then(Camera::base),
-        }
-    }
-
-    /// Whether it is this frame with the picture and the camera that it has now.
-    pub(crate) fn is_of(&self, frame: &Frame) -> bool {
-        self.sha256 == frame.sha256 && self.camera == frame.camera && self.picture == frame.name()
-    }
-
-    /// Whether a frame is still as it was, in what an answer depends on.
-    #[must_use]
-    pub fn is_still(&self, document: &Document, frame: &Frame) -> bool {
-        self.is_of(frame) && self.base == document.camera_of(frame).and_then(Camera::base)
     }
 }
 

@@ -56,7 +56,8 @@ impl TurnLevels {
             ..from_turns.lens
         };
         let ptz = from_turns.ptz.iter().zip(&to_turns.ptz).map(of_frame).collect();
-        Some(Turns { ptz, lens, ..from_turns.clone() })
+        let residual_px = between(from_turns.residual_px, to_turns.residual_px);
+        Some(Turns { ptz, lens, image_size: from_turns.image_size, residual_px })
     }
 
     /// What the ties say of the scale: where the frames fit each other best, and how much worse they do beside it.
@@ -103,7 +104,8 @@ mod tests {
         assert!((between.ptz[0].focal_px - 1000.0 * 1.1_f64.sqrt()).abs() < 1e-9);
         assert!((between.ptz[1].pan.degrees() - f64::midpoint(20.0, 20.0 / 1.1)).abs() < 1e-9);
         assert!((between.lens.value - 1.05).abs() < 1e-12);
-        assert_eq!(levels.at(0.0).unwrap(), turns(100, 0.3).1);
+        let there = levels.at(0.0).unwrap();
+        assert!((there.ptz[0].focal_px - 1000.0).abs() < 1e-9 && (there.residual_px - 0.3).abs() < 1e-12, "{there:?}");
         assert_eq!(levels.at(-3.0).unwrap(), turns(90, 0.5).1, "no farther than what was adjusted");
         assert!(TurnLevels::new([]).at(0.0).is_none());
     }
