@@ -27,6 +27,8 @@ fn swapped_points_are_compared_and_mended_with_a_button() {
     }
     // The check against the paint adds its line to the inspector: buttons keep their places after it.
     window.wait_for(|shell| shell.app().paint_says(0).is_some() && shell.is_idle());
+    // What has just appeared is drawn brighter for a moment.
+    window.harness.run_steps(40);
     let before = window.app().current().camera.unwrap().ptz();
     let told = window.harness.query_all_by_label_contains("look swapped").next();
     assert!(told.is_some(), "{:?}", window.app().current().judgement);
