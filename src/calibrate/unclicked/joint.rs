@@ -139,7 +139,7 @@ pub(super) fn joint(
 ) -> Option<Joint> {
     let scale = size.scale_from_1920();
     let mut field = start_field.clone();
-    let mut map = PitchMap::of(&field);
+    let mut map = PitchMap::of_few(&field);
     let mut base = *start;
     let mut ptz = ptz.to_vec();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
@@ -169,7 +169,7 @@ pub(super) fn joint(
         let Some(venue) = sized.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
         let Some(fitted) = venue.fitted(&field, &taken, &base, &ptz, &model, (size.width, &options)) else { continue };
         (field, sizes) = fitted;
-        map = PitchMap::of(&field);
+        map = PitchMap::of_few(&field);
     }
     let half = |which: usize| {
         let of_half = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| frame % 2 == which);

@@ -21,11 +21,26 @@ pub(super) struct PitchMap {
     crown: Crown,
     /// The painted curves, each with the number of its line in the field.
     curves: Vec<(usize, Curve)>,
+    /// None where the curves are asked each time.
+    grid: Option<Grid>,
+}
+
+/// The nearest curves to the cells of a field and of the ground around it.
+struct Grid {
     half_length_m: f64,
     half_width_m: f64,
     columns: usize,
     rows: usize,
-    nearest: [Vec<Nearest>; KINDS],
+    near: Vec<[Nearest; KINDS]>,
+}
+
+impl Grid {
+    /// The nearest curves to the cell of a place; none far from the field.
+    fn near(&self, place: Vec3) -> Option<[Nearest; KINDS]> {
+        let (column, row) = ((place.x + self.half_length_m) / CELL_M, (place.y + self.half_width_m) / CELL_M);
+        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
+        inside.then(|| self.near[row as usize * self.columns + column as usize])
+    }
 }
 
 /// The nearest curve of a kind to a cell.
@@ -34,6 +49,24 @@ struct Nearest {
     /// Across it, m; infinite where no curve passes.
     distance_m: f32,
     curve: u16,
+}
+
+impl Nearest {
+    const NONE: Self = Self { distance_m: f32::INFINITY, curve: 0 };
+}
+
+/// The nearest of each kind of curve to a place.
+fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> [Nearest; KINDS] {
+    let mut nearest = [Nearest::NONE; KINDS];
+    for (number, (_, curve)) in (0_u16..).zip(curves) {
+        let near = &mut nearest[kind_of(curve)];
+        if let Some(distance_m) = across_m(curve, place).map(|distance_m| distance_m as f32)
+            && distance_m < near.distance_m
+        {
+            *near = Nearest { distance_m, curve: number };
+        }
+    }
+    nearest
 }
 
 /// The point of a line that is nearest to a place.
@@ -73,8 +106,6 @@ pub(super) struct Scatter {
 
 impl PitchMap {
     pub fn of(field: &FieldModel) -> Self {
-        let painted = field.lines.iter().enumerate().filter(|(_, line)| line.painted);
-        let curves: Vec<(usize, Curve)> = painted.map(|(number, line)| (number, line.paint_centre)).collect();
         let (half_length_m, half_width_m) = (field.length_m / 2.0 + BEYOND_M, field.width_m / 2.0 + BEYOND_M);
         let columns = (2.0 * half_length_m / CELL_M).ceil() as usize;
         let rows = (2.0 * half_width_m / CELL_M).ceil() as usize;
@@ -83,36 +114,27 @@ impl PitchMap {
             let y = (cell / columns) as f64 * CELL_M + CELL_M / 2.0 - half_width_m;
             Vec3::new(x, y, 0.0)
         };
-        let nearest = std::array::from_fn(|kind| {
-            let of_kind: Vec<(u16, &Curve)> =
-                (0_u16..).zip(&curves).map(|(number, (_, curve))| (number, curve)).collect();
-            let of_kind: Vec<(u16, &Curve)> = of_kind.into_iter().filter(|(_, curve)| kind_of(curve) == kind).collect();
-            let of_cell = |cell: usize| {
-                let place = place(cell);
-                let near = |&(curve, shape): &(u16, &Curve)| {
-                    let distance_m = across_m(shape, place)? as f32;
-                    Some(Nearest { distance_m, curve })
-                };
-                let none = Nearest { distance_m: f32::INFINITY, curve: 0 };
-                let nearer = |a: Nearest, b: Nearest| if b.distance_m < a.distance_m { b } else { a };
-                of_kind.iter().filter_map(near).fold(none, nearer)
-            };
-            (0..columns * rows).map(of_cell).collect()
-        });
-        Self { crown: field.crown(), curves, half_length_m, half_width_m, columns, rows, nearest }
+        let mut map = Self::of_few(field);
+        let near: Vec<[Nearest; KINDS]> =
+            (0..columns * rows).map(|cell| nearest_of(&map.curves, place(cell))).collect();
+        map.grid = Some(Grid { half_length_m, half_width_m, columns, rows, near });
+        map
     }
 
-    fn cell(&self, x_m: f64, y_m: f64) -> Option<usize> {
-        let (column, row) = ((x_m + self.half_length_m) / CELL_M, (y_m + self.half_width_m) / CELL_M);
-        let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
-        inside.then(|| row as usize * self.columns + column as usize)
+    /// The same for a field that is asked about fewer places than the map would have cells: the curves are asked each time.
+    pub fn of_few(field: &FieldModel) -> Self {
+        let painted = field.lines.iter().enumerate().filter(|(_, line)| line.painted);
+        let curves = painted.map(|(number, line)| (number, line.paint_centre)).collect();
+        Self { crown: field.crown(), curves, grid: None }
     }
 
     /// The nearest of each kind of curve to a place.
     fn near(&self, place: Vec3) -> impl Iterator<Item = Nearest> + '_ {
-        let cell = self.cell(place.x, place.y);
-        let of_cell = move |nearest: &Vec<Nearest>| cell.map(|cell| nearest[cell]);
-        self.nearest.iter().filter_map(of_cell).filter(|nearest| nearest.distance_m.is_finite())
+        let near = match &self.grid {
+            Some(grid) => grid.near(place).unwrap_or([Nearest::NONE; KINDS]),
+            None => nearest_of(&self.curves, place),
+        };
+        near.into_iter().filter(|nearest| nearest.distance_m.is_finite())
     }
 
     /// Where a ray meets the ground; `at` says where it comes to a height (m).

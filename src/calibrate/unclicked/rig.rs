@@ -321,7 +321,7 @@ fn sights(
             sized_at(lengths_m, at.crown_m)
         })
         .collect();
-    let map = PitchMap::of(&field);
+    let map = PitchMap::of_few(&field);
     let (here, there) = (paint.directions(at.log_scale)?, paint.directions(at.log_scale + SCALE_STEP)?);
     let sight = |(direction, there): (&Option<Vec3>, &Option<Vec3>)| {
         let (direction, there) = ((*direction)?, (*there)?);
