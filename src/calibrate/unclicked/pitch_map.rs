@@ -3,8 +3,8 @@
 use crate::field::{Crown, Curve, FieldModel};
 use crate::geometry::{Vec2, Vec3};
 
-/// The side of a cell, m.
-const CELL_M: f64 = 0.25;
+/// The side of a cell, m: so wide that the cells of a field stay in a core's cache, which a search asks all over.
+const CELL_M: f64 = 0.5;
 
 /// How far beyond the field the map reaches, m.
 const BEYOND_M: f64 = 12.0;
@@ -21,9 +21,14 @@ pub(super) struct PitchMap {
     crown: Crown,
     /// The painted curves, each with the number of its line in the field.
     curves: Vec<(usize, Curve)>,
+    /// The straight line or circle of each of them.
+    endless: Vec<Endless>,
     /// None where the curves are asked each time.
     grid: Option<Grid>,
 }
+
+/// The nearest curve of each kind, by its number.
+type NearOfKinds = [Option<u16>; KINDS];
 
 /// The nearest curves to the cells of a field and of the ground around it.
 struct Grid {
@@ -31,42 +36,71 @@ struct Grid {
     half_width_m: f64,
     columns: usize,
     rows: usize,
-    near: Vec<[Nearest; KINDS]>,
+    near: Vec<NearOfKinds>,
 }
 
 impl Grid {
     /// The nearest curves to the cell of a place; none far from the field.
-    fn near(&self, place: Vec3) -> Option<[Nearest; KINDS]> {
+    #[inline]
+    fn near(&self, place: Vec3) -> Option<NearOfKinds> {
         let (column, row) = ((place.x + self.half_length_m) / CELL_M, (place.y + self.half_width_m) / CELL_M);
         let inside = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
         inside.then(|| self.near[row as usize * self.columns + column as usize])
     }
 }
 
-/// The nearest curve of a kind to a cell.
-#[derive(Clone, Copy)]
-struct Nearest {
-    /// Across it, m; infinite where no curve passes.
-    distance_m: f32,
-    curve: u16,
-}
-
-impl Nearest {
-    const NONE: Self = Self { distance_m: f32::INFINITY, curve: 0 };
-}
-
 /// The nearest of each kind of curve to a place.
-fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> [Nearest; KINDS] {
-    let mut nearest = [Nearest::NONE; KINDS];
+fn nearest_of(curves: &[(usize, Curve)], place: Vec3) -> NearOfKinds {
+    let mut nearest: [Option<(f64, u16)>; KINDS] = [None; KINDS];
     for (number, (_, curve)) in (0_u16..).zip(curves) {
         let near = &mut nearest[kind_of(curve)];
-        if let Some(distance_m) = across_m(curve, place).map(|distance_m| distance_m as f32)
-            && distance_m < near.distance_m
+        if let Some(distance_m) = across_m(curve, place)
+            && near.is_none_or(|(nearest_m, _)| distance_m < nearest_m)
         {
-            *near = Nearest { distance_m, curve: number };
+            *near = Some((distance_m, number));
         }
     }
-    nearest
+    nearest.map(|near| near.map(|(_, number)| number))
+}
+
+/// A curve without its ends.
+#[derive(Clone, Copy)]
+enum Endless {
+    Line {
+        /// Unit.
+        along: Vec2,
+        /// Of the origin, across the line, m.
+        offset_m: f64,
+    },
+    Circle {
+        centre: Vec2,
+        radius_m: f64,
+    },
+}
+
+impl Endless {
+    fn of(curve: &Curve) -> Self {
+        match *curve {
+            Curve::Segment { from, .. } => {
+                let along = direction(curve, from);
+                Self::Line { along, offset_m: along.perp(&from.xy()) }
+            }
+            Curve::Arc { centre, radius_m, .. } => Self::Circle { centre: centre.xy(), radius_m },
+        }
+    }
+
+    /// How far a place lies across it, m, and its direction there, unit.
+    #[inline]
+    fn across(&self, place: Vec2) -> (f64, Vec2) {
+        match *self {
+            Self::Line { along, offset_m } => (along.perp(&place) - offset_m, along),
+            Self::Circle { centre, radius_m } => {
+                let out = place - centre;
+                let range_m = out.norm();
+                (range_m - radius_m, Vec2::new(-out.y, out.x) / range_m.max(1e-9))
+            }
+        }
+    }
 }
 
 /// The point of a line that is nearest to a place.
@@ -97,11 +131,27 @@ impl OnLine {
     }
 }
 
-/// How far a direction may be off in sideways and in upright angles, rad.
+/// How far a direction may be off in sideways and in upright angles, rad, squared.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Scatter {
-    pub sideways: f64,
-    pub upright: f64,
+    pub sideways_squared: f64,
+    pub upright_squared: f64,
+}
+
+/// From a camera to a place of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct View {
+    /// Along the ground, m.
+    pub over_ground: Vec2,
+    /// The sine of the angle below the horizon, squared.
+    pub fall_squared: f64,
+}
+
+impl View {
+    pub fn of(place: Vec3, eye_m: Vec3) -> Self {
+        let view = place - eye_m;
+        Self { over_ground: view.xy(), fall_squared: view.z * view.z / view.norm_squared() }
+    }
 }
 
 impl PitchMap {
@@ -115,8 +165,7 @@ impl PitchMap {
             Vec3::new(x, y, 0.0)
         };
         let mut map = Self::of_few(field);
-        let near: Vec<[Nearest; KINDS]> =
-            (0..columns * rows).map(|cell| nearest_of(&map.curves, place(cell))).collect();
+        let near = (0..columns * rows).map(|cell| nearest_of(&map.curves, place(cell))).collect();
         map.grid = Some(Grid { half_length_m, half_width_m, columns, rows, near });
         map
     }
@@ -124,17 +173,19 @@ impl PitchMap {
     /// The same for a field that is asked about fewer places than the map would have cells: the curves are asked each time.
     pub fn of_few(field: &FieldModel) -> Self {
         let painted = field.lines.iter().enumerate().filter(|(_, line)| line.painted);
-        let curves = painted.map(|(number, line)| (number, line.paint_centre)).collect();
-        Self { crown: field.crown(), curves, grid: None }
+        let curves: Vec<(usize, Curve)> = painted.map(|(number, line)| (number, line.paint_centre)).collect();
+        let endless = curves.iter().map(|(_, curve)| Endless::of(curve)).collect();
+        Self { crown: field.crown(), curves, endless, grid: None }
     }
 
-    /// The nearest of each kind of curve to a place.
-    fn near(&self, place: Vec3) -> impl Iterator<Item = Nearest> + '_ {
+    /// The nearest of each kind of curve to a place, by its number.
+    #[inline]
+    fn near(&self, place: Vec3) -> impl Iterator<Item = usize> {
         let near = match &self.grid {
-            Some(grid) => grid.near(place).unwrap_or([Nearest::NONE; KINDS]),
+            Some(grid) => grid.near(place).unwrap_or_default(),
             None => nearest_of(&self.curves, place),
         };
-        near.into_iter().filter(|nearest| nearest.distance_m.is_finite())
+        near.into_iter().flatten().map(usize::from)
     }
 
     /// Where a ray meets the ground; `at` says where it comes to a height (m).
@@ -149,34 +200,33 @@ impl PitchMap {
     }
 
     /// The same to some decimetres.
+    #[inline]
     pub fn ground_roughly(&self, at: impl Fn(f64) -> Option<Vec3>) -> Option<Vec3> {
         let flat = at(0.0)?;
         if self.crown.height_m == 0.0 { Some(flat) } else { at(self.crown.ground_z(flat.y)) }
     }
 
-    /// How far a camera sees a place beside the nearest line, in units of a scatter of angles, squared; none far from the field.
-    pub fn beside_squared(&self, place: Vec3, eye_m: Vec3, scatter: Scatter) -> Option<f64> {
-        let view = place - eye_m;
-        let range_squared = view.norm_squared();
-        let fall_squared = view.z * view.z / range_squared;
-        let [sideways, upright] = [scatter.sideways, scatter.upright].map(|scatter| scatter * scatter);
+    /// How far a place lies beside the nearest line as a camera sees it, in units of a scatter of angles, squared; none far from the
+    /// field.
+    #[inline]
+    pub fn beside_squared(&self, place: Vec3, view: View, scatter: Scatter) -> Option<f64> {
+        let View { over_ground, fall_squared } = view;
         // What lies across the line on the ground, seen as an angle: flat views shorten what lies along them.
-        let beside = |near: Nearest| {
-            let (_, curve) = &self.curves[usize::from(near.curve)];
-            let tangent = direction(curve, place);
-            let along_squared = tangent.dot(&view.xy()).powi(2) / range_squared;
-            let side_squared = tangent.perp(&view.xy()).powi(2) / range_squared;
-            let seen = side_squared * upright + along_squared * fall_squared * sideways;
-            f64::from(near.distance_m).powi(2) / range_squared * fall_squared / seen
+        let beside = |curve: usize| {
+            let (across_m, tangent) = self.endless[curve].across(place.xy());
+            let along_squared = tangent.dot(&over_ground).powi(2);
+            let side_squared = tangent.perp(&over_ground).powi(2);
+            let seen = side_squared * scatter.upright_squared + along_squared * fall_squared * scatter.sideways_squared;
+            across_m * across_m * fall_squared / seen
         };
-        self.near(place).map(beside).min_by(f64::total_cmp)
+        self.near(place).map(beside).reduce(f64::min)
     }
 
     /// The point of the line that a camera sees nearest to a place; none far from the field.
     pub fn nearest(&self, place: Vec3, eye_m: Vec3) -> Option<OnLine> {
         let direction = (place - eye_m).normalize();
-        let on_line = |near: Nearest| {
-            let (line, curve) = &self.curves[usize::from(near.curve)];
+        let on_line = |curve: usize| {
+            let (line, curve) = &self.curves[curve];
             let on_line = self.on_line(*line, curve, nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)));
             (on_line.passed_by(eye_m, direction), on_line)
         };
@@ -268,17 +318,15 @@ mod tests {
         let place = Vec3::new(1.625, 32.125, 0.0);
         let is_across = |line: OnLine| line.tangent.x.abs() < 1e-9;
         assert!(is_across(map.nearest(place, Vec3::new(0.0, -60.0, 500.0)).unwrap()));
-        assert!(!is_across(map.nearest(place, Vec3::new(0.0, -60.0, 6.0)).unwrap()));
-        let scatter = Scatter { sideways: 0.02, upright: 0.02 };
-        let low = map.beside_squared(place, Vec3::new(0.0, -60.0, 6.0), scatter).unwrap().sqrt();
+        let eye_m = Vec3::new(0.0, -60.0, 6.0);
+        assert!(!is_across(map.nearest(place, eye_m).unwrap()));
+        let scatter = Scatter { sideways_squared: 0.02_f64.powi(2), upright_squared: 0.02_f64.powi(2) };
+        let low = map.beside_squared(place, View::of(place, eye_m), scatter).unwrap().sqrt();
         // 1.815 m of the ground, 92 m away and 6 m below.
         let expected = 1.815 * 6.0 / 92.0_f64.powi(2) / 0.02;
         assert!((low - expected).abs() < 0.02 * expected, "{low} {expected}");
-        assert_eq!(
-            map.beside_squared(Vec3::new(0.0, 90.0, 0.0), Vec3::new(0.0, -60.0, 6.0), scatter),
-            None,
-            "far from the field"
-        );
+        let far = Vec3::new(0.0, 90.0, 0.0);
+        assert_eq!(map.beside_squared(far, View::of(far, eye_m), scatter), None, "far from the field");
     }
 
     #[test]

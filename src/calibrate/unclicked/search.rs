@@ -1,9 +1,9 @@
 //! Where a camera may stand: many places tried, the best fitted.
 
-use super::pitch_map::{PitchMap, Scatter};
+use super::pitch_map::{PitchMap, Scatter, View};
 use super::pose::{RigPose, fitted, share_of_angles};
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
-use crate::geometry::{Angle, Vec3};
+use crate::geometry::{Angle, Vec2, Vec3};
 use crate::paint::SeenGround;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -176,11 +176,12 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> 
 fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<Hypothesis> {
     let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
+    let below: Vec<BelowHorizon> = few.iter().filter_map(BelowHorizon::of).collect();
     let mut scored: Vec<(f64, usize)> = (0..PLACES)
         .into_par_iter()
         .map(|index| {
             let (position_m, heading) = place(index);
-            (explained_roughly(&RigPose::upright(position_m, heading), &few, map, 1.0), index)
+            (explained_upright(&RigPose::upright(position_m, heading), &below, map), index)
         })
         .collect();
     scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -243,16 +244,52 @@ pub(super) fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &
 fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap, share_of_scatter: f64) -> f64 {
     let near = |direction: &Vec3| -> f64 {
         let Some(ground) = map.ground_roughly(|z_m| pose.at_height(*direction, z_m)) else { return 0.0 };
-        let range_squared = (ground - pose.position_m).norm_squared();
-        let fall_squared = pose.position_m.z.powi(2) / range_squared;
-        let upright = (SCATTER_OF_FALL.powi(2) * fall_squared + LEAN.powi(2)).sqrt();
-        let [sideways, upright] = [SCATTER, upright].map(|scatter| share_of_scatter * scatter);
-        match map.beside_squared(ground, pose.position_m, Scatter { sideways, upright }) {
-            Some(squared) if squared < 4.0 => (1.0 - 0.25 * squared).powi(2),
-            _ => 0.0,
-        }
+        nearness(ground, View::of(ground, pose.position_m), map, share_of_scatter)
     };
     directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
+}
+
+/// A direction (`rig`) below the horizon of a camera whose pan axis is upright.
+struct BelowHorizon {
+    /// Over the ground, per metre of the camera's height.
+    over_ground: Vec2,
+    fall_squared: f64,
+}
+
+impl BelowHorizon {
+    fn of(direction: &Vec3) -> Option<Self> {
+        let over_ground = direction.xy() / -direction.z;
+        (direction.z < 0.0).then(|| Self { over_ground, fall_squared: 1.0 / (1.0 + over_ground.norm_squared()) })
+    }
+}
+
+/// [`explained_roughly`] at the first look, for a pose whose pan axis is upright: most of the time of a search passes here.
+fn explained_upright(pose: &RigPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
+    let turn = pose.world_from_rig.fixed_view::<2, 2>(0, 0).into_owned();
+    let eye_m = pose.position_m;
+    let near = |direction: &BelowHorizon| -> f64 {
+        let per_m = turn * direction.over_ground;
+        let at = |z_m: f64| {
+            let over = per_m * (eye_m.z - z_m);
+            Some(Vec3::new(eye_m.x + over.x, eye_m.y + over.y, z_m))
+        };
+        let Some(ground) = map.ground_roughly(at) else { return 0.0 };
+        let view = View { over_ground: (ground - eye_m).xy(), fall_squared: direction.fall_squared };
+        nearness(ground, view, map, 1.0)
+    };
+    directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
+}
+
+/// From 1 on a line to 0 where none is near.
+#[inline]
+fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> f64 {
+    let upright_squared = SCATTER_OF_FALL.powi(2) * view.fall_squared + LEAN.powi(2);
+    let [sideways_squared, upright_squared] =
+        [SCATTER.powi(2), upright_squared].map(|scatter| share_of_scatter.powi(2) * scatter);
+    match map.beside_squared(ground, view, Scatter { sideways_squared, upright_squared }) {
+        Some(squared) if squared < 4.0 => (1.0 - 0.25 * squared).powi(2),
+        _ => 0.0,
+    }
 }
 
 /// A pose moved to where paint and lines belong together the most: places and headings that are tried lie too far apart for a low
