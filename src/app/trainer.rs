@@ -205,9 +205,9 @@ impl Doing {
 pub fn describe_left(left: Duration) -> String {
     match left.as_secs() {
         0..=9 => "a few seconds left".to_owned(),
-        seconds @ 10..=89 => format!("about {} s left", seconds.next_multiple_of(10)),
-        seconds @ 90..=5_399 => format!("about {} min left", seconds.div_ceil(60)),
-        seconds => format!("about {:.1} h left", seconds as f64 / 3600.0),
+        seconds @ 10..=89 => format!("about {}\u{a0}s left", seconds.next_multiple_of(10)),
+        seconds @ 90..=5_399 => format!("about {}\u{a0}min left", seconds.div_ceil(60)),
+        seconds => format!("about {:.1}\u{a0}h left", seconds as f64 / 3600.0),
     }
 }
 
@@ -227,8 +227,13 @@ mod tests {
         assert_eq!(left(at(30), Doing::Carrying(Share { done: 10, of: 100 }), 10), None);
         assert_eq!(left(Doing::Nothing, at(10), 10), None);
         let words = [3, 41, 119, 3600, 7200].map(|seconds| describe_left(Duration::from_secs(seconds)));
-        let expected =
-            ["a few seconds left", "about 50 s left", "about 2 min left", "about 60 min left", "about 2.0 h left"];
+        let expected = [
+            "a few seconds left",
+            "about 50\u{a0}s left",
+            "about 2\u{a0}min left",
+            "about 60\u{a0}min left",
+            "about 2.0\u{a0}h left",
+        ];
         assert_eq!(words, expected);
     }
 }

@@ -10,9 +10,12 @@ use crate::app::where_to_label::where_to_label;
 use crate::document::{Document, DocumentAt, FieldSpec, Frame, FrameStatus, document_from_bytes, path_between};
 use crate::files::read_named;
 use crate::media::{FrameReader, FrameSource, image_size};
-use crate::proposals::{Coverage, FramePictures, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose};
+use crate::proposals::{
+    Coverage, FramePictures, KeyWindow, LineEvidence, TrainingFrames, adopt_bases, label_advice, propose,
+};
 use crate::relocalize::{ForestModel, PoseOptions, PredictOptions, RelocalizeOptions};
 use anyhow::{Context as _, ensure};
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -44,6 +47,9 @@ pub struct RelocalizeArgs {
     /// Leave frames that are answered already as they are: to go on where an earlier run was stopped.
     #[arg(long)]
     resume: bool,
+    /// Of videos, answer only key frames, a second apart; `touchline track` then carries cameras to the frames between.
+    #[arg(long)]
+    key_frames: bool,
     /// Leaves examined in each tree.
     #[arg(long, value_name = "N", default_value_t = PredictOptions::default().leaves_per_tree, value_parser = clap::value_parser!(u32).range(1..=4096))]
     leaves: u32,
@@ -74,7 +80,12 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     adopt_bases(&mut document, &taught, &model)?;
     let before = document.clone();
     let is_asked = |frame: &Frame| frame.is_open() && !(args.resume && is_answered(frame));
-    let asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_asked(&document.frames[index])).collect();
+    let mut asked: Vec<usize> = (0..document.frames.len()).filter(|&index| is_asked(&document.frames[index])).collect();
+    if args.key_frames {
+        let windows = KeyWindow::of(document.at(&folder));
+        let between: BTreeSet<usize> = windows.into_iter().flat_map(|window| window.between).collect();
+        asked.retain(|index| !between.contains(index));
+    }
     let options = RelocalizeOptions {
         predict: PredictOptions { leaves_per_tree: args.leaves, ..PredictOptions::default() },
         pose: PoseOptions { min_confidence: args.min_confidence, seed: args.seed, ..PoseOptions::default() },
@@ -123,8 +134,9 @@ pub fn relocalize(args: &RelocalizeArgs, messages: Messages) -> anyhow::Result<O
     }
     tell_where_to_label(document.at(&folder), messages);
     let (failed, passed) = (asked.len() - answered + skipped, document.frames.len() - asked.len());
-    messages
-        .note(&format!("{answered} frames answered, {failed} not, {passed} left unchanged (with clicks, or accepted)"));
+    let why_passed =
+        if args.key_frames { "no key frames, with clicks, or accepted" } else { "with clicks, or accepted" };
+    messages.note(&format!("{answered} frames answered, {failed} not, {passed} left unchanged ({why_passed})"));
     Ok(if failed > 0 { Outcome::SomeFailed } else { Outcome::Done })
 }
 

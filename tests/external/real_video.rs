@@ -9,7 +9,9 @@ use std::time::Duration;
 use touchline::app::{Doing, TrainerOrder, TrainerStatus};
 use touchline::calibrate::{Problem, check_pictures};
 use touchline::camera::{CameraBase, FocalCurve, Ptz};
-use touchline::document::{Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, SolutionSource};
+use touchline::document::{
+    Camera, Document, FieldSpec, Frame, FramePtz, FrameStatus, SolutionSource, document_to_string,
+};
 use touchline::geometry::rotation::nearest_rotation;
 use touchline::geometry::{ImagePoint, ImageSize, Mat3, Vec3};
 use touchline::jobs::{SharedPictures, Trainer, TrainerOptions, TrainerReport};
@@ -19,6 +21,7 @@ pub const TESTS: &[Test] = tests![
     [Frames] new_takes_the_frames_of_a_video_that_decode;
     [Frames] check_compares_frame_numbers_and_times_of_a_video;
     [Frames] the_trainer_carries_cameras_between_key_frames;
+    [Frames] key_frames_are_answered_and_the_frames_between_carried_from_the_command_line;
 ];
 
 fn new_takes_the_frames_of_a_video_that_decode() {
@@ -128,4 +131,23 @@ fn the_trainer_carries_cameras_between_key_frames() {
         let jerk_deg = pans[at - 1] - 2.0 * pans[at] + pans[at + 1];
         assert!(jerk_deg.abs() < 0.05, "frame {at}: {jerk_deg}°");
     }
+}
+
+fn key_frames_are_answered_and_the_frames_between_carried_from_the_command_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let video = frames_folder().join("video-soccer/match.mp4").canonicalize().unwrap();
+    std::os::unix::fs::symlink(video, folder.path().join("match.mp4")).unwrap();
+    std::fs::write(folder.path().join("match.json"), document_to_string(&two_references(61)).unwrap()).unwrap();
+    for command in [
+        "train match.json -o match.tlf",
+        "relocalize match.tlf match.json -o keys.json --key-frames",
+        "track keys.json -o tracked.json",
+    ] {
+        let ran = touchline(folder.path(), command);
+        assert_eq!(ran.code, 0, "{command}: {}", ran.stderr);
+        let left = "2 frames answered, 0 not, 59 left unchanged (no key frames, with clicks, or accepted)";
+        assert!(!command.starts_with("relocalize") || ran.stderr.contains(left), "{}", ran.stderr);
+    }
+    let (_, tracked, _) = read(&folder.path().join("tracked.json")).unwrap();
+    assert!(tracked.frames.iter().all(|frame| frame.ptz.is_some()));
 }

@@ -77,7 +77,7 @@ fn the_panel_says_what_is_learnt_and_where_a_reference_is_missing() {
     window.harness.state_mut().apply([Action::Trainer(Box::new(status))]);
     window.harness.run_steps(3);
     for said in [
-        "Proposing cameras: 30 of 120, about 70 s left.",
+        "Proposing cameras: 30 of 120, about 70\u{a0}s left.",
         "6 references used for training.",
         "2 references not used for training.",
         "0002.png cannot be used: the image changed since it was labelled: the label is kept but not used for training",

@@ -4,20 +4,14 @@ use super::frames::ClipFrames;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{Document, Frame, FrameStatus};
 use crate::geometry::{Mat3, Vec3};
-use crate::solve::{Loss, Uncertainty, covariance_in_radians};
-use crate::track::Anchor;
+use crate::solve::{Uncertainty, covariance_in_radians};
+use crate::track::{Anchor, AnchorSource};
 
 /// A proposal less certain than this holds nothing.
 pub(super) const SURE: f64 = 0.9;
 
 /// A frame that people gave a camera without saying how exact is taken as this exact, px at 1920 px width.
 const UNSTATED_PX: f64 = 4.0;
-
-/// What people decided may be contradicted by this many sigmas before it pulls less.
-const BY_PEOPLE: Loss = Loss::Huber { k: 2.0 };
-
-/// What the program proposed pulls less and less where the others contradict it.
-const BY_PROGRAM: Loss = Loss::Cauchy { c: 2.0 };
 
 /// What is known of a clip's frames, and how certain the most certain of it is.
 pub(super) fn anchors(document: &Document, clip: &ClipFrames, base: &CameraBase) -> Vec<(Anchor, f64)> {
@@ -57,8 +51,8 @@ fn of_frame(frame: &Frame, at: usize, base: &CameraBase) -> Option<(Anchor, f64)
         None if is_persons => unstated(ptz, UNSTATED_PX * frame.image_size.scale_from_1920(), frame),
         None => return None,
     };
-    let loss = if is_persons { BY_PEOPLE } else { BY_PROGRAM };
-    Some((Anchor { frame: at, ptz, covariance, loss }, confidence))
+    let by = if is_persons { AnchorSource::Person } else { AnchorSource::Proposal };
+    Some((Anchor { frame: at, ptz, covariance, by }, confidence))
 }
 
 fn unstated(ptz: Ptz, sigma_px: f64, frame: &Frame) -> Mat3 {

@@ -5,8 +5,7 @@ use crate::field::FieldModel;
 use crate::geometry::{ImageSize, PixelBox};
 use crate::media::Picture;
 use crate::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
-use crate::solve::Loss;
-use crate::track::Anchor;
+use crate::track::{Anchor, AnchorSource};
 
 /// What the paint of a picture says about a camera.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +55,7 @@ pub(super) fn painted(
             frame,
             ptz: snapped.ptz,
             covariance: snapped.uncertainty.clicks,
-            loss: Loss::Cauchy { c: 2.0 },
+            by: AnchorSource::Paint,
         });
     }
     let check = check_lines(&ground, field, &PtzCamera::new(*base, ptz));

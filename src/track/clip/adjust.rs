@@ -1,8 +1,9 @@
 //! One adjustment of a clip: pan, tilt and focal length of every frame and the direction of every followed point, from all
 //! sightings and anchors at once.
 
-use super::anchor::{Anchor, by_focal_px};
+use super::anchor::{Anchor, AnchorSource, by_focal_px, moved, offset};
 use super::problem::{Clip, ClipState, Seen};
+use super::smooth::smoothed_offsets;
 use super::{Carried, PointTracks};
 use crate::camera::{CameraBase, PanTilt, Ptz, PtzCamera};
 use crate::geometry::{Mat3, Vec3, median};
@@ -89,7 +90,7 @@ pub fn adjust_clip(
     let mut problem = Clip {
         base: base.at_origin(),
         points: &points,
-        anchors: &anchors,
+        anchors,
         first: &first,
         sigma_px: options.point_sigma_px * px * alike,
         loss: Loss::Cauchy { c: options.loss_sigmas / alike },
@@ -102,42 +103,71 @@ pub fn adjust_clip(
     let sigma_px = (median(&mut off).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt().max(options.min_sigma_px * px);
     problem.sigma_px = sigma_px * alike;
     let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
+    let straight = fine.state.ptz.clone();
     let mut widened = 1.0;
     for _ in 0..WIDENINGS {
-        let contradiction = contradiction(&anchors, &fine.state);
-        if contradiction <= CONTRADICTED {
+        let points = widening(&problem.anchors, &fine.state, |by| by != AnchorSource::Proposal);
+        let proposals = widening(&problem.anchors, &fine.state, |by| by == AnchorSource::Proposal);
+        if points.is_none() && proposals.is_none() {
             break;
         }
-        widened *= contradiction.sqrt().clamp(1.5, 4.0);
+        widened *= points.unwrap_or(1.0);
         problem.sigma_px = sigma_px * alike * widened;
         problem.loss = Loss::Cauchy { c: options.loss_sigmas / (alike * widened) };
+        let of_proposals = proposals.unwrap_or(1.0).powi(-2);
+        for (_, anchor, information) in &mut problem.anchors {
+            if anchor.by == AnchorSource::Proposal {
+                *information *= of_proposals;
+            }
+        }
         fine = minimise(&problem, fine.state, until(options.max_iterations));
     }
     let covariances = fine.equations.covariances()?;
+    let ptz = if widened > 1.0 { bent(&straight, &fine.state.ptz, &covariances) } else { fine.state.ptz };
     let frames = row_of.iter().map(|row| {
         let row = (*row)?;
-        let ptz = fine.state.ptz[row];
+        let ptz = ptz[row];
         Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
     });
     Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
 }
 
-/// The anchors' mean square distance per number, in sigmas², from which on the points are taken as less exact.
+/// The anchors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
 const CONTRADICTED: f64 = 1.5;
 
-/// How often they are.
+/// How often it is.
 const WIDENINGS: usize = 8;
 
-/// How much the cameras contradict what is known of them: 1 where the anchors scatter as they state. A lens or a base that is a
-/// little off bends all points alike, which is no scatter; only the anchors show it, and then they hold.
-fn contradiction(anchors: &[(usize, Anchor, Mat3)], at: &ClipState) -> f64 {
+/// By how much something has to be taken as less exact, for anchors of some sources contradict the points; none where they scatter
+/// as they state.
+///
+/// A lens or a base that is a little off bends all points alike, which is no scatter; only what people and paint say shows it, and
+/// then that holds against the points. What a forest answers does not: its errors are as large as they happen to be, and points that
+/// gave way to them would jump with each.
+fn widening(anchors: &[(usize, Anchor, Mat3)], at: &ClipState, is_asked: impl Fn(AnchorSource) -> bool) -> Option<f64> {
     let squares = |(row, anchor, information): &(usize, Anchor, Mat3)| {
         let offset = anchor.offset(at.ptz[*row]);
-        offset.dot(&(information * offset)) / 3.0
+        is_asked(anchor.by).then(|| offset.dot(&(information * offset)) / 3.0)
     };
-    let mut squares: Vec<f64> = anchors.iter().map(squares).collect();
+    let mut squares: Vec<f64> = anchors.iter().filter_map(squares).collect();
     // Of a χ² of three the median is .789 of the mean.
-    median(&mut squares).unwrap_or(0.0) / 0.789
+    let contradiction = median(&mut squares).unwrap_or(0.0) / 0.789;
+    (contradiction > CONTRADICTED).then(|| contradiction.sqrt().clamp(1.5, 4.0))
+}
+
+/// Cameras as they follow from the points alone (`straight`), brought to where widened points leave them: what a lens or a base is
+/// off by changes as slowly as the camera moves, while points that give way leave a jump at every anchor.
+fn bent(straight: &[Ptz], widened: &[Ptz], covariances: &[Mat3]) -> Vec<Ptz> {
+    /// So many frames the bend takes to follow a step.
+    const FRAMES: f64 = 15.0;
+    let by: Vec<Vec3> = straight.iter().zip(widened).map(|(from, to)| offset(*from, *to)).collect();
+    let typical = |axis: usize| {
+        let mut variances: Vec<f64> = covariances.iter().map(|covariance| covariance[(axis, axis)]).collect();
+        median(&mut variances).unwrap_or(0.0)
+    };
+    let unrest = Vec3::from([0, 1, 2].map(typical)) / FRAMES.powi(4);
+    let bend = smoothed_offsets(&by, covariances, &unrest);
+    straight.iter().zip(bend).map(|(ptz, by)| moved(*ptz, by)).collect()
 }
 
 /// The points that at least two of the reached frames show and that do not move.
@@ -164,4 +194,55 @@ fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
         sum.try_normalize(1e-9).unwrap_or_else(Vec3::z)
     };
     problem.points.iter().map(of_point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIGMA_DEG: f64 = 0.01;
+
+    fn covariance() -> Mat3 {
+        let turn = SIGMA_DEG.to_radians();
+        Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 1e-6))
+    }
+
+    fn pans(of: impl Fn(usize) -> f64) -> Vec<Ptz> {
+        (0..200).map(|frame| Ptz::from_degrees(of(frame), -10.0, 2000.0)).collect()
+    }
+
+    #[test]
+    fn a_bend_that_changes_slowly_stays_and_jumps_at_anchors_go() {
+        let straight = pans(|frame| 0.1 * frame as f64);
+        let slow = |frame: usize| 0.2 * (frame as f64 / 60.0).sin();
+        let jumping =
+            pans(|frame| 0.1 * frame as f64 + slow(frame) + if frame.is_multiple_of(20) { 0.05 } else { 0.0 });
+        let bent = bent(&straight, &jumping, &vec![covariance(); 200]);
+        let pan = |frame: usize| bent[frame].pan.degrees();
+        for frame in 10..190 {
+            let off = pan(frame) - 0.1 * frame as f64 - slow(frame);
+            assert!(off.abs() < 0.012, "frame {frame}: {off}");
+            let jump = pan(frame + 1) - 2.0 * pan(frame) + pan(frame - 1);
+            assert!(jump.abs() < 0.002, "frame {frame}: {jump}");
+        }
+    }
+
+    #[test]
+    fn points_give_way_to_people_and_paint_and_not_to_proposals() {
+        let ptz = Ptz::from_degrees(0.0, -10.0, 2000.0);
+        let off = Ptz::from_degrees(20.0 * SIGMA_DEG, -10.0, 2000.0);
+        let at = ClipState { ptz: vec![ptz; 3], directions: Vec::new() };
+        let anchor = |frame: usize, ptz: Ptz, by: AnchorSource| {
+            let anchor = Anchor { frame, ptz, covariance: covariance(), by };
+            (frame, anchor, anchor.information().unwrap())
+        };
+        let of_points = |by: AnchorSource| by != AnchorSource::Proposal;
+        let proposals = [0, 1].map(|frame| anchor(frame, off, AnchorSource::Proposal));
+        assert_eq!(widening(&proposals, &at, of_points), None);
+        assert!(widening(&proposals, &at, |by| !of_points(by)).is_some_and(|by| by > 3.0));
+        let painted = anchor(2, off, AnchorSource::Paint);
+        assert!(widening(&[proposals[0], painted], &at, of_points).is_some_and(|by| by > 3.0));
+        let agreeing = anchor(2, ptz, AnchorSource::Person);
+        assert_eq!(widening(&[proposals[0], agreeing], &at, of_points), None);
+    }
 }

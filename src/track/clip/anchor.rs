@@ -13,11 +13,36 @@ pub struct Anchor {
     pub ptz: Ptz,
     /// The covariance of (pan rad, tilt rad, focal length px), the base taken as exact.
     pub covariance: Mat3,
-    /// How a contradiction counts, in multiples of the stated 1-σ.
-    pub loss: Loss,
+    /// Who says so.
+    pub by: AnchorSource,
 }
 
+/// Where an anchor comes from: how far it holds where followed points contradict it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AnchorSource {
+    /// A person's clicks.
+    Person,
+    /// The painted lines of the frame's picture.
+    Paint,
+    /// An answer that is as exact as it states only in the middle: a forest's.
+    Proposal,
+}
+
+/// What holds may be contradicted by this many sigmas before it pulls less.
+const HOLDING: Loss = Loss::Huber { k: 2.0 };
+
+/// What does not hold pulls less and less where the others contradict it.
+const YIELDING: Loss = Loss::Cauchy { c: 2.0 };
+
 impl Anchor {
+    /// How a contradiction counts, in multiples of the stated 1-σ.
+    pub(super) fn loss(&self) -> Loss {
+        match self.by {
+            AnchorSource::Person => HOLDING,
+            AnchorSource::Paint | AnchorSource::Proposal => YIELDING,
+        }
+    }
+
     /// How far a camera is from this one, (pan rad, tilt rad, log of the focal length).
     pub(super) fn offset(&self, ptz: Ptz) -> Vec3 {
         offset(self.ptz, ptz)
@@ -72,7 +97,7 @@ mod tests {
         let sigma = 0.1f64.to_radians();
         let covariance = Mat3::from_diagonal(&Vec3::new(sigma * sigma, sigma * sigma, 25.0));
         let ptz = Ptz::from_degrees(179.95, -10.0, 2000.0);
-        let anchor = Anchor { frame: 0, ptz, covariance, loss: Loss::Squared };
+        let anchor = Anchor { frame: 0, ptz, covariance, by: AnchorSource::Person };
         let near = Ptz::from_degrees(-179.99, -10.0, 2000.0);
         assert_eq!(anchor.towards(near, 1.0), near);
         let stopped = anchor.towards(Ptz::from_degrees(-179.65, -10.0, 2000.0), 1.0);

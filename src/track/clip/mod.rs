@@ -23,7 +23,7 @@ mod problem;
 mod smooth;
 
 pub use adjust::{AdjustOptions, AdjustedClip, AdjustedFrame, adjust_clip};
-pub use anchor::Anchor;
+pub use anchor::{Anchor, AnchorSource};
 pub use carry::{Carried, CarryOptions, CarryStop, carry};
 pub use follow::{FollowOptions, PointFollower};
 pub use jitter::Jitter;

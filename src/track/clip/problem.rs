@@ -19,7 +19,7 @@ pub(super) struct Clip<'a> {
     pub base: CameraBase,
     pub points: &'a [Seen],
     /// The anchors with their rows and the inverse of their covariances.
-    pub anchors: &'a [(usize, Anchor, Mat3)],
+    pub anchors: Vec<(usize, Anchor, Mat3)>,
     /// The first column of each row.
     pub first: &'a [usize],
     /// 1-σ of a followed point, px.
@@ -86,8 +86,8 @@ impl Problem for Clip<'_> {
             .map(|(point, direction)| self.point_equations(&cameras, point, *direction))
             .collect();
         let mut equations = ClipEquations::new(self.first.to_vec(), points);
-        for (row, anchor, information) in self.anchors {
-            equations.add_anchor(*row, &anchor.offset(at.ptz[*row]), information, anchor.loss);
+        for (row, anchor, information) in &self.anchors {
+            equations.add_anchor(*row, &anchor.offset(at.ptz[*row]), information, anchor.loss());
         }
         equations
     }

@@ -146,7 +146,7 @@ impl Motion {
 }
 
 /// The smoother over (pan, tilt, log of the focal length) and their speeds.
-fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -> Vec<Vec3> {
+pub(super) fn smoothed_offsets(seen: &[Vec3], scatter: &[Mat3], unrest: &Vec3) -> Vec<Vec3> {
     let mut turn = Matrix6::identity();
     turn.fixed_view_mut::<3, 3>(0, 3).copy_from(&Mat3::identity());
     let mut noise = Matrix6::zeros();
