@@ -2,7 +2,7 @@
 //! undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused real clips] [--matches N] [--from K] [--keep DIR]`; the real frames are those of
+//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--keep DIR]`; the real frames are those of
 //! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
@@ -11,6 +11,7 @@ mod drawing;
 mod matches;
 mod real;
 mod refused;
+mod spread;
 
 use answers::Tally;
 use std::path::PathBuf;
@@ -25,7 +26,7 @@ fn main() {
         arguments.get(at + 1).cloned()
     };
     let number = |flag: &str, otherwise: usize| value(flag).map_or(otherwise, |text| text.parse().unwrap());
-    let sections = ["drawn", "refused", "real", "clips"];
+    let sections = ["drawn", "refused", "spread", "real", "clips"];
     let none_asked = !arguments.iter().any(|argument| sections.contains(&argument.as_str()));
     let wants = |name: &str| none_asked || arguments.iter().any(|argument| argument == name);
     let kept = value("--keep").map(PathBuf::from);
@@ -44,6 +45,9 @@ fn main() {
     if wants("refused") {
         let count = number("--matches", refused::INPUTS.len()).min(refused::INPUTS.len().saturating_sub(from));
         all.add(&refused::refused(pictures, from..from + count));
+    }
+    if wants("spread") {
+        all.add(&spread::spread(pictures));
     }
     match std::env::var_os("TOUCHLINE_DATA").map(PathBuf::from) {
         None => println!("\nreal frames are skipped: TOUCHLINE_DATA names no folder of them"),
