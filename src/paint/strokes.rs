@@ -189,6 +189,10 @@ fn ridges(ground: &GroundPicture, area: &GroundArea) -> Vec<RidgePixel> {
             for tone in tones {
                 let Some((normal, beside_px)) = bend(&smooth, index, width, *tone) else { continue };
                 let at = ImagePoint::new(x as f64 + 0.5, y as f64 + 0.5).moved(normal * beside_px);
+                let at = match tone {
+                    Tone::Bright => brightest(ground.grey(), at, normal),
+                    Tone::Dark => at,
+                };
                 let Some(side_px) = contrasts(ground.grey(), at, normal, *tone) else { continue };
                 if !has_ground_beside(area, at, normal) {
                     continue;
@@ -228,6 +232,16 @@ fn bend(smooth: &[f32], index: usize, width: usize, tone: Tone) -> Option<(Vec2,
     let beside = -(x * normal_x + y * normal_y) / across;
     let within = (beside * normal_x).abs() <= 0.6 && (beside * normal_y).abs() <= 0.6;
     within.then(|| (Vec2::new(f64::from(normal_x), f64::from(normal_y)), f64::from(beside)))
+}
+
+/// The brightest place beside the maximum of the blurred brightness: paint 1 px wide lies beside that where a stripe of mowing ends.
+fn brightest(grey: &GreyPicture, at: ImagePoint, normal: Vec2) -> ImagePoint {
+    const STEP_PX: f64 = 0.5;
+    const STEPS: i32 = 3;
+    // The nearest of equally bright ones.
+    let beside = (0..=STEPS).flat_map(|step| [step, -step]).map(|step| at.moved(normal * (STEP_PX * f64::from(step))));
+    let with_grey = beside.map(|at| (grey.at(at), at));
+    with_grey.reduce(|best, next| if next.0 > best.0 { next } else { best }).map_or(at, |(_, at)| at)
 }
 
 /// The middle between the edges of bright paint, with ground `side_px` beside it. Stripes of mowing end where lines are painted, and
@@ -396,6 +410,7 @@ mod tests {
     use super::*;
     use crate::geometry::{Vec3, median};
     use crate::markings::{SampleOptions, sample_lines};
+    use std::collections::BTreeSet;
 
     #[test]
     fn strokes_are_the_painted_lines_and_nothing_else() {
@@ -450,6 +465,21 @@ mod tests {
                         points.iter().map(|point| point.at.offset_from(middle).dot(&normal)).collect();
                     let median_px = median(&mut off_px).unwrap();
                     assert!(median_px.abs() < 0.2, "{angle_deg}°, {width_px} px, {stripes:?}: {median_px:.2} px off");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_thin_stroke_has_no_gaps_where_a_stripe_of_mowing_ends_there() {
+        for angle_deg in [82.0, 86.0, 98.0] {
+            for width_px in [0.5, 0.8, 1.2] {
+                for stripes in [[80.0, 100.0], [100.0, 75.0], [125.0, 90.0]] {
+                    let (ground, ..) = line_between_stripes(angle_deg, width_px, stripes);
+                    let columns: BTreeSet<u32> =
+                        Strokes::of(&ground).points.iter().map(|point| point.at.x as u32).collect();
+                    let missing = (15..145).filter(|column| !columns.contains(column)).count();
+                    assert!(missing < 10, "{angle_deg}°, {width_px} px, {stripes:?}: no place in {missing} columns");
                 }
             }
         }
