@@ -157,6 +157,10 @@ const WIDE_DEG: f64 = 1.2;
 /// Directions of paint that are asked at the first look.
 const ASKED_FIRST: usize = 500;
 
+/// One in so many of them is asked of every place, the others only of the best of the places: one in [`ASKED_ON`].
+const FIRST_OF: usize = 3;
+const ASKED_ON: usize = 4;
+
 /// The best places on one of several fields, the most likely first.
 pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> {
     let mut found: Vec<Hypothesis> =
@@ -176,15 +180,22 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> 
 fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<Hypothesis> {
     let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
-    let below: Vec<BelowHorizon> = few.iter().filter_map(BelowHorizon::of).collect();
-    let mut scored: Vec<(f64, usize)> = (0..PLACES)
-        .into_par_iter()
-        .map(|index| {
-            let (position_m, heading) = place(index);
-            (explained_upright(&RigPose::upright(position_m, heading), &below, map), index)
-        })
-        .collect();
-    scored.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let below = |is_first: bool| -> Vec<BelowHorizon> {
+        let asked = few.iter().enumerate().filter(|(number, _)| (number % FIRST_OF == 0) == is_first);
+        asked.filter_map(|(_, direction)| BelowHorizon::of(direction)).collect()
+    };
+    let (asked_first, asked_next) = (below(true), below(false));
+    let explained = |index: usize, asked: &[BelowHorizon]| {
+        let (position_m, heading) = place(index);
+        explained_upright(&RigPose::upright(position_m, heading), asked, map)
+    };
+    let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+    let mut scored: Vec<(f64, usize)> =
+        (0..PLACES).into_par_iter().map(|index| (explained(index, &asked_first), index)).collect();
+    scored.select_nth_unstable_by(PLACES / ASKED_ON, best_first);
+    scored.truncate(PLACES / ASKED_ON);
+    scored.par_iter_mut().for_each(|(first, index)| *first += explained(*index, &asked_next));
+    scored.sort_by(best_first);
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in &scored {
         let (position_m, heading) = place(*index);
@@ -263,7 +274,8 @@ impl BelowHorizon {
     }
 }
 
-/// [`explained_roughly`] at the first look, for a pose whose pan axis is upright: most of the time of a search passes here.
+/// [`explained_roughly`] at the first look, not divided by the number of directions, for a pose whose pan axis is upright: most of
+/// the time of a search passes here.
 fn explained_upright(pose: &RigPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
     let turn = pose.world_from_rig.fixed_view::<2, 2>(0, 0).into_owned();
     let eye_m = pose.position_m;
@@ -277,7 +289,7 @@ fn explained_upright(pose: &RigPose, directions: &[BelowHorizon], map: &PitchMap
         let view = View { over_ground: (ground - eye_m).xy(), fall_squared: direction.fall_squared };
         nearness(ground, view, map, 1.0)
     };
-    directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
+    directions.iter().map(near).sum()
 }
 
 /// From 1 on a line to 0 where none is near.
