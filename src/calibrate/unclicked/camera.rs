@@ -144,7 +144,7 @@ impl Search<'_> {
         other.evidence.rival = best.evidence.score();
         let other = self.snapped(other, &of_other, &frames, picture)?;
         // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
-        if snapped_share(&other) <= REFUTED {
+        if snapped_share(&other) <= REFUTED || self.leads_to(&other, &best, picture)? {
             match self.found(best.clone(), neighbours, looked_at, picture, OVER_REFUTED) {
                 Err(Stop::Abstained(_)) => {}
                 answer => return answer,
@@ -178,7 +178,7 @@ impl Search<'_> {
             return uncertain(doubt, found);
         }
         self.told(UnclickedProgress::Refining)?;
-        let Some(refined) = Refined::of(&found, (self.document, self.camera), picture, self.watch)? else {
+        let Some(refined) = self.refined(&found, picture)? else {
             return uncertain(Doubt::NotHeld, found);
         };
         let neighbours = refined.neighbours(neighbours, frames);
@@ -193,6 +193,24 @@ impl Search<'_> {
             Some(doubt) => uncertain(doubt, found),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
+    }
+
+    /// A camera adjusted once more to its frames' own pictures. The field's size is fitted where that is open, even where the usual one
+    /// explained as much: this adjustment sees decimetres of it.
+    fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
+        let sized = self.venue.is_open() && !self.venue.is_known;
+        Refined::of((found, sized), (self.document, self.camera), picture, self.watch)
+    }
+
+    /// Whether another answer becomes the best one where it is adjusted once more: it differed by the field's size only.
+    fn leads_to(
+        &self,
+        other: &UnclickedCamera,
+        best: &UnclickedCamera,
+        picture: PictureOfFrame<'_>,
+    ) -> Result<bool, Stop> {
+        let refined = self.refined(other, picture)?;
+        Ok(refined.is_some_and(|refined| (refined.position_m() - best.base.position_m).norm() < SAME_M))
     }
 
     /// The clicks that say where the camera stands.

@@ -9,6 +9,7 @@ use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};
 use crate::camera::Ptz;
 use crate::document::{CameraId, DocumentAt, Frame};
 use crate::field::FieldModel;
+use crate::geometry::Vec3;
 use crate::solve::base::BaseOptions;
 use crate::track::Hold;
 use std::collections::BTreeMap;
@@ -25,12 +26,13 @@ pub(super) struct Refined {
 }
 
 impl Refined {
-    /// Of a camera that was found; none where its frames' paint does not hold a base.
+    /// Of a camera that was found, with the field's size where that is open (`sized`); none where its frames' paint does not hold a
+    /// base.
     ///
     /// # Errors
     /// The search was stopped, or the field cannot be had.
     pub fn of(
-        found: &UnclickedCamera,
+        (found, sized): (&UnclickedCamera, bool),
         (document, camera): (DocumentAt<'_>, &CameraId),
         picture: PictureOfFrame<'_>,
         watch: WatchUnclicked<'_>,
@@ -48,7 +50,6 @@ impl Refined {
         let mut picture_of = |frame: &Frame| picture(document.frames.position_of(&frame.id)?);
         let at = bare.at(document.folder);
         let told = |_| watch(UnclickedProgress::Refining);
-        let sized = !found.sizes.is_empty();
         let estimated = match estimate_on_paint(at, camera, &BaseOptions::default(), sized, &mut picture_of, &told) {
             Ok(on_paint) => on_paint.estimated,
             Err(_) if watch(UnclickedProgress::Refining).is_break() => return Err(UnclickedError::Stopped.into()),
@@ -59,6 +60,11 @@ impl Refined {
         let fits = estimated.frames.iter().zip(&estimated.estimate.frames);
         let ptz = fits.filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz))).collect();
         Ok(Some(Self { estimated, field, ptz }))
+    }
+
+    /// Where the camera stands, `world`, m.
+    pub const fn position_m(&self) -> Vec3 {
+        self.estimated.estimate.base.position_m
     }
 
     /// How the frames hold each other around the new base. `looked_at` are their places in the document.
