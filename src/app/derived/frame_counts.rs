@@ -18,6 +18,8 @@ pub struct FrameCounts {
     pub unanswered: usize,
     /// Suggestions that the forest is not sure of.
     pub uncertain: usize,
+    /// Suggestions that were carried from other frames.
+    pub carried: usize,
     /// Frames that the forest learns from.
     pub used_for_training: usize,
     /// Gold frames.
@@ -118,6 +120,7 @@ impl FrameCounts {
             (is_to_do(frame), &mut self.to_do),
             (frame.is_unanswered(), &mut self.unanswered),
             (is_uncertain(frame), &mut self.uncertain),
+            (frame.status == FrameStatus::Suggested && frame.is_carried(), &mut self.carried),
             (frame.is_used_for_training(), &mut self.used_for_training),
             (frame.gold, &mut self.gold),
             (frame.gold && is_reference, &mut self.gold_references),
@@ -159,11 +162,17 @@ mod tests {
     }
 
     /// Everything that it says, without the editions.
-    fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 5], Vec<usize>) {
+    fn said(counts: &FrameCounts) -> (Vec<usize>, Vec<usize>, [usize; 6], Vec<usize>) {
         let filters = Filter::ALL.map(|filter| counts.shown_by(filter)).to_vec();
         let cameras = ["main", "other"].map(|camera| counts.of_camera(&camera.into())).to_vec();
-        let rest =
-            [counts.uncertain, counts.used_for_training, counts.gold, counts.gold_references, counts.could_be_gold];
+        let rest = [
+            counts.uncertain,
+            counts.carried,
+            counts.used_for_training,
+            counts.gold,
+            counts.gold_references,
+            counts.could_be_gold,
+        ];
         (filters, cameras, rest, counts.with_repeats().collect())
     }
 

@@ -197,9 +197,13 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
     let cameras = if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", status.answered) };
-    ui.horizontal(|ui| {
-        ui.label(format!("{cameras} proposed."));
-        if status.answered > 0
+    let carried = panel.app.open().map_or(0, |open| open.counts().carried);
+    ui.horizontal_wrapped(|ui| {
+        ui.label(match carried {
+            0 => format!("{cameras} proposed."),
+            carried => format!("{cameras} proposed, {} carried from frame to frame.", thousands(carried)),
+        });
+        if status.answered + carried > 0
             && ui
                 .add(Button::new("Review").small())
                 .on_hover_text(panel.app.settings.keys.tooltip(Command::ReviewPanel))
