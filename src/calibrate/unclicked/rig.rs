@@ -337,3 +337,107 @@ fn sights(
     };
     Some(here.iter().zip(&there).filter_map(sight).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::pitch_map::OnLine;
+    use super::super::search::Hypothesis;
+    use super::*;
+    use crate::camera::{FocalCurve, Ptz};
+    use crate::document::{Document, FieldSpec};
+    use crate::geometry::{Angle, ImageSize, Mat3};
+    use std::path::Path;
+
+    const SIZE: ImageSize = ImageSize::new(960, 540);
+
+    /// Frames along the near half of a pitch, as a low camera on the main stand turns, at a focal scale: the longer the lens, the
+    /// smaller the angles.
+    fn turns(percent: u32) -> (u32, Turns) {
+        let scale = f64::from(percent) / 100.0;
+        let ptz = |(pan_deg, focal_px): (f64, f64)| Ptz::from_degrees(pan_deg / scale, -7.0 / scale, focal_px * scale);
+        let views = (-5..=5_i32).map(|view| (f64::from(view) * 9.0, 900.0 + 60.0 * f64::from(view.abs())));
+        let residual_px = (0.09 + 9.0 * (scale.ln()).powi(2)).sqrt();
+        let lens = FocalCurve::NONE;
+        (percent, Turns { ptz: views.map(ptz).collect(), lens, image_size: SIZE, residual_px })
+    }
+
+    fn levels() -> TurnLevels {
+        TurnLevels::new([94, 100, 106].map(turns))
+    }
+
+    /// The paint of a field as frames show it from a pose.
+    fn start(pose: &RigPose, field: &FieldModel) -> Start {
+        let (_, turns) = turns(100);
+        let map = PitchMap::of_few(field);
+        let of_frame = |frame: usize| -> FramePaint {
+            let camera = turns.camera(frame);
+            let seen = |at: Vec3| camera.image_from_world(pose.direction_in_rig(at)?).ok();
+            let shown = |line: &OnLine| seen(line.at).filter(|image| SIZE.contains(*image));
+            map.samples(1.0).filter_map(|line| shown(&line)).collect()
+        };
+        let paint = (0..turns.ptz.len()).map(of_frame).collect();
+        let hypothesis = Hypothesis { pose: *pose, field: 0, explained: 1.0, visible: 1.0 };
+        Start { hypothesis, log_scale: 0.0, turns, paint }
+    }
+
+    /// A soccer pitch whose size is not known, and one of its sizes.
+    fn venue() -> (Venue, FieldModel) {
+        let document = Document::new(FieldSpec::new("soccer"));
+        let venue = Venue::of(document.at(Path::new("")), &"main".into()).unwrap();
+        let field = FieldModel { crown_m: 0.3, ..venue.of_lengths(&[107.5, 66.0]).unwrap() };
+        (venue, field)
+    }
+
+    fn assert_near(found: &Rig, pose: &RigPose, field: &FieldModel) {
+        let off_m = (found.pose.position_m - pose.position_m).norm();
+        assert!(off_m < 0.1, "{off_m:.3} m off");
+        let turned = found.pose.world_from_rig.transpose() * pose.world_from_rig;
+        assert!((turned - Mat3::identity()).norm() < 1e-3, "{turned:?}");
+        assert!(found.log_scale.abs() < 2e-3, "{}", found.log_scale);
+        let [length_m, width_m] = [found.field.length_m - field.length_m, found.field.width_m - field.width_m];
+        assert!(length_m.abs() < 0.15 && width_m.abs() < 0.15, "{length_m:.3}, {width_m:.3} m");
+        assert!((found.field.crown_m - field.crown_m).abs() < 0.05, "{}", found.field.crown_m);
+        assert!(found.explained > 0.97, "{}", found.explained);
+    }
+
+    #[test]
+    fn place_scale_crown_and_size_are_found_together_from_a_low_camera() {
+        let (venue, field) = venue();
+        let pose = RigPose::upright(Vec3::new(-12.0, -63.0, 7.5), Angle::from_degrees(4.0));
+        let start = start(&pose, &field);
+        for (shift_m, turn_deg, log_scale) in [
+            (Vec3::zeros(), 0.0, 0.0),
+            (Vec3::new(0.6, -0.9, 0.1), 0.3, 0.01),
+            (Vec3::new(-0.8, 0.7, -0.1), -0.3, -0.01),
+        ] {
+            let from = pose.moved(shift_m, Vec3::new(0.0, 0.0, f64::to_radians(turn_deg)));
+            let found = adjusted_rig(&start, (from, log_scale), &venue.assumed, Some(&venue), &levels()).unwrap();
+            assert_near(&found, &pose, &field);
+        }
+    }
+
+    #[test]
+    fn a_known_size_is_kept_and_one_that_is_wrong_explains_less() {
+        let (venue, field) = venue();
+        let pose = RigPose::upright(Vec3::new(20.0, -60.0, 9.0), Angle::from_degrees(-10.0));
+        let start = start(&pose, &field);
+        let on = |field: &FieldModel| adjusted_rig(&start, (pose, 0.0), field, None, &levels()).unwrap();
+        let known = on(&field);
+        assert_near(&known, &pose, &field);
+        let wrong = on(&venue.of_lengths(&[100.0, 70.0]).unwrap());
+        assert!((wrong.field.length_m, wrong.field.width_m) == (100.0, 70.0));
+        assert!(wrong.explained < known.explained - 0.1, "{} and {}", wrong.explained, known.explained);
+    }
+
+    #[test]
+    fn paint_far_from_every_line_or_none_at_all_has_no_rig() {
+        let (venue, field) = venue();
+        let pose = RigPose::upright(Vec3::new(-12.0, -63.0, 7.5), Angle::from_degrees(4.0));
+        let mut start = start(&pose, &field);
+        let away = RigPose { position_m: Vec3::new(-12.0, -400.0, 7.5), ..pose };
+        assert!(adjusted_rig(&start, (away, 0.0), &venue.assumed, Some(&venue), &levels()).is_none());
+        start.paint.iter_mut().for_each(Vec::clear);
+        assert!(adjusted_rig(&start, (pose, 0.0), &venue.assumed, Some(&venue), &levels()).is_none());
+        assert!(adjusted_rig(&start, (pose, 0.0), &field, None, &TurnLevels::new([])).is_none());
+    }
+}
