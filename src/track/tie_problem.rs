@@ -69,25 +69,25 @@ impl Problem for Tied<'_> {
         for tie in self.ties {
             let frames = [tie.first, tie.second];
             let [one, other] = frames.map(|frame| &at.views[frame]);
-            let focal_px = (one.focal_px * other.focal_px).sqrt();
             for (first, second) in &tie.matches {
                 let sights = (one.sight(*first, &at.lens), other.sight(*second, &at.lens));
                 let (Some(here), Some(there)) = sights else {
                     equations.add(&Vector1::new(NOWHERE_PX * self.px), self.px, &[], self.loss);
                     continue;
                 };
-                let value = (here.direction - there.direction) * focal_px;
+                let ranges_px = [one.range_px(*first), other.range_px(*second)];
+                let range_px = (ranges_px[0] * ranges_px[1]).sqrt();
+                let value = (here.direction - there.direction) * range_px;
                 let mut by = Vec::with_capacity(LENS + 8);
                 let by_k1 = |sight: &Sight, view: &View| {
                     let kilo_px = (view.focal_px - at.lens.at_focal_px) / 1000.0;
                     [sight.by_k1, sight.by_k1 * kilo_px]
                 };
                 let (by_here, by_there) = (by_k1(&here, one), by_k1(&there, other));
-                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * focal_px)));
-                for (view, (frame, sign), sight) in [(one, (frames[0], 1.0), &here), (other, (frames[1], -1.0), &there)]
-                {
-                    let first = LENS + own * frame;
-                    let weight = sign * focal_px;
+                by.extend((0..LENS).map(|at| (at, (by_here[at] - by_there[at]) * range_px)));
+                for (side, (view, sight, sign)) in [(one, &here, 1.0), (other, &there, -1.0)].into_iter().enumerate() {
+                    let first = LENS + own * frames[side];
+                    let weight = sign * range_px;
                     match self.freedom {
                         Freedom::Any => {
                             let turn = by_turn(sight.direction) * weight;
@@ -98,8 +98,9 @@ impl Problem for Tied<'_> {
                             by.extend(axes.map(|(at, axis)| (first + at, axis.cross(&sight.direction) * weight)));
                         }
                     }
-                    // The focal length is also the measure of the distance.
-                    by.push((first + own - 1, sight.by_log_focal * weight + value * 0.5));
+                    // The focal length is also part of the measure of the distance.
+                    let of_measure = 0.5 * (view.focal_px / ranges_px[side]).powi(2);
+                    by.push((first + own - 1, sight.by_log_focal * weight + value * of_measure));
                 }
                 equations.add(&value, self.px, &by, self.loss);
             }
@@ -214,10 +215,10 @@ pub(super) fn residual_px(ties: &[Tie], at: &TiedState) -> f64 {
     let mut distances = Vec::new();
     for tie in ties {
         let (one, other) = (&at.views[tie.first], &at.views[tie.second]);
-        let focal_px = (one.focal_px * other.focal_px).sqrt();
         distances.extend(tie.matches.iter().filter_map(|(first, second)| {
             let (here, there) = (one.sight(*first, &at.lens)?, other.sight(*second, &at.lens)?);
-            Some((here.direction - there.direction).norm() * focal_px)
+            let range_px = (one.range_px(*first) * other.range_px(*second)).sqrt();
+            Some((here.direction - there.direction).norm() * range_px)
         }));
     }
     median(&mut distances).unwrap_or(f64::INFINITY)

@@ -42,6 +42,14 @@ impl View {
         Some(Sight { direction: common_from_cam * unit, by_log_focal: chain * by_log_focal, by_k1: chain * by_k1 })
     }
 
+    /// How far a point of the picture lies from the eye, px: a direction that is off by an angle is off in the picture by so many times
+    /// that, across the radius.
+    ///
+    /// A focal length alone would let frames agree about everything by shrinking to nothing.
+    pub fn range_px(&self, at: ImagePoint) -> f64 {
+        self.focal_px.hypot(at.distance_px(self.principal_point))
+    }
+
     /// Where the frame looks, if the common frame is upright.
     pub fn ray(&self) -> PanTilt {
         PanTilt::from_direction(self.cam_from_common.row(2).transpose())

@@ -133,7 +133,9 @@ const fn until(max_iterations: usize) -> Stopping {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tie_residual::View;
     use super::*;
+    use crate::geometry::rotation::{q_pan, q_tilt};
     use crate::geometry::{ImagePoint, Mat3};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
@@ -223,6 +225,25 @@ mod tests {
         let mean = |turns: &Turns| turns.ptz.iter().map(|ptz| ptz.focal_px.ln()).sum::<f64>() / 6.0;
         assert!((mean(&longer) - mean(&usual) - 1.06_f64.ln()).abs() < 1e-3);
         assert!(longer.residual_px > usual.residual_px);
+    }
+
+    #[test]
+    fn frames_do_not_agree_better_by_shrinking() {
+        let truth = Turns { lens: FocalCurve::NONE, ..truth() };
+        let ties = ties(&truth, 0.7);
+        let residual_px = |share: f64| {
+            let view = |ptz: &Ptz| View {
+                cam_from_common: q_tilt(ptz.tilt) * q_pan(ptz.pan),
+                focal_px: ptz.focal_px * share,
+                principal_point: SIZE.centre(),
+            };
+            let state = TiedState { views: truth.ptz.iter().map(view).collect(), lens: truth.lens };
+            residual_px(&ties, &state)
+        };
+        assert!(residual_px(1.0) < 1.5, "{}", residual_px(1.0));
+        for share in [0.5, 0.1, 1e-3, 1e-9] {
+            assert!(residual_px(share) > 20.0, "{share}: {}", residual_px(share));
+        }
     }
 
     #[test]
