@@ -9,6 +9,8 @@ use crate::seeded::rng;
 use rand::RngExt;
 use std::fs;
 use std::path::Path;
+use std::thread::sleep;
+use std::time::Duration;
 use touchline::app::session::Saving;
 use touchline::app::{Action, App, Command as Do, Doing};
 use touchline::document::RejectReason;
@@ -31,7 +33,14 @@ impl Taken {
     fn now() -> Self {
         let status = fs::read_to_string("/proc/self/status").unwrap();
         let kib = status.lines().find_map(|line| line.strip_prefix("VmRSS:")?.trim().strip_suffix(" kB")?.parse().ok());
-        let count = |folder: &str| fs::read_dir(folder).unwrap().count();
+        // A thread that is just ending, with the files that it has open, is gone at a later look.
+        let count = |folder: &str| {
+            let look = |_| {
+                sleep(Duration::from_millis(20));
+                fs::read_dir(folder).unwrap().count()
+            };
+            (0..10).map(look).min().unwrap()
+        };
         let kib: f64 = kib.unwrap();
         Self { memory_mib: kib / 1024.0, threads: count("/proc/self/task"), open_files: count("/proc/self/fd") }
     }
@@ -122,21 +131,17 @@ fn hours_of_work_take_no_more_of_the_machine_than_minutes() {
     let taken = taken_in(actions(), &file);
     let (begun, last) = taken.split_at(taken.len() / 2);
     let mean_mib = |some: &[Taken]| some.iter().map(|taken| taken.memory_mib).sum::<f64>() / some.len() as f64;
-    // The median: a thread that is just ending, with the files it has open, may be counted now and then.
-    let usual = |some: &[Taken], of: fn(&Taken) -> usize| {
-        let mut counts: Vec<usize> = some.iter().map(of).collect();
-        counts.sort_unstable();
-        counts[counts.len() / 2]
-    };
-    let usual_of = |some: &[Taken]| [usual(some, |taken| taken.threads), usual(some, |taken| taken.open_files)];
+    let most = |some: &[Taken], of: fn(&Taken) -> usize| some.iter().map(of).max().unwrap();
+    let most_of = |some: &[Taken]| [most(some, |taken| taken.threads), most(some, |taken| taken.open_files)];
     eprintln!(
-        "{} actions: {:.0} MiB in the first half, {:.0} in the second; threads and open files usually {:?} and {:?}",
+        "{} actions: {:.0} MiB in the first half, {:.0} in the second; threads and open files at most {:?} and {:?}",
         actions(),
         mean_mib(begun),
         mean_mib(last),
-        usual_of(begun),
-        usual_of(last),
+        most_of(begun),
+        most_of(last),
     );
     assert!(mean_mib(last) <= 1.05 * mean_mib(begun), "{taken:?}");
-    assert!(usual_of(last).into_iter().zip(usual_of(begun)).all(|(last, begun)| last <= begun + 1), "{taken:?}");
+    // One that is just ending may be counted.
+    assert!(most_of(last).into_iter().zip(most_of(begun)).all(|(last, begun)| last <= begun + 1), "{taken:?}");
 }
