@@ -143,12 +143,10 @@ impl Search<'_> {
         let (mut other, of_other) = unsnapped(other, &frames);
         other.evidence.rival = best.evidence.score();
         let other = self.snapped(other, &of_other, &frames, picture)?;
-        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
+        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other; and a rival that
+        // becomes the answer itself is none.
         if snapped_share(&other) <= REFUTED || self.leads_to(&other, &best, picture)? {
-            match self.found(best.clone(), neighbours, looked_at, picture, OVER_REFUTED) {
-                Err(Stop::Abstained(_)) => {}
-                answer => return answer,
-            }
+            return self.found(best, neighbours, looked_at, picture, OVER_REFUTED);
         }
         // Two that are left to a person to choose from have to be as good as one that refutes another.
         let is_few = |found| few_snapped(found, OVER_REFUTED);
@@ -198,8 +196,7 @@ impl Search<'_> {
     /// A camera adjusted once more to its frames' own pictures. The field's size is fitted where that is open, even where the usual one
     /// explained as much: this adjustment sees decimetres of it.
     fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
-        let sized = self.venue.is_open() && !self.venue.is_known;
-        Refined::of((found, sized), (self.document, self.camera), picture, self.watch)
+        Refined::of((found, self.venue.is_size_free()), (self.document, self.camera), picture, self.watch)
     }
 
     /// Whether another answer becomes the best one where it is adjusted once more: it differed by the field's size only.

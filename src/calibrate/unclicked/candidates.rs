@@ -96,10 +96,10 @@ pub(super) fn candidates(
             adjusted_rig(start, (rig.pose, rig.log_scale), field, sized.then_some(venue), &levels)
         };
         // Where the size is open the rig has the one that fits, elsewhere the one that is known.
-        let (as_assumed, sized) = if venue.is_known || !venue.is_open() {
-            (Some(rig.clone()), venue.is_open().then(|| of_assumed(true)).flatten())
-        } else {
+        let (as_assumed, sized) = if venue.is_size_free() {
             (of_assumed(false), Some(rig.clone()))
+        } else {
+            (Some(rig.clone()), venue.is_open().then(|| of_assumed(true)).flatten())
         };
         let as_assumed = as_assumed.and_then(|rig| adjusted(&Begin::at(&rig), None, start, tied));
         let sized = sized.and_then(|rig| adjusted(&Begin::at(&rig), Some(venue), start, tied));
@@ -107,7 +107,7 @@ pub(super) fn candidates(
         joints.extend(better.map(|(joint, evidence)| (joint, evidence, *start)));
     }
     joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
-    if venue.is_open() && !venue.is_known {
+    if venue.is_size_free() {
         let climbing = joints.len().min(CLIMBING);
         for (done, (joint, evidence, start)) in joints.iter_mut().take(climbing).enumerate() {
             told(UnclickedProgress::Sizing { done, of: climbing })?;
@@ -131,7 +131,7 @@ pub(super) fn candidates(
 
 /// The best of the rigs that several starts lead to, each once, with its start.
 fn rigs<'a>(starts: &'a [Start], levels: &TurnLevels, fields: &[FieldModel], venue: &Venue) -> Vec<(Rig, &'a Start)> {
-    let sized = (venue.is_open() && !venue.is_known).then_some(venue);
+    let sized = venue.is_size_free().then_some(venue);
     let of_start = |start: &'a Start| {
         let Hypothesis { pose, field, .. } = start.hypothesis;
         Some((adjusted_rig(start, (pose, start.log_scale), &fields[field], sized, levels)?, start))

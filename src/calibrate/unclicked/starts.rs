@@ -70,6 +70,8 @@ fn begun(
     of_turns: impl Fn(&Turns, &Panorama) -> Vec<Hypothesis>,
 ) -> Result<(Vec<Start>, TurnLevels), Stop> {
     let (mut starts, mut levels): (Vec<Start>, Vec<(u32, Turns)>) = (Vec::new(), Vec::new());
+    // One focal scale may gather little paint where another gathers enough.
+    let mut too_little = None;
     for (done, percent) in focal_percent.iter().enumerate() {
         if watch(UnclickedProgress::Trying { places, done, of: focal_percent.len() }).is_break() {
             return Err(UnclickedError::Stopped.into());
@@ -79,12 +81,21 @@ fn begun(
             Err(error) if done == 0 => return Err(Abstention::NotTurning(error).into()),
             Err(_) => continue,
         };
-        let gathered = tied.gathered(&turns)?;
+        let gathered = match tied.gathered(&turns) {
+            Ok(gathered) => gathered,
+            Err(little) => {
+                too_little.get_or_insert(little);
+                continue;
+            }
+        };
         let log_scale = (f64::from(*percent) / 100.0).ln();
         let start =
             |hypothesis| Start { hypothesis, log_scale, turns: turns.clone(), paint: gathered.of_frames.clone() };
         starts.extend(of_turns(&turns, &gathered.panorama).into_iter().take(OF_SCALE).map(start));
         levels.push((*percent, turns));
+    }
+    if let Some(little) = too_little.filter(|_| levels.is_empty()) {
+        return Err(little.into());
     }
     starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
     Ok((starts, TurnLevels::new(levels)))

@@ -97,6 +97,11 @@ impl Venue {
         self.open.is_some()
     }
 
+    /// Whether another size is possible and the document does not know its own.
+    pub const fn is_size_free(&self) -> bool {
+        self.is_open() && !self.is_known
+    }
+
     /// The size that paint asks for, from a base and frames adjusted to it at another; and the field of that size.
     pub fn fitted(
         &self,
