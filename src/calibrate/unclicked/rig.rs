@@ -7,7 +7,7 @@ use super::joint::FramePaint;
 use super::pitch_map::PitchMap;
 use super::pose::{PaintSight, RigPose, UPRIGHT_SIGMA, share_of_angles};
 use super::starts::Start;
-use super::turn_levels::{ScaleByTies, TurnLevels};
+use super::turn_levels::{FocalScale, TurnLevels};
 use super::venue::Venue;
 use crate::camera::{BaseAngles, CameraBase};
 use crate::field::{FieldElement, FieldModel};
@@ -241,14 +241,33 @@ impl<'a> RigPaint<'a> {
 /// open, the size too. None where too little paint lies near the lines.
 pub(super) fn adjusted_rig(
     start: &Start,
-    (pose, from_log_scale): (RigPose, f64),
+    from: (RigPose, f64),
     field: &FieldModel,
     sized: Option<&Venue>,
     levels: &TurnLevels,
 ) -> Option<Rig> {
+    /// The ties are believed of the focal scale unless paint explains so many times as much without them: boards that scroll, or a
+    /// lens that is not as the model has it, put them off together.
+    const OVER_TIES: f64 = 1.1;
+    let paint = RigPaint::of(levels, &start.turns, &start.paint);
+    let by_ties = rig_of_scale(levels.scale_by_ties(), &paint, from, field, sized);
+    let by_paint = rig_of_scale(FocalScale::unknown(from.1), &paint, from, field, sized);
+    match (by_ties, by_paint) {
+        (Some(by_ties), Some(by_paint)) if by_paint.explained <= OVER_TIES * by_ties.explained => Some(by_ties),
+        (by_ties, by_paint) => by_paint.or(by_ties),
+    }
+}
+
+/// A rig adjusted to paint where so much is known of the focal scale beforehand.
+fn rig_of_scale(
+    scale: FocalScale,
+    paint: &RigPaint<'_>,
+    (pose, from_log_scale): (RigPose, f64),
+    field: &FieldModel,
+    sized: Option<&Venue>,
+) -> Option<Rig> {
     /// Fewer places say nothing.
     const LEAST: usize = 100;
-    let ScaleByTies { log_scale, sigma } = levels.scale_by_ties();
     let lengths = sized.map_or_else(Vec::new, |venue| venue.lengths(field));
     let sized_at = |lengths_m: [f64; 2], crown_m: f64| {
         let sized = sized.and_then(|venue| venue.of_lengths(&lengths_m[..lengths.len()]));
@@ -257,7 +276,7 @@ pub(super) fn adjusted_rig(
     let mut known = vec![
         Known { unknown: 3, value: 0.0, sigma: UPRIGHT_SIGMA.radians() },
         Known { unknown: 4, value: 0.0, sigma: UPRIGHT_SIGMA.radians() },
-        Known { unknown: SCALE, value: log_scale, sigma },
+        Known { unknown: SCALE, value: scale.log_scale, sigma: scale.sigma },
     ];
     let (crown_m, crown_sigma_m) = if field.may_be_crowned() { BasePriors::default().crown_m } else { (0.0, 1e-6) };
     known.push(Known { unknown: CROWN, value: crown_m, sigma: crown_sigma_m });
@@ -268,23 +287,22 @@ pub(super) fn adjusted_rig(
         let (value, sigma) = param.map_or((0.0, 1e-6), |param| param.assumed);
         known.push(Known { unknown: LENGTHS + length, value, sigma });
     }
-    let paint = RigPaint::of(levels, &start.turns, &start.paint);
     let mut problem = OnPaint { sights: Vec::new(), known };
     for reach_deg in ROUNDS_DEG {
         let reach = share_of_angles(state.pose.position_m.z) * reach_deg.to_radians();
-        problem.sights = thinned(sights(&state, &paint, &sized_at, reach)?);
+        problem.sights = thinned(sights(&state, paint, &sized_at, reach)?);
         if problem.sights.len() < LEAST {
             return None;
         }
         state = minimise(&problem, state, Stopping { max_iterations: 6, short_step: 1e-6, small_gain: 1e-6 }).state;
     }
     let within = share_of_angles(state.pose.position_m.z) * WITHIN_DEG.to_radians();
-    let all = sights(&state, &paint, &sized_at, f64::INFINITY)?;
+    let all = sights(&state, paint, &sized_at, f64::INFINITY)?;
     let on_line = all.iter().filter(|sight| sight.value(&state).is_some_and(|off| off[0].abs() < within)).count();
     Some(Rig {
         pose: state.pose,
         log_scale: state.log_scale,
-        turns: levels.at(state.log_scale)?,
+        turns: paint.levels.at(state.log_scale)?,
         field: sized_at(state.lengths_m, state.crown_m),
         explained: on_line as f64 / paint.places.len().max(1) as f64,
     })
@@ -367,7 +385,12 @@ mod tests {
 
     /// The paint of a field as frames show it from a pose.
     fn start(pose: &RigPose, field: &FieldModel) -> Start {
-        let (_, turns) = turns(100);
+        start_at(100, pose, field)
+    }
+
+    /// The same where the frames are turned as at another focal scale.
+    fn start_at(percent: u32, pose: &RigPose, field: &FieldModel) -> Start {
+        let (_, turns) = turns(percent);
         let map = PitchMap::of_few(field);
         let of_frame = |frame: usize| -> FramePaint {
             let camera = turns.camera(frame);
@@ -377,7 +400,7 @@ mod tests {
         };
         let paint = (0..turns.ptz.len()).map(of_frame).collect();
         let hypothesis = Hypothesis { pose: *pose, field: 0, explained: 1.0, visible: 1.0 };
-        Start { hypothesis, log_scale: 0.0, turns, paint }
+        Start { hypothesis, log_scale: (f64::from(percent) / 100.0).ln(), turns, paint }
     }
 
     /// A soccer pitch whose size is not known, and one of its sizes.
@@ -414,6 +437,18 @@ mod tests {
             let found = adjusted_rig(&start, (from, log_scale), &venue.assumed, Some(&venue), &levels()).unwrap();
             assert_near(&found, &pose, &field);
         }
+    }
+
+    #[test]
+    fn paint_says_the_focal_scale_where_all_ties_are_put_off_together() {
+        let (venue, field) = venue();
+        let pose = RigPose::upright(Vec3::new(-5.0, -66.0, 14.0), Angle::from_degrees(2.0));
+        let start = start_at(135, &pose, &field);
+        let levels = TurnLevels::new([88, 94, 100, 106, 113, 120, 127, 135, 143].map(turns));
+        assert!(levels.scale_by_ties().sigma < 0.01, "they are sure of another scale");
+        let found = adjusted_rig(&start, (pose, start.log_scale), &venue.assumed, Some(&venue), &levels).unwrap();
+        assert!((found.log_scale - start.log_scale).abs() < 5e-3, "{}", found.log_scale);
+        assert!((found.pose.position_m - pose.position_m).norm() < 0.3, "{:?}", found.pose.position_m);
     }
 
     #[test]

@@ -17,12 +17,19 @@ pub(super) struct TurnLevels {
     levels: Vec<(f64, Turns)>,
 }
 
-/// What ties say of the logarithm of the focal scale.
+/// What is known of the logarithm of the focal scale.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct ScaleByTies {
+pub(super) struct FocalScale {
     pub log_scale: f64,
     /// 1-σ.
     pub sigma: f64,
+}
+
+impl FocalScale {
+    /// Hardly anything is known of one.
+    pub fn unknown(log_scale: f64) -> Self {
+        Self { log_scale, sigma: SIGMA[1] }
+    }
 }
 
 impl TurnLevels {
@@ -61,9 +68,9 @@ impl TurnLevels {
     }
 
     /// What the ties say of the scale: where the frames fit each other best, and how much worse they do beside it.
-    pub fn scale_by_ties(&self) -> ScaleByTies {
+    pub fn scale_by_ties(&self) -> FocalScale {
         let [least, most] = SIGMA;
-        let unknown = ScaleByTies { log_scale: 0.0, sigma: most };
+        let unknown = FocalScale::unknown(0.0);
         let best = (0..self.levels.len()).min_by(|a, b| {
             let [a, b] = [a, b].map(|level| self.levels[*level].1.residual_px);
             a.total_cmp(&b)
@@ -79,7 +86,7 @@ impl TurnLevels {
             return unknown;
         };
         let lowest = (-0.5 * parabola[1] / parabola[2]).clamp(three[0].0, three[2].0);
-        ScaleByTies { log_scale: lowest, sigma: parabola[2].sqrt().recip().clamp(least, most) }
+        FocalScale { log_scale: lowest, sigma: parabola[2].sqrt().recip().clamp(least, most) }
     }
 }
 
@@ -125,7 +132,7 @@ mod tests {
         assert!((doubtful.log_scale - 1.02_f64.ln()).abs() < 1e-6, "{doubtful:?}");
         assert!(sure.sigma < doubtful.sigma && doubtful.sigma <= SIGMA[1], "{sure:?}, {doubtful:?}");
         let flat = TurnLevels::new([94, 100, 106].map(|percent| turns(percent, 0.3))).scale_by_ties();
-        assert_eq!(flat, ScaleByTies { log_scale: 0.0, sigma: SIGMA[1] });
+        assert_eq!(flat, FocalScale::unknown(0.0));
         let two = TurnLevels::new([turns(100, 0.3), turns(106, 0.5)]).scale_by_ties();
         assert_eq!(two.sigma, SIGMA[1], "two scales say nothing");
     }
