@@ -7,6 +7,7 @@ use super::deciding::deciding_landmark;
 use super::error::Stop;
 use super::evidence::missing_lines;
 use super::held::Held;
+use super::place::Place;
 use super::refined::Refined;
 use super::tied::TiedFrames;
 use super::traces::{FrameTraces, PictureOfFrame};
@@ -128,32 +129,43 @@ impl Search<'_> {
         let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
         let other = rival.filter(|_| best.score() < OVER_RIVAL * rival_score);
         let doubts = best.doubts.clone();
-        let (mut best, neighbours) = unsnapped(best, &frames);
-        best.evidence.rival = rival_score;
+        let mut best = Place::of(best, &frames);
+        best.camera.evidence.rival = rival_score;
         // A line is looked for once more where the last adjustment has it: before, it may lie just beside its paint.
         if doubts.iter().any(|doubt| !matches!(doubt, Doubt::LinesMissing { .. })) {
-            return Err(Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into());
+            return Err(uncertain(doubts, best.camera));
         }
-        let best = self.snapped(best, &neighbours, &frames, picture)?;
         let looked_at = LookedAt { frames: &frames, traces: &traces };
+        let best = self.snapped(best, &frames, picture)?;
         let Some(other) = other else {
-            return self.found(best, neighbours, looked_at, picture, MIN_SNAPPED);
+            return self.found(best, looked_at, picture, MIN_SNAPPED);
         };
         let is_doubted = !doubts.is_empty() || !other.doubts.is_empty();
-        let (mut other, of_other) = unsnapped(other, &frames);
-        other.evidence.rival = best.evidence.score();
-        let other = self.snapped(other, &of_other, &frames, picture)?;
-        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other; and a rival that
-        // becomes the answer itself is none.
-        if snapped_share(&other) <= REFUTED || self.leads_to(&other, &best, picture)? {
-            return self.found(best, neighbours, looked_at, picture, OVER_REFUTED);
+        let mut other = Place::of(other, &frames);
+        other.camera.evidence.rival = best.camera.evidence.score();
+        let other = self.snapped(other, &frames, picture)?;
+        // The frames' own pictures tell the two apart where nearly all agree with the one and few with the other.
+        if snapped_share(&other.camera) <= REFUTED {
+            return self.found(best, looked_at, picture, OVER_REFUTED);
         }
+        // Two that become one where both are adjusted once more differed by the field's size only.
+        let both = [self.refined(&best.camera, picture)?, self.refined(&other.camera, picture)?];
+        let [best, other] = match both {
+            [Some(of_best), Some(of_other)] if (of_best.position_m() - of_other.position_m()).norm() < SAME_M => {
+                let best = self.snapped(best.refined(of_best, &frames), &frames, picture)?;
+                return self.judged(best.camera, looked_at, OVER_REFUTED);
+            }
+            [of_best, of_other] => [
+                self.snapped(best.refined_where(of_best, &frames), &frames, picture)?.camera,
+                self.snapped(other.refined_where(of_other, &frames), &frames, picture)?.camera,
+            ],
+        };
         // Two that are left to a person to choose from have to be as good as one that refutes another.
         let is_few = |found| few_snapped(found, OVER_REFUTED);
         let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(is_few).collect();
         if is_doubted || !few.is_empty() {
             few.insert(0, Doubt::Rival);
-            return Err(Abstention::Uncertain { doubts: few, best: Some(Box::new(best)) }.into());
+            return Err(uncertain(few, best));
         }
         let deciding = deciding_landmark(&self.document, &best, &other);
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
@@ -162,25 +174,28 @@ impl Search<'_> {
     /// The answer that is left: adjusted once more to what its frames' own pictures show, if enough of them agree with it.
     fn found(
         &self,
-        found: UnclickedCamera,
-        neighbours: Neighbours,
+        found: Place,
         looked_at: LookedAt<'_>,
         picture: PictureOfFrame<'_>,
         least_snapped: f64,
     ) -> Result<UnclickedAnswer, Stop> {
-        let frames = looked_at.frames;
-        let uncertain = |doubt, found: UnclickedCamera| {
-            Err(Abstention::Uncertain { doubts: vec![doubt], best: Some(Box::new(found)) }.into())
-        };
-        if let Some(doubt) = few_snapped(&found, MIN_BEFORE) {
-            return uncertain(doubt, found);
+        if let Some(doubt) = few_snapped(&found.camera, MIN_BEFORE) {
+            return Err(uncertain(vec![doubt], found.camera));
         }
-        self.told(UnclickedProgress::Refining)?;
-        let Some(refined) = self.refined(&found, picture)? else {
-            return uncertain(Doubt::NotHeld, found);
+        let Some(refined) = self.refined(&found.camera, picture)? else {
+            return Err(uncertain(vec![Doubt::NotHeld], found.camera));
         };
-        let neighbours = refined.neighbours(neighbours, frames);
-        let mut found = self.snapped(refined.camera(found), &neighbours, frames, picture)?;
+        let found = self.snapped(found.refined(refined, looked_at.frames), looked_at.frames, picture)?;
+        self.judged(found.camera, looked_at, least_snapped)
+    }
+
+    /// The answer after its last adjustment, if enough of its frames agree with it, no line is missing and no click contradicts it.
+    fn judged(
+        &self,
+        mut found: UnclickedCamera,
+        looked_at: LookedAt<'_>,
+        least_snapped: f64,
+    ) -> Result<UnclickedAnswer, Stop> {
         found.evidence.missing = looked_at.missing_lines(&found);
         let missing = || {
             let lines = &found.evidence.missing;
@@ -188,7 +203,7 @@ impl Search<'_> {
         };
         let contradicted = || self.contradicted(&found);
         match few_snapped(&found, least_snapped).or_else(missing).or_else(contradicted) {
-            Some(doubt) => uncertain(doubt, found),
+            Some(doubt) => Err(uncertain(vec![doubt], found)),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
     }
@@ -196,18 +211,8 @@ impl Search<'_> {
     /// A camera adjusted once more to its frames' own pictures. The field's size is fitted where that is open, even where the usual one
     /// explained as much: this adjustment sees decimetres of it.
     fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
+        self.told(UnclickedProgress::Refining)?;
         Refined::of((found, self.venue.is_size_free()), (self.document, self.camera), picture, self.watch)
-    }
-
-    /// Whether another answer becomes the best one where it is adjusted once more: it differed by the field's size only.
-    fn leads_to(
-        &self,
-        other: &UnclickedCamera,
-        best: &UnclickedCamera,
-        picture: PictureOfFrame<'_>,
-    ) -> Result<bool, Stop> {
-        let refined = self.refined(other, picture)?;
-        Ok(refined.is_some_and(|refined| (refined.position_m() - best.base.position_m).norm() < SAME_M))
     }
 
     /// The clicks that say where the camera stands.
@@ -262,18 +267,13 @@ impl Search<'_> {
 
     /// A camera's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
     /// that stay uncertain go. `frames` are the places of those looked at.
-    fn snapped(
-        &self,
-        mut found: UnclickedCamera,
-        neighbours: &Neighbours,
-        frames: &[usize],
-        picture: PictureOfFrame<'_>,
-    ) -> Result<UnclickedCamera, Stop> {
-        let size = self.size(frames, neighbours);
-        let Some(held) = Held::of(&found.base, neighbours, &neighbours.holds, size) else {
-            return Ok(found);
+    fn snapped(&self, place: Place, frames: &[usize], picture: PictureOfFrame<'_>) -> Result<Place, Stop> {
+        let Place { camera: mut found, neighbours } = place;
+        let size = self.size(frames, &neighbours);
+        let Some(held) = Held::of(&found.base, &neighbours, &neighbours.holds, size) else {
+            return Ok(Place { camera: found, neighbours });
         };
-        found.frames = held.frames(neighbours, frames);
+        found.frames = held.frames(&neighbours, frames);
         // Snapping reads the clicks of a frame; here there are none.
         let mut document = self.document.document.clone();
         for frame in &found.frames {
@@ -296,8 +296,8 @@ impl Search<'_> {
                 }
             }
         }
-        held.settle(&mut found, neighbours);
-        Ok(found)
+        held.settle(&mut found, &neighbours);
+        Ok(Place { camera: found, neighbours })
     }
 
     /// The size of the frames that hang together.
@@ -325,16 +325,9 @@ impl LookedAt<'_> {
     }
 }
 
-/// A candidate as it is before its frames are pulled onto the paint of their own pictures, and how they hold each other.
-fn unsnapped(candidate: Candidate, frames: &[usize]) -> (UnclickedCamera, Neighbours) {
-    let pointed = frames.iter().zip(&candidate.ptz);
-    let pointed = pointed
-        .filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None }));
-    let pointed = pointed.collect();
-    let Candidate { base, field, sizes, evidence, neighbours, .. } = candidate;
-    let is_other = |place: &usize| neighbours.group.binary_search(place).is_err();
-    let others = (0..frames.len()).filter(is_other).map(|place| frames[place]).collect();
-    (UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence }, neighbours)
+/// No answer, for what speaks against the best one.
+fn uncertain(doubts: Vec<Doubt>, best: UnclickedCamera) -> Stop {
+    Abstention::Uncertain { doubts, best: Some(Box::new(best)) }.into()
 }
 
 /// The share of the frames that agree with their own paint, of those that show enough of it.

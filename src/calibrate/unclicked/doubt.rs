@@ -42,6 +42,12 @@ pub enum Doubt {
         /// How far they lie apart, m.
         halves_m: f64,
     },
+    /// One half of the frames cannot be asked whether it agrees with the other.
+    #[error("{frames} frames are too few for one half to confirm the other: 6 that show lines are needed")]
+    NoHalves {
+        /// Frames that took part.
+        frames: usize,
+    },
     /// Camera heads are levelled.
     #[error("the camera would be rolled by {roll_deg:.1}°")]
     Leans {

@@ -30,7 +30,7 @@ pub enum UnclickedError {
 pub enum Abstention {
     /// The frames do not show the same.
     #[error(
-        "at most {tied} of {frames} frames match each other: use overlapping frames of one camera that does not move"
+        "at most {tied} of {frames} frames match each other: use three or more overlapping frames of one camera that does not move"
     )]
     NotTied {
         /// Frames looked at.

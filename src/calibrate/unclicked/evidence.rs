@@ -71,7 +71,12 @@ impl UnclickedEvidence {
         ask(self.lines.len() < MIN_LINES, Doubt::FewLines { lines: self.lines.len() });
         ask(!self.missing.is_empty(), Doubt::LinesMissing { lines: self.missing.clone() });
         ask(self.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: self.residual_px });
-        ask(self.halves_m > MAX_HALVES_M, Doubt::HalvesDisagree { halves_m: self.halves_m });
+        let halves_m = self.halves_m;
+        if halves_m.is_finite() {
+            ask(halves_m > MAX_HALVES_M, Doubt::HalvesDisagree { halves_m });
+        } else {
+            ask(true, Doubt::NoHalves { frames: self.frames });
+        }
         ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
         if let Some([length_m, width_m]) = self.other_size_m {
             doubts.push(Doubt::OtherSize { length_m, width_m });

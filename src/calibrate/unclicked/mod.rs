@@ -18,6 +18,7 @@ mod found;
 mod held;
 mod joint;
 mod pitch_map;
+mod place;
 mod pose;
 mod progress;
 mod record;

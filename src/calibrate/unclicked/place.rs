@@ -1,0 +1,39 @@
+//! A place where a camera may stand, from a candidate to the answer.
+
+use super::candidates::{Candidate, Neighbours};
+use super::refined::Refined;
+use super::{UnclickedCamera, UnclickedFrame};
+
+/// A camera where it may stand, and how its frames hold each other there.
+pub(super) struct Place {
+    pub camera: UnclickedCamera,
+    pub neighbours: Neighbours,
+}
+
+impl Place {
+    /// Of a candidate, as it is before its frames are pulled onto the paint of their own pictures.
+    pub fn of(candidate: Candidate, frames: &[usize]) -> Self {
+        let pointed = frames.iter().zip(&candidate.ptz);
+        let pointed = pointed
+            .filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None }));
+        let pointed = pointed.collect();
+        let Candidate { base, field, sizes, evidence, neighbours, .. } = candidate;
+        let is_other = |place: &usize| neighbours.group.binary_search(place).is_err();
+        let others = (0..frames.len()).filter(is_other).map(|place| frames[place]).collect();
+        let camera = UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence };
+        Self { camera, neighbours }
+    }
+
+    /// As it was adjusted once more.
+    pub fn refined(self, refined: Refined, frames: &[usize]) -> Self {
+        Self { neighbours: refined.neighbours(self.neighbours, frames), camera: refined.camera(self.camera) }
+    }
+
+    /// The same, as it is where it could not be adjusted once more.
+    pub fn refined_where(self, refined: Option<Refined>, frames: &[usize]) -> Self {
+        match refined {
+            Some(refined) => self.refined(refined, frames),
+            None => self,
+        }
+    }
+}
