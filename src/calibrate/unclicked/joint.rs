@@ -36,9 +36,10 @@ const MIN_PLACES: usize = 25;
 /// Fewer frames do not determine a base.
 const MIN_FRAMES: usize = 3;
 
-/// No position is known better along any axis, m: on real matches it is .06 to .64 m from the one fitted to people's clicks, where
-/// the paint's scatter alone says .05.
-const MIN_SIGMA_M: f64 = 0.3;
+/// No position is known better along any axis, nor a length of the field, m: on real matches the position is .06 to .64 m from the one
+/// fitted to people's clicks, where the paint's scatter alone says .05; fitted lengths are .2 to .3 m off the usual ones and widths up
+/// to .8 m, where that says .04 to .13.
+pub(super) const MIN_SIGMA_M: f64 = 0.3;
 
 /// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
 /// much.
@@ -183,6 +184,9 @@ pub(super) fn joint(
         // What is known from all frames scatters half as much as the difference of the halves.
         base.sigma.position_m =
             Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(MIN_SIGMA_M));
+    }
+    for size in &mut sizes {
+        size.sigma_m = size.sigma_m.max(MIN_SIGMA_M);
     }
     let halves_m = between.map_or(f64::INFINITY, |between| between.norm());
     Some(Joint { base, field, sizes, ptz, halves_m, taken, scale })
