@@ -137,6 +137,9 @@ impl Search<'_> {
         }
         let looked_at = LookedAt { frames: &frames, traces: &traces };
         let best = self.snapped(best, &frames, picture)?;
+        if let Some(doubt) = few_snapped(&best.camera, MIN_BEFORE) {
+            return Err(uncertain(vec![doubt], best.camera));
+        }
         let Some(other) = other else {
             return self.found(best, looked_at, picture, MIN_SNAPPED);
         };
@@ -152,13 +155,12 @@ impl Search<'_> {
         let both = [self.refined(&best.camera, picture)?, self.refined(&other.camera, picture)?];
         let [best, other] = match both {
             [Some(of_best), Some(of_other)] if (of_best.position_m() - of_other.position_m()).norm() < SAME_M => {
-                let best = self.snapped(best.refined(of_best, &frames), &frames, picture)?;
-                return self.judged(best.camera, looked_at, OVER_REFUTED);
+                let best = self.settled(best, Some(of_best), &frames, picture)?;
+                return self.judged(best, looked_at, OVER_REFUTED);
             }
-            [of_best, of_other] => [
-                self.snapped(best.refined_where(of_best, &frames), &frames, picture)?.camera,
-                self.snapped(other.refined_where(of_other, &frames), &frames, picture)?.camera,
-            ],
+            [of_best, of_other] => {
+                [self.settled(best, of_best, &frames, picture)?, self.settled(other, of_other, &frames, picture)?]
+            }
         };
         // Two that are left to a person to choose from have to be as good as one that refutes another.
         let is_few = |found| few_snapped(found, OVER_REFUTED);
@@ -171,7 +173,7 @@ impl Search<'_> {
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
     }
 
-    /// The answer that is left: adjusted once more to what its frames' own pictures show, if enough of them agree with it.
+    /// The answer that is left: adjusted once more to what its frames' own pictures show.
     fn found(
         &self,
         found: Place,
@@ -179,14 +181,23 @@ impl Search<'_> {
         picture: PictureOfFrame<'_>,
         least_snapped: f64,
     ) -> Result<UnclickedAnswer, Stop> {
-        if let Some(doubt) = few_snapped(&found.camera, MIN_BEFORE) {
-            return Err(uncertain(vec![doubt], found.camera));
-        }
         let Some(refined) = self.refined(&found.camera, picture)? else {
             return Err(uncertain(vec![Doubt::NotHeld], found.camera));
         };
-        let found = self.snapped(found.refined(refined, looked_at.frames), looked_at.frames, picture)?;
-        self.judged(found.camera, looked_at, least_snapped)
+        let found = self.settled(found, Some(refined), looked_at.frames, picture)?;
+        self.judged(found, looked_at, least_snapped)
+    }
+
+    /// A camera where it was adjusted once more, its frames pulled onto their paint from there; as it is where it was not.
+    fn settled(
+        &self,
+        place: Place,
+        refined: Option<Refined>,
+        frames: &[usize],
+        picture: PictureOfFrame<'_>,
+    ) -> Result<UnclickedCamera, Stop> {
+        let Some(refined) = refined else { return Ok(place.camera) };
+        Ok(self.snapped(place.refined(refined, frames), frames, picture)?.camera)
     }
 
     /// The answer after its last adjustment, if enough of its frames agree with it, no line is missing and no click contradicts it.

@@ -28,12 +28,4 @@ impl Place {
     pub fn refined(self, refined: Refined, frames: &[usize]) -> Self {
         Self { neighbours: refined.neighbours(self.neighbours, frames), camera: refined.camera(self.camera) }
     }
-
-    /// The same, as it is where it could not be adjusted once more.
-    pub fn refined_where(self, refined: Option<Refined>, frames: &[usize]) -> Self {
-        match refined {
-            Some(refined) => self.refined(refined, frames),
-            None => self,
-        }
-    }
 }
