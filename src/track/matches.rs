@@ -10,7 +10,8 @@ const RATIO: f32 = 0.8;
 pub(super) fn mutual_matches(first: &Described, second: &Described) -> Vec<(usize, usize)> {
     let mut forth = vec![Nearest::NONE; first.lengths.len()];
     let mut back = vec![Nearest::NONE; second.lengths.len()];
-    let products = first.descriptors.tr_mul(&second.descriptors);
+    // Not `tr_mul`, which takes one scalar product at a time.
+    let products = first.descriptors.transpose() * &second.descriptors;
     for (to, there) in back.iter_mut().enumerate() {
         let length = second.lengths[to];
         for ((from, here), product) in forth.iter_mut().enumerate().zip(products.column(to)) {
