@@ -75,16 +75,17 @@ pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: Image
         Curve::Segment { .. } => SEGMENT_SAMPLES,
         Curve::Arc { .. } => ARC_SAMPLES,
     };
-    let mut best: Option<(f64, Nearest)> = None;
+    let squared_px = |image: ImagePoint| image.offset_from(click).norm_squared();
+    let mut sampled: Option<(f64, f64)> = None;
     for sample in 0..=samples {
         let t = f64::from(sample) / f64::from(samples);
-        let Some(here) = projection.at(curve, t) else { continue };
-        let distance = here.image.at.distance_px(click);
-        if best.is_none_or(|(least, _)| distance < least) {
-            best = Some((distance, here));
+        let Some(squared) = projection.image(curve.point_at(t)).map(squared_px) else { continue };
+        if sampled.is_none_or(|(least, _)| squared < least) {
+            sampled = Some((squared, t));
         }
     }
-    let (mut distance, mut nearest) = best?;
+    let mut nearest = projection.at(curve, sampled?.1)?;
+    let mut squared = squared_px(nearest.image.at);
     for _ in 0..STEPS {
         let ImageCurvePoint { at, first, second } = nearest.image;
         let offset = at.offset_from(click);
@@ -98,9 +99,9 @@ pub(super) fn nearest_point(camera: &PtzCamera, curve: &WorldCurve, click: Image
         let mut moved = false;
         while step.abs() * speed_squared.sqrt() > ENOUGH_PX {
             if let Some(next) = projection.at(curve, nearest.parameter + step) {
-                let next_distance = next.image.at.distance_px(click);
-                if next_distance <= distance {
-                    (distance, nearest, moved) = (next_distance, next, true);
+                let next_squared = squared_px(next.image.at);
+                if next_squared <= squared {
+                    (squared, nearest, moved) = (next_squared, next, true);
                     break;
                 }
             }
@@ -124,9 +125,18 @@ impl<'a> CurveProjection<'a> {
         Self { camera, cam_from_world: camera.cam_from_world() }
     }
 
+    /// A point in `cam`, m.
+    fn in_cam(&self, at: Vec3) -> Vec3 {
+        self.cam_from_world * (at - self.camera.base().position_m)
+    }
+
+    fn image(&self, at: Vec3) -> Option<ImagePoint> {
+        self.camera.image_from_cam(self.in_cam(at)).ok()
+    }
+
     fn at(&self, curve: &WorldCurve, t: f64) -> Option<Nearest> {
         let curve = curve.at(t);
-        let q = self.cam_from_world * (curve.at - self.camera.base().position_m);
+        let q = self.in_cam(curve.at);
         let at = self.camera.image_from_cam(q).ok()?;
         let (q1, q2) = (self.cam_from_world * curve.first, self.cam_from_world * curve.second);
         // Ideal point i = (q_x, q_y) / q_z and its derivatives, then d = i (1 + k₁ i·i + k₂ (i·i)²).

@@ -68,6 +68,11 @@ impl WorldCurve {
         Self { nominal, ..self }
     }
 
+    /// The point at a parameter, m.
+    pub(super) fn point_at(&self, t: f64) -> Vec3 {
+        self.crown.world_from_nominal(self.nominal.point_at(t))
+    }
+
     /// The point at a parameter and its derivatives; the crown is z = −c (2y / width)² within the field.
     pub(crate) fn at(&self, t: f64) -> CurvePoint {
         let mut at = self.nominal.point_at(t);
@@ -112,6 +117,7 @@ mod tests {
                 assert!((here.second - (after.first - before.first) / (2.0 * h)).norm() < 1e-5);
                 let ground = -0.3 * (here.at.y / 34.0).powi(2);
                 assert!((here.at.z - ground).abs() < 1e-12);
+                assert_eq!(curve.point_at(t), here.at);
             }
         }
     }
