@@ -17,6 +17,7 @@ use crate::solve::base::FittedSize;
 use crate::track::{Hold, Tie, filled};
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Places that are adjusted with all frames.
 const ADJUSTED: usize = 5;
@@ -88,24 +89,15 @@ pub(super) fn candidates(
     };
     let group = &tied.group;
     let rigs = rigs(&starts, &levels, &fields, venue);
-    let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = Vec::new();
-    for (done, (rig, start)) in rigs.iter().enumerate() {
-        told(UnclickedProgress::Adjusting { done, of: rigs.len() })?;
-        let of_assumed = |sized: bool| {
-            let field = &venue.assumed;
-            adjusted_rig(start, (rig.pose, rig.log_scale), field, sized.then_some(venue), &levels)
-        };
-        // Where the size is open the rig has the one that fits, elsewhere the one that is known.
-        let (as_assumed, sized) = if venue.is_size_free() {
-            (of_assumed(false), Some(rig.clone()))
-        } else {
-            (Some(rig.clone()), venue.is_open().then(|| of_assumed(true)).flatten())
-        };
-        let as_assumed = as_assumed.and_then(|rig| adjusted(&Begin::at(&rig), None, start, tied));
-        let sized = sized.and_then(|rig| adjusted(&Begin::at(&rig), Some(venue), start, tied));
-        let better = of_one_size(as_assumed, sized, venue.is_known);
-        joints.extend(better.map(|(joint, evidence)| (joint, evidence, *start)));
-    }
+    let done = AtomicUsize::new(0);
+    let of_rig = |&(ref rig, start)| {
+        told(UnclickedProgress::Adjusting { done: done.load(Ordering::Relaxed), of: rigs.len() })?;
+        let joint = joint_of(rig, start, &levels, venue, tied);
+        done.fetch_add(1, Ordering::Relaxed);
+        Ok(joint.map(|(joint, evidence)| (joint, evidence, start)))
+    };
+    let joints: Result<Vec<_>, UnclickedError> = rigs.par_iter().map(of_rig).collect();
+    let mut joints: Vec<(Joint, UnclickedEvidence, &Start)> = joints?.into_iter().flatten().collect();
     joints.sort_by(|a, b| b.1.score().total_cmp(&a.1.score()));
     if venue.is_size_free() {
         let climbing = joints.len().min(CLIMBING);
@@ -147,6 +139,31 @@ fn rigs<'a>(starts: &'a [Start], levels: &TurnLevels, fields: &[FieldModel], ven
         }
     }
     distinct
+}
+
+/// A rig's frames adjusted each for itself, on the field as assumed or of the size that explains more.
+fn joint_of(
+    rig: &Rig,
+    start: &Start,
+    levels: &TurnLevels,
+    venue: &Venue,
+    tied: &TiedFrames,
+) -> Option<(Joint, UnclickedEvidence)> {
+    let of_assumed = |sized: bool| {
+        let field = &venue.assumed;
+        adjusted_rig(start, (rig.pose, rig.log_scale), field, sized.then_some(venue), levels)
+    };
+    // Where the size is open the rig has the one that fits, elsewhere the one that is known.
+    let (as_assumed, sized) = if venue.is_size_free() {
+        (of_assumed(false), Some(rig.clone()))
+    } else {
+        (Some(rig.clone()), venue.is_open().then(|| of_assumed(true)).flatten())
+    };
+    let (as_assumed, sized) = rayon::join(
+        || as_assumed.and_then(|rig| adjusted(&Begin::at(&rig), None, start, tied)),
+        || sized.and_then(|rig| adjusted(&Begin::at(&rig), Some(venue), start, tied)),
+    );
+    of_one_size(as_assumed, sized, venue.is_known)
 }
 
 /// Where an adjustment begins.

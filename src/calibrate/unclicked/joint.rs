@@ -3,6 +3,7 @@
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::share_of_angles;
 use super::venue::Venue;
+use crate::calibrate::base_on_paint::ALONE_SIGMA_M;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, median};
@@ -28,18 +29,13 @@ const HELD_AFTER: [usize; 2] = [2, 3];
 const SIGMA_PX: f64 = 1.5;
 
 /// Places of one line in one frame, at most.
-const OF_LINE: usize = 30;
+const OF_LINE: usize = 20;
 
 /// A frame takes part with at least this many places.
 const MIN_PLACES: usize = 25;
 
 /// Fewer frames do not determine a base.
 const MIN_FRAMES: usize = 3;
-
-/// No position is known better along any axis, nor a length of the field, m: on real matches the position is .06 to .64 m from the one
-/// fitted to people's clicks, where the paint's scatter alone says .05; fitted lengths are .2 to .3 m off the usual ones and widths up
-/// to .8 m, where that says .04 to .13.
-pub(super) const MIN_SIGMA_M: f64 = 0.3;
 
 /// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
 /// much.
@@ -140,7 +136,7 @@ pub(super) fn joint(
 ) -> Option<Joint> {
     let scale = size.scale_from_1920();
     let mut field = start_field.clone();
-    let mut map = PitchMap::of_few(&field);
+    let mut map = PitchMap::of(&field);
     let mut base = *start;
     let mut ptz = ptz.to_vec();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
@@ -170,7 +166,7 @@ pub(super) fn joint(
         let Some(venue) = sized.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
         let Some(fitted) = venue.fitted(&field, &taken, &base, &ptz, &model, (size.width, &options)) else { continue };
         (field, sizes) = fitted;
-        map = PitchMap::of_few(&field);
+        map = PitchMap::of(&field);
     }
     let half = |which: usize| {
         let of_half = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| frame % 2 == which);
@@ -183,10 +179,10 @@ pub(super) fn joint(
     if let Some(between) = between {
         // What is known from all frames scatters half as much as the difference of the halves.
         base.sigma.position_m =
-            Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(MIN_SIGMA_M));
+            Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(ALONE_SIGMA_M));
     }
     for size in &mut sizes {
-        size.sigma_m = size.sigma_m.max(MIN_SIGMA_M);
+        size.sigma_m = size.sigma_m.max(ALONE_SIGMA_M);
     }
     let halves_m = between.map_or(f64::INFINITY, |between| between.norm());
     Some(Joint { base, field, sizes, ptz, halves_m, taken, scale })
@@ -218,7 +214,7 @@ const fn model(crown: CrownModel) -> BaseModel {
 }
 
 fn options(loss: Loss) -> AdjustOptions {
-    AdjustOptions { loss, max_iterations: 15, ..AdjustOptions::default() }
+    AdjustOptions { loss, max_iterations: 8, ..AdjustOptions::default() }
 }
 
 /// How far a place of a picture lies beside a line, px; none where the line cannot be seen.

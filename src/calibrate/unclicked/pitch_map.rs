@@ -178,14 +178,13 @@ impl PitchMap {
         Self { crown: field.crown(), curves, endless, grid: None }
     }
 
-    /// The nearest of each kind of curve to a place, by its number.
+    /// The nearest of each kind of curve to a place; none far from the field.
     #[inline]
-    fn near(&self, place: Vec3) -> impl Iterator<Item = usize> {
-        let near = match &self.grid {
-            Some(grid) => grid.near(place).unwrap_or_default(),
-            None => nearest_of(&self.curves, place),
-        };
-        near.into_iter().flatten().map(usize::from)
+    fn near(&self, place: Vec3) -> Option<NearOfKinds> {
+        match &self.grid {
+            Some(grid) => grid.near(place),
+            None => Some(nearest_of(&self.curves, place)),
+        }
     }
 
     /// Where a ray meets the ground; `at` says where it comes to a height (m).
@@ -212,25 +211,27 @@ impl PitchMap {
     pub fn beside_squared(&self, place: Vec3, view: View, scatter: Scatter) -> Option<f64> {
         let View { over_ground, fall_squared } = view;
         // What lies across the line on the ground, seen as an angle: flat views shorten what lies along them.
-        let beside = |curve: usize| {
-            let (across_m, tangent) = self.endless[curve].across(place.xy());
+        let beside = |curve: u16| {
+            let (across_m, tangent) = self.endless[usize::from(curve)].across(place.xy());
             let along_squared = tangent.dot(&over_ground).powi(2);
             let side_squared = tangent.perp(&over_ground).powi(2);
             let seen = side_squared * scatter.upright_squared + along_squared * fall_squared * scatter.sideways_squared;
             across_m * across_m * fall_squared / seen
         };
-        self.near(place).map(beside).reduce(f64::min)
+        let [along, across, arc] = self.near(place)?.map(|curve| curve.map_or(f64::INFINITY, beside));
+        Some(along.min(across).min(arc))
     }
 
     /// The point of the line that a camera sees nearest to a place; none far from the field.
     pub fn nearest(&self, place: Vec3, eye_m: Vec3) -> Option<OnLine> {
         let direction = (place - eye_m).normalize();
-        let on_line = |curve: usize| {
-            let (line, curve) = &self.curves[curve];
+        let on_line = |curve: u16| {
+            let (line, curve) = &self.curves[usize::from(curve)];
             let on_line = self.on_line(*line, curve, nearest_parameter(curve, Vec3::new(place.x, place.y, 0.0)));
             (on_line.passed_by(eye_m, direction), on_line)
         };
-        self.near(place).map(on_line).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, on_line)| on_line)
+        let near = self.near(place)?.into_iter().flatten().map(on_line);
+        near.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, on_line)| on_line)
     }
 
     /// A point of a line, on the crowned ground.

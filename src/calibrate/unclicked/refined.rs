@@ -3,7 +3,6 @@
 
 use super::candidates::Neighbours;
 use super::error::Stop;
-use super::joint::MIN_SIGMA_M;
 use super::traces::PictureOfFrame;
 use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
 use crate::calibrate::{BaseOnPaintError, EstimatedBase, estimate_on_paint};
@@ -86,9 +85,6 @@ impl Refined {
         let mut base = estimate.base;
         let moved = base.position_m - found.base.position_m;
         base.sigma.position_m = base.sigma.position_m.sup(&(OF_MOVE * moved.abs()));
-        for size in &mut sizes {
-            size.sigma_m = size.sigma_m.max(MIN_SIGMA_M);
-        }
         for (size, before) in sizes.iter_mut().zip(&found.sizes) {
             size.assumed_m = before.assumed_m;
             size.sigma_m = size.sigma_m.max(OF_MOVE * (size.value_m - before.value_m).abs());

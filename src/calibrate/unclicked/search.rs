@@ -7,6 +7,7 @@ use crate::geometry::{Angle, Vec2, Vec3};
 use crate::paint::SeenGround;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// What is known of the paint: directions in the rig's frame, and where ground was seen.
 pub(super) struct Panorama {
@@ -108,21 +109,21 @@ impl Hypothesis {
 }
 
 /// The ranges in which a camera is looked for, m and degrees.
-const X_M: Range = Range { from: -64.0, step: 4.0, count: 33 };
-const Y_M: Range = Range { from: -110.0, step: 5.0, count: 15 };
-const TURN_DEG: Range = Range { from: -40.0, step: 2.0, count: 41 };
+const X_M: Steps = Steps { from: -64.0, step: 4.0, count: 33 };
+const Y_M: Steps = Steps { from: -110.0, step: 5.0, count: 15 };
+const TURN_DEG: Steps = Steps { from: -40.0, step: 2.0, count: 41 };
 const LOWEST_M: f64 = 5.0;
 const HEIGHT_RATIO: f64 = 1.14;
 const HEIGHTS: usize = 15;
 
 /// Values tried one after the other.
-struct Range {
+struct Steps {
     from: f64,
     step: f64,
     count: usize,
 }
 
-impl Range {
+impl Steps {
     fn at(&self, index: usize) -> f64 {
         self.from + self.step * (index % self.count) as f64
     }
@@ -149,7 +150,7 @@ const LEAN: f64 = 0.005;
 
 /// How many of the places first tried on a field are looked at closer, and how many are fitted.
 const LOOKED_AT: usize = 400;
-const FITTED: usize = 120;
+const FITTED: usize = 60;
 
 /// A line is seen where paint lies this near at a first look, degrees.
 const WIDE_DEG: f64 = 1.2;
@@ -157,9 +158,9 @@ const WIDE_DEG: f64 = 1.2;
 /// Directions of paint that are asked at the first look.
 const ASKED_FIRST: usize = 500;
 
-/// One in so many of them is asked of every place, the others only of the best of the places: one in [`ASKED_ON`].
-const FIRST_OF: usize = 3;
-const ASKED_ON: usize = 4;
+/// They are asked in parts, so many ninths of them at a time, the later parts only of the best: of one in so many of the places that
+/// the part before was asked of.
+const PARTS: [(Range<usize>, usize); 3] = [(0..1, 3), (1..3, 4), (3..9, 1)];
 
 /// The best places on one of several fields, the most likely first.
 pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> {
@@ -180,21 +181,25 @@ pub(super) fn search(panorama: &Panorama, maps: &[PitchMap]) -> Vec<Hypothesis> 
 fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize) -> Vec<Hypothesis> {
     let every = (panorama.directions.len() * of.div_ceil(2)).div_ceil(ASKED_FIRST).max(1);
     let few: Vec<Vec3> = panorama.directions.iter().step_by(every).copied().collect();
-    let below = |is_first: bool| -> Vec<BelowHorizon> {
-        let asked = few.iter().enumerate().filter(|(number, _)| (number % FIRST_OF == 0) == is_first);
+    let below = |ninths: &Range<usize>| -> Vec<BelowHorizon> {
+        let asked = few.iter().enumerate().filter(|(number, _)| ninths.contains(&(number % 9)));
         asked.filter_map(|(_, direction)| BelowHorizon::of(direction)).collect()
     };
-    let (asked_first, asked_next) = (below(true), below(false));
     let explained = |index: usize, asked: &[BelowHorizon]| {
         let (position_m, heading) = place(index);
         explained_upright(&RigPose::upright(position_m, heading), asked, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
-    let mut scored: Vec<(f64, usize)> =
-        (0..PLACES).into_par_iter().map(|index| (explained(index, &asked_first), index)).collect();
-    scored.select_nth_unstable_by(PLACES / ASKED_ON, best_first);
-    scored.truncate(PLACES / ASKED_ON);
-    scored.par_iter_mut().for_each(|(first, index)| *first += explained(*index, &asked_next));
+    let mut scored: Vec<(f64, usize)> = (0..PLACES).map(|index| (0.0, index)).collect();
+    for (ninths, one_in) in PARTS {
+        let asked = below(&ninths);
+        scored.par_iter_mut().for_each(|(score, index)| *score += explained(*index, &asked));
+        let kept = scored.len() / one_in;
+        if kept < scored.len() {
+            scored.select_nth_unstable_by(kept, best_first);
+            scored.truncate(kept);
+        }
+    }
     scored.sort_by(best_first);
     let mut chosen: Vec<(Vec3, Angle)> = Vec::new();
     for (_, index) in &scored {

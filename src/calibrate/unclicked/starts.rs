@@ -13,15 +13,18 @@ use crate::field::FieldModel;
 use crate::track::Turns;
 use std::ops::RangeInclusive;
 
-/// How much longer or shorter than the ties say the focal lengths may be: rotations leave their common scale uncertain.
-const FOCAL_PERCENT: [u32; 5] = [100, 94, 106, 88, 113];
+/// How much longer or shorter than the ties say the focal lengths may be, in per cent: rotations leave their common scale uncertain,
+/// and boards that scroll under a picture put all ties off together. Neighbours are as near as a search needs.
+const FOCAL_PERCENT: [u32; 15] = [67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150];
 
-/// So much farther is the next one, and the widest that are tried: boards that scroll under a picture put all ties off together.
-const BEYOND: f64 = 1.06;
-const WIDEST_PERCENT: RangeInclusive<u32> = 67..=150;
+/// Of these the first to be tried.
+const FIRST_FOCAL_PERCENT: [u32; 3] = [100, 88, 113];
 
 /// The same where clicks name the places: the scale decides how far away their landmarks are.
 const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
+
+/// Rounds that a search takes on most footage.
+const USUAL_ROUNDS: usize = 5;
 
 /// Pairs of clicks from which places are made, at most.
 const PAIRS: usize = 6;
@@ -44,7 +47,7 @@ pub(super) fn searched(
     maps: &[PitchMap],
     watch: WatchUnclicked<'_>,
 ) -> Result<(Vec<Start>, TurnLevels), Stop> {
-    begun(tied, &FOCAL_PERCENT, PLACES * maps.len(), watch, |_, panorama| search(panorama, maps))
+    begun(tied, &FIRST_FOCAL_PERCENT, PLACES * maps.len(), watch, |_, panorama| search(panorama, maps))
 }
 
 /// The best of the places that clicks name, on one of several fields with their maps, the most likely first.
@@ -66,8 +69,8 @@ pub(super) fn named(
     })
 }
 
-/// The best places for frames with focal lengths of each of some shares of what their ties say, and beyond these as long as the best
-/// place of all is at the last of them.
+/// The best places for frames with focal lengths of each of some shares of what their ties say, and of the neighbours of the share that
+/// has the best place of all.
 fn begun(
     tied: &TiedFrames,
     focal_percent: &[u32],
@@ -81,7 +84,7 @@ fn begun(
     let mut refused = None;
     let mut done = 0;
     while let Some(&percent) = percents.get(done) {
-        if watch(UnclickedProgress::Trying { places, done, of: percents.len() }).is_break() {
+        if watch(UnclickedProgress::Trying { places, done, of: percents.len().max(USUAL_ROUNDS) }).is_break() {
             return Err(UnclickedError::Stopped.into());
         }
         done += 1;
@@ -99,7 +102,7 @@ fn begun(
             Err(why) => refused = refused.or(Some(why)),
         }
         if done == percents.len() {
-            percents.extend(best.and_then(|(_, percent)| beyond(percent, &percents)));
+            percents.extend(best.and_then(|(_, percent)| untried_beside(percent, &percents)));
         }
     }
     if let Some(why) = refused.filter(|_| levels.is_empty()) {
@@ -123,30 +126,40 @@ fn of_scale(
     Ok((found, turns))
 }
 
-/// The share next to one that is the last of those tried, on its side; none beyond the widest.
-fn beyond(percent: u32, tried: &[u32]) -> Option<u32> {
-    let further = |share: f64| (f64::from(percent) * share).round() as u32;
-    let next = if tried.iter().max() == Some(&percent) {
-        further(BEYOND)
-    } else if tried.iter().min() == Some(&percent) {
-        further(BEYOND.recip())
-    } else {
-        return None;
-    };
-    WIDEST_PERCENT.contains(&next).then_some(next)
+/// A neighbour of a share between which and itself none was tried: one beyond all that were tried before one between two of them.
+fn untried_beside(percent: u32, tried: &[u32]) -> Option<u32> {
+    let above = FOCAL_PERCENT.into_iter().find(|share| *share > percent);
+    let below = FOCAL_PERCENT.into_iter().rfind(|share| *share < percent);
+    let is_tried = |range: RangeInclusive<u32>| tried.iter().any(|share| range.contains(share));
+    let above = above.filter(|above| !is_tried(percent + 1..=*above));
+    let below = below.filter(|below| !is_tried(*below..=percent - 1));
+    let is_between = |share: &u32| is_tried(0..=*share) && is_tried(*share..=u32::MAX);
+    above.into_iter().chain(below).min_by_key(is_between)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The shares that are tried where the best of all lies at one of them.
+    fn tried(first: &[u32], best: u32) -> Vec<u32> {
+        let mut tried = first.to_vec();
+        let nearest = |tried: &[u32]| *tried.iter().min_by_key(|share| share.abs_diff(best)).unwrap();
+        while let Some(next) = untried_beside(nearest(&tried), &tried) {
+            tried.push(next);
+        }
+        tried
+    }
+
     #[test]
-    fn shares_are_tried_beyond_the_last_only_and_no_farther_than_the_widest() {
-        assert_eq!(beyond(113, &FOCAL_PERCENT), Some(120));
-        assert_eq!(beyond(88, &FOCAL_PERCENT), Some(83));
-        assert_eq!(beyond(106, &FOCAL_PERCENT), None);
-        assert_eq!(beyond(113, &[100, 94, 106, 88, 113, 120]), None, "its neighbour is no better");
-        assert_eq!(beyond(150, &[100, 150]), None);
-        assert_eq!(beyond(67, &[100, 67]), None);
+    fn both_neighbours_of_the_best_share_are_tried_and_few_others() {
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 100), [100, 88, 113, 106, 94]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 120), [100, 88, 113, 120, 127]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 113), [100, 88, 113, 120, 106]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 79), [100, 88, 113, 83, 79, 75]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 40), [100, 88, 113, 83, 79, 75, 71, 67]);
+        assert_eq!(tried(&FIRST_FOCAL_PERCENT, 200), [100, 88, 113, 120, 127, 135, 143, 150]);
+        assert_eq!(tried(&FINE_FOCAL_PERCENT, 103), FINE_FOCAL_PERCENT);
+        assert_eq!(tried(&FINE_FOCAL_PERCENT, 118)[FINE_FOCAL_PERCENT.len()..], [120]);
     }
 }
