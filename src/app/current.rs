@@ -3,9 +3,10 @@
 use super::OpenProject;
 use super::base::WithProposal;
 use super::naming::{self, NamingScene};
+use super::review::disagrees;
 use super::session::{Mode, Naming, Session};
 use crate::calibrate::{
-    BaseReadiness, BetterCamera, CalibrationError, EstimatedBase, calibrate, camera_alone, observations,
+    BaseReadiness, BetterCamera, CalibrationError, Disagreement, EstimatedBase, calibrate, camera_alone, observations,
     solved_neighbours,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
@@ -51,6 +52,8 @@ pub struct Current {
     pub disputed: Vec<usize>,
     /// Another camera of the document, which fits the clicks where the frame's own does not.
     pub better_camera: Option<BetterCamera>,
+    /// How the frame lies to its neighbours, where it disagrees with them.
+    pub off_neighbours: Option<Disagreement>,
     /// What the frames of this camera say about its base.
     pub readiness: BaseReadiness,
     basis: Basis,
@@ -155,6 +158,7 @@ impl Current {
             (Ok(field), Some(camera), None) => off_camera(frame, field, camera),
             _ => Vec::new(),
         };
+        let off_neighbours = open.derived.disagreements(&open.document).of_frame(index).filter(disagrees);
         let readiness = open.derived.lookup(&open.document).readiness(&frame.camera);
         let mut disputed = frame.solution.as_ref().map(|recorded| recorded.disputed.clone()).unwrap_or_default();
         if let Some(Ok(solved)) = &solution {
@@ -174,6 +178,7 @@ impl Current {
             by_hand,
             disputed,
             better_camera,
+            off_neighbours,
             readiness,
             ..Self::default()
         }

@@ -7,6 +7,7 @@ use touchline::app::{Action, Command};
 use touchline::camera::Ptz;
 use touchline::document::{Camera, Click, Clip, Document, FieldSpec, Frame, FramePtz, FrameStatus};
 use touchline::geometry::ImagePoint;
+use touchline::solve::Verdict;
 
 /// Two cameras in turns, a slow pan of each; the fifth frame of the first looks elsewhere.
 fn document() -> Document {
@@ -33,6 +34,26 @@ fn document() -> Document {
 /// A point's pan in tenths of a degree.
 fn pan(bench: &Bench, point: usize) -> i64 {
     (10.0 * bench.app.quality().course.points[point].values[0]).round() as i64
+}
+
+#[test]
+fn an_accepted_frame_off_its_neighbours_way_is_to_be_looked_at() {
+    let mut document = document();
+    for frame in &mut document.frames {
+        frame.clicks.clear();
+    }
+    let mut bench = Bench::new(document);
+    bench.act(Action::GoTo(8));
+    let judgement = bench.app.judgement().unwrap();
+    assert_eq!(judgement.verdict, Verdict::Check);
+    assert!(judgement.reason.ends_with("px off the way between the frames before and after it"), "{judgement:?}");
+    bench.act(Action::GoTo(6));
+    assert_eq!(bench.app.judgement(), None, "nothing speaks against it, nor for it");
+    bench.act(Action::GoTo(8));
+    bench.act(Action::BeginEdit("Pan"));
+    bench.act(Action::EditPtz(Ptz::from_degrees(0.8, -12.0, 2000.0)));
+    bench.act(Action::EndEdit);
+    assert!(!bench.app.judgement().unwrap().reason.contains("px off"), "{:?}", bench.app.judgement());
 }
 
 #[test]
