@@ -104,8 +104,9 @@ fn doing(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
 /// The references, and which of them are used for training.
 fn references(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "TRAINED ON");
-    let count =
-        |count: usize, one: &str, more: &str| if count == 1 { format!("1 {one}") } else { format!("{count} {more}") };
+    let count = |count: usize, one: &str, more: &str| {
+        if count == 1 { format!("1 {one}") } else { format!("{} {more}", thousands(count)) }
+    };
     ui.label(count(status.training_frames, "reference used for training.", "references used for training."));
     let waiting = status.references.saturating_sub(status.training_frames + status.withheld);
     if waiting > 0 {
@@ -196,7 +197,8 @@ fn forest(ui: &mut Ui, facts: ForestFacts) {
 
 fn proposals(panel: &mut Panel<'_>, ui: &mut Ui, status: &TrainerStatus) {
     section(ui, "PROPOSALS");
-    let cameras = if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", status.answered) };
+    let cameras =
+        if status.answered == 1 { "1 camera".to_owned() } else { format!("{} cameras", thousands(status.answered)) };
     let carried = panel.app.open().map_or(0, |open| open.counts().carried);
     ui.horizontal_wrapped(|ui| {
         ui.label(match carried {

@@ -193,7 +193,8 @@ pub fn others(data: &Path) -> Tally {
         let (answer, seconds) = answer(&document, data, Way::WithoutClicks);
         let (says, tally) = judged(&document, &answer, None);
         let says = if let (true, UnclickedAnswer::Found(found)) = (can_be_right, &answer) {
-            format!("to be looked at: {:?} {says}", found.base.position_m)
+            let at_m: Vec<String> = found.base.position_m.iter().map(|m| format!("{m:.2}")).collect();
+            format!("camera at ({}) m, whose panorama has to be looked at", at_m.join(", "))
         } else {
             says
         };
