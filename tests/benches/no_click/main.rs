@@ -2,7 +2,7 @@
 //! undecided or silent. Printed as Markdown.
 //!
 //! Not a divan bench: what counts is the share of right answers, the times beside it.
-//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--keep DIR]`; the real frames are those of
+//! `cargo bench --bench no_click [-- drawn refused spread real clips] [--matches N] [--from K] [--frames N] [--keep DIR]`; the real frames are those of
 //! `TOUCHLINE_DATA`. With `--two-clicks` drawn matches are found from two clicks each. With `--keep` drawn pictures stay in a folder and are used again.
 #![allow(missing_docs, clippy::unwrap_used, clippy::print_stdout, reason = "a bench says what failed by failing")]
 
@@ -39,6 +39,7 @@ fn main() {
         all.add(&matches::drawn(
             pictures,
             from..from + count,
+            number("--frames", matches::FRAMES),
             arguments.iter().any(|argument| argument == "--two-clicks"),
         ));
     }

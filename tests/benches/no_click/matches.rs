@@ -12,8 +12,8 @@ use touchline::field::{FieldModel, builtin};
 use touchline::geometry::Vec3;
 use touchline::synthetic::{Preset, ShootOptions, StadiumOptions, stadium};
 
-/// Frames of a match.
-const FRAMES: usize = 20;
+/// Frames of a match, where no other number is asked for.
+pub const FRAMES: usize = 20;
 
 /// Seconds between them.
 const STEP_S: f64 = 4.7;
@@ -59,9 +59,9 @@ impl DrawnMatch {
     }
 }
 
-/// The drawn matches; those that are not found without a click are asked again with two, with `two_clicks` all at once.
-pub fn drawn(pictures: &Path, numbers: Range<usize>, two_clicks: bool) -> Tally {
-    println!("\n## drawn: {FRAMES} frames of {}x{}, {STEP_S} s apart\n", SIZE.width, SIZE.height);
+/// The drawn matches, `frames` of each; those that are not found without a click are asked again with two, with `two_clicks` all at once.
+pub fn drawn(pictures: &Path, numbers: Range<usize>, frames: usize, two_clicks: bool) -> Tally {
+    println!("\n## drawn: {frames} frames of {}x{}, {STEP_S} s apart\n", SIZE.width, SIZE.height);
     println!("| match | field, m | camera, m | answer | s |\n|---|---|---|---|---|");
     let (mut all, mut clicked) = (Tally::default(), Tally::default());
     for number in numbers {
@@ -69,7 +69,7 @@ pub fn drawn(pictures: &Path, numbers: Range<usize>, two_clicks: bool) -> Tally 
         let shoot = shoot(preset);
         let options = StadiumOptions { daylight: shoot.daylight, ..StadiumOptions::new(field.clone(), seed) };
         let scene = stadium(&options);
-        let shots = shots(&scene, &base(preset, position_m), &shoot, FRAMES, seed);
+        let shots = shots(&scene, &base(preset, position_m), &shoot, frames, seed);
         let folder = pictures.join(format!("match-{number:02}"));
         let drawn = draw(&folder, &[(&scene, &shots)], shoot.jpeg_quality, FieldSpec::new("soccer"));
         let row = |(says, seconds): (&str, f64)| {
