@@ -36,15 +36,15 @@ pub enum Doubt {
         /// The median, px at 1920 px width.
         residual_px: f64,
     },
-    /// Parts of the frames give different bases.
-    #[error("parts of the frames disagree by {parts_m:.1} m")]
-    PartsDisagree {
+    /// Two halves of the frames give two bases.
+    #[error("two halves of the frames disagree by {halves_m:.1} m")]
+    HalvesDisagree {
         /// How far they lie apart, m.
-        parts_m: f64,
+        halves_m: f64,
     },
-    /// Some of the frames cannot be asked whether they agree with the others.
-    #[error("{frames} frames that show lines are too few to confirm each other: 3 are needed")]
-    Unconfirmed {
+    /// One half of the frames cannot be asked whether it agrees with the other.
+    #[error("{frames} frames are too few for one half to confirm the other: 6 that show lines are needed")]
+    NoHalves {
         /// Frames that took part.
         frames: usize,
     },
