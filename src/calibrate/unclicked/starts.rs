@@ -20,7 +20,7 @@ const FOCAL_PERCENT: [u32; 15] = [67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120
 /// Of these the first to be tried.
 const FIRST_FOCAL_PERCENT: [u32; 3] = [100, 88, 113];
 
-/// The same where clicks name the places: the scale decides how far away their landmarks are.
+/// Those tried first where clicks name the places, nearer to each other: the scale decides how far away their landmarks are.
 const FINE_FOCAL_PERCENT: [u32; 11] = [100, 97, 103, 94, 106, 91, 109, 88, 112, 115, 118];
 
 /// Rounds that a search takes on most footage.
