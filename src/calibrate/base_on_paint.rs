@@ -16,8 +16,8 @@ use crate::media::Picture;
 use crate::paint::{GroundPicture, PaintPlace, SnapOptions, paint_places, snap};
 use crate::solve::Observation;
 use crate::solve::base::{
-    AdjustOptions, BaseError, BaseModel, BaseOptions, CameraClicks, FrameClicks, HeldOutErrors, WatchBase, adjust_base,
-    estimate_base_on_paint, held_out_on_paint,
+    AdjustOptions, BaseError, BaseModel, BaseOptions, CameraClicks, FittedSize, FrameClicks, HeldOutErrors, WatchBase,
+    adjust_base, estimate_base_on_paint, held_out_on_paint,
 };
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -35,6 +35,13 @@ const FEWEST_LINES: usize = 5;
 /// is common to all frames. Positions are .06 to .64 m from those fitted to people's clicks where the paint's scatter alone says .05,
 /// and widths up to .8 m where that says .04 to .13. Where clicks give a position too, half of the way between the two takes its place.
 pub(super) const ALONE_SIGMA_M: f64 = 0.3;
+
+/// Lengths that paint alone gives are stated no better than they are known.
+pub(super) fn as_paint_alone_gives(sizes: &mut [FittedSize]) {
+    for length in sizes {
+        length.sigma_m = length.sigma_m.max(ALONE_SIGMA_M);
+    }
+}
 
 /// Pictures that are held in memory at once.
 const AT_ONCE: usize = 8;
@@ -150,9 +157,7 @@ pub fn estimate_on_paint(
     if size {
         sizes = problem.fit_size(document, &seen.painted, (&start.base, &start.ptz), &model)?;
         if !first.by_clicks {
-            for length in &mut sizes {
-                length.sigma_m = length.sigma_m.max(ALONE_SIGMA_M);
-            }
+            as_paint_alone_gives(&mut sizes);
         }
         sized.set_field_size(camera, &sizes);
         document = sized.at(document.folder);
@@ -167,6 +172,7 @@ pub fn estimate_on_paint(
     let apart_m = first.by_clicks.then(|| estimate.base.position_m - first.base.position_m);
     let least_m = apart_m.map_or(Vec3::repeat(ALONE_SIGMA_M), |apart| apart.abs() * 0.5);
     estimate.base.sigma.position_m = estimate.base.sigma.position_m.sup(&least_m);
+    estimate.base.sigma = FittedSize::base_sigma(estimate.base.sigma, &sizes);
     // The first base is judged by the same paint, on the field that it was found with.
     let as_first: Vec<FrameClicks> = seen.painted.iter().map(|frame| on_field(frame, &first_field)).collect();
     let as_first = CameraClicks { field: &first_field, frames: &as_first, ..clicks };

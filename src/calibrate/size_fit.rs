@@ -33,7 +33,8 @@ impl BaseProblem {
         let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
         let mut sized = document.document.clone();
         sized.set_field_size(&self.camera, &sizes);
-        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
+        let mut found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
+        found.estimate.base.sigma = FittedSize::base_sigma(found.estimate.base.sigma, &sizes);
         Ok(EstimatedBase { sizes, ..found })
     }
 

@@ -45,6 +45,18 @@ impl BaseSigma {
         }
     }
 
+    /// The same with one more error of the position, which goes with no other: 1-σ along `world` x, y, z, m.
+    #[must_use]
+    pub fn with_error_along(self, position_m: Vec3) -> Self {
+        let correlation = self.correlation.matrix();
+        let sigma = |row: usize| if row < 3 { self.position_m[row] } else { self.rotation[row - 3] };
+        let error = |row: usize| if row < 3 { position_m[row] } else { 0.0 };
+        let covariance = Matrix5::from_fn(|row, column| {
+            correlation[(row, column)] * sigma(row) * sigma(column) + error(row) * error(column)
+        });
+        Self { rotation: self.rotation, ..Self::of_covariance(&covariance) }
+    }
+
     /// A matrix L: L Lᵀ is the covariance of position (m) and of rotation as a vector in `world` (rad).
     #[must_use]
     pub fn root(&self) -> Matrix6<f64> {
@@ -119,6 +131,19 @@ mod tests {
             assert!((again[(row, column)] - covariance[(row, column)]).abs() < 1e-12 * scale, "{row} {column}");
         }
         assert_eq!(again.row(5).amax(), 0.0, "the pan gauge is exact");
+    }
+
+    #[test]
+    fn one_more_error_of_the_position_adds_its_covariance() {
+        let along = Vec3::new(0.6, -0.2, 0.0);
+        let sigma = BaseSigma::of_covariance(&covariance()).with_error_along(along);
+        let mut expected = covariance();
+        let mut position = expected.fixed_view_mut::<3, 3>(0, 0);
+        position += along * along.transpose();
+        let root = sigma.root().fixed_view::<5, 5>(0, 0).into_owned();
+        assert!((root * root.transpose() - expected).amax() < 1e-12);
+        let unknown = BaseSigma::of_covariance(&Matrix5::from_diagonal_element(f64::INFINITY)).with_error_along(along);
+        assert_eq!(unknown.position_m.x, f64::INFINITY);
     }
 
     #[test]

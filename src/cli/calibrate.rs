@@ -275,13 +275,13 @@ fn say(found: &UnclickedCamera, messages: Messages) {
     ));
     messages.note(&format!(
         "{} frames; {:.0} % of the paint explained, {:.0} % of the lines seen ({} by name), next best answer {:.0} % of this \
-         one, paint {:.2} px off its lines, halves of the frames {:.2} m apart",
+         one, paint {:.2} px off its lines, parts of the frames {:.2} m apart",
         evidence.frames,
         100.0 * evidence.explained,
         100.0 * evidence.visible,
         evidence.lines.len(),
         100.0 * evidence.rival / evidence.score(),
         evidence.residual_px,
-        evidence.halves_m,
+        evidence.parts_m,
     ));
 }

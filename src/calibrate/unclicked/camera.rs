@@ -42,6 +42,10 @@ const FEWEST_CLICKS: usize = 2;
 /// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
 const CONTRADICTING_PX: f64 = 25.0;
 
+/// A length of the field that is less certain than this is not shown by the frames, m: where they show it, .04 to .13 m is stated
+/// before the floor.
+const OPEN_M: f64 = 0.5;
+
 /// Pictures that are held in memory together.
 const AT_ONCE: usize = 8;
 
@@ -163,11 +167,11 @@ impl Search<'_> {
             }
         };
         // Two that are left to a person to choose from have to be as good as one that refutes another.
-        let is_few = |found| few_snapped(found, OVER_REFUTED);
-        let mut few: Vec<Doubt> = [&best, &other].into_iter().filter_map(is_few).collect();
-        if is_doubted || !few.is_empty() {
-            few.insert(0, Doubt::Rival);
-            return Err(uncertain(few, best));
+        let doubt = |found| few_snapped(found, OVER_REFUTED).or_else(|| open_size(found));
+        let mut doubts: Vec<Doubt> = [&best, &other].into_iter().filter_map(doubt).collect();
+        if is_doubted || !doubts.is_empty() {
+            doubts.insert(0, Doubt::Rival);
+            return Err(uncertain(doubts, best));
         }
         let deciding = deciding_landmark(&self.document, &best, &other);
         Ok(UnclickedAnswer::Two { best: Box::new(best), other: Box::new(other), deciding })
@@ -213,7 +217,7 @@ impl Search<'_> {
             (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
         };
         let contradicted = || self.contradicted(&found);
-        match few_snapped(&found, least_snapped).or_else(missing).or_else(contradicted) {
+        match few_snapped(&found, least_snapped).or_else(missing).or_else(|| open_size(&found)).or_else(contradicted) {
             Some(doubt) => Err(uncertain(vec![doubt], found)),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
@@ -350,6 +354,13 @@ fn snapped_share(found: &UnclickedCamera) -> f64 {
 fn few_snapped(found: &UnclickedCamera, least: f64) -> Option<Doubt> {
     let (snapped, frames) = (found.snapped_count(), found.evidence.frames);
     (snapped_share(found) < least).then_some(Doubt::FewSnapped { snapped, frames })
+}
+
+/// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
+/// be metres off.
+fn open_size(found: &UnclickedCamera) -> Option<Doubt> {
+    let open = found.sizes.iter().find(|size| size.sigma_m > OPEN_M)?;
+    Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
 }
 
 /// Some frames' pictures with their places; those that cannot be read are left out.

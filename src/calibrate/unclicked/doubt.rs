@@ -36,15 +36,15 @@ pub enum Doubt {
         /// The median, px at 1920 px width.
         residual_px: f64,
     },
-    /// Two halves of the frames give two bases.
-    #[error("two halves of the frames disagree by {halves_m:.1} m")]
-    HalvesDisagree {
+    /// Parts of the frames give different bases.
+    #[error("parts of the frames disagree by {parts_m:.1} m")]
+    PartsDisagree {
         /// How far they lie apart, m.
-        halves_m: f64,
+        parts_m: f64,
     },
-    /// One half of the frames cannot be asked whether it agrees with the other.
-    #[error("{frames} frames are too few for one half to confirm the other: 6 that show lines are needed")]
-    NoHalves {
+    /// Some of the frames cannot be asked whether they agree with the others.
+    #[error("{frames} frames that show lines are too few to confirm each other: 3 are needed")]
+    Unconfirmed {
         /// Frames that took part.
         frames: usize,
     },
@@ -72,6 +72,20 @@ pub enum Doubt {
         snapped: usize,
         /// Frames that were asked.
         frames: usize,
+    },
+    /// The frames do not show how large the field is.
+    #[error(
+        "the frames do not show how {} the field is ({value_m:.1} ± {sigma_m:.1} m): state its {}, or add frames that show more of it",
+        if .name == "length_m" { "long" } else { "wide" },
+        .name.trim_end_matches("_m")
+    )]
+    SizeOpen {
+        /// Of the length, as documents have it.
+        name: String,
+        /// What the frames hardly decide, m.
+        value_m: f64,
+        /// Its 1-σ, m.
+        sigma_m: f64,
     },
     /// A click lies far from where the camera has its landmark.
     #[error("the click on {landmark} in {frame} lies {off_px:.0} px from where the painted lines put it")]

@@ -38,8 +38,9 @@ pub struct UnclickedEvidence {
     pub missing: Vec<String>,
     /// The median distance of paint from its line, px at 1920 px width.
     pub residual_px: f64,
-    /// How far the bases of the two halves of the frames lie apart, m; infinite where one has none.
-    pub halves_m: f64,
+    /// How far the bases of the two halves of the frames lie apart, m; of three frames twice the 1-σ that leaving one out at a time gives;
+    /// infinite where some have none.
+    pub parts_m: f64,
     /// Length and width of a field that would explain more, m, where the size is known and is not that.
     pub other_size_m: Option<[f64; 2]>,
 }
@@ -57,7 +58,7 @@ impl UnclickedEvidence {
         const MIN_VISIBLE: f64 = 0.6;
         const MIN_LINES: usize = 5;
         const MAX_RESIDUAL_PX: f64 = 1.5;
-        const MAX_HALVES_M: f64 = 2.0;
+        const MAX_PARTS_M: f64 = 2.0;
         const MAX_ROLL_DEG: f64 = 1.5;
         let roll_deg = joint.base.angles().roll.degrees();
         let mut doubts = Vec::new();
@@ -71,11 +72,11 @@ impl UnclickedEvidence {
         ask(self.lines.len() < MIN_LINES, Doubt::FewLines { lines: self.lines.len() });
         ask(!self.missing.is_empty(), Doubt::LinesMissing { lines: self.missing.clone() });
         ask(self.residual_px > MAX_RESIDUAL_PX, Doubt::OffLines { residual_px: self.residual_px });
-        let halves_m = self.halves_m;
-        if halves_m.is_finite() {
-            ask(halves_m > MAX_HALVES_M, Doubt::HalvesDisagree { halves_m });
+        let parts_m = self.parts_m;
+        if parts_m.is_finite() {
+            ask(parts_m > MAX_PARTS_M, Doubt::PartsDisagree { parts_m });
         } else {
-            ask(true, Doubt::NoHalves { frames: self.frames });
+            ask(true, Doubt::Unconfirmed { frames: self.frames });
         }
         ask(roll_deg.abs() > MAX_ROLL_DEG, Doubt::Leans { roll_deg });
         if let Some([length_m, width_m]) = self.other_size_m {
@@ -109,7 +110,7 @@ pub(super) fn of(joint: &Joint, paint: &[FramePaint], strokes: &[Strokes]) -> Un
         lines: lines.into_iter().map(name).collect(),
         missing: missing(field, &of_lines),
         residual_px: joint.residual_px(),
-        halves_m: joint.halves_m,
+        parts_m: joint.parts_m,
         other_size_m: None,
     }
 }

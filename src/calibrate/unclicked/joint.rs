@@ -3,7 +3,7 @@
 use super::pitch_map::{OnLine, PitchMap};
 use super::pose::share_of_angles;
 use super::venue::Venue;
-use crate::calibrate::base_on_paint::ALONE_SIGMA_M;
+use crate::calibrate::base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec3, median};
@@ -35,7 +35,7 @@ const OF_LINE: usize = 20;
 const MIN_PLACES: usize = 25;
 
 /// Fewer frames do not determine a base.
-const MIN_FRAMES: usize = 3;
+const MIN_FRAMES: usize = 2;
 
 /// Paint hardly counts beyond so many sigmas where frames are held by it, nor a frame's paint that its neighbours contradict so
 /// much.
@@ -53,8 +53,8 @@ pub(super) struct Joint {
     pub sizes: Vec<FittedSize>,
     /// Of each frame that shows enough paint.
     pub ptz: Vec<Option<Ptz>>,
-    /// How far the bases of the two halves of the frames lie apart, m; infinite where one has none.
-    pub halves_m: f64,
+    /// How far the bases of parts of the frames lie apart, m; infinite where one has none.
+    pub parts_m: f64,
     /// Which paint was taken for which line.
     taken: Vec<FrameClicks>,
     scale: f64,
@@ -168,24 +168,39 @@ pub(super) fn joint(
         (field, sizes) = fitted;
         map = PitchMap::of(&field);
     }
-    let half = |which: usize| {
-        let of_half = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| frame % 2 == which);
-        let ptz: Vec<Option<Ptz>> = ptz.iter().enumerate().map(of_half).collect();
+    let parts = apart(base.position_m, &ptz, |ptz| {
         let (model, options) = (model(CrownModel::Fixed(field.crown_m)), options(Loss::Cauchy { c: 1.5 }));
-        adjusted(&CameraClicks::centred(&field, &taken, size), &base, &ptz, &model, &options)
-            .map(|half| half.base.position_m)
+        let part = adjusted(&CameraClicks::centred(&field, &taken, size), &base, ptz, &model, &options)?;
+        Some(part.base.position_m)
+    });
+    if let Some(apart_m) = parts {
+        base.sigma.position_m = base.sigma.position_m.sup(&(0.5 * apart_m)).map(|sigma_m| sigma_m.max(ALONE_SIGMA_M));
+    }
+    base.sigma = FittedSize::base_sigma(base.sigma, &sizes);
+    as_paint_alone_gives(&mut sizes);
+    let parts_m = parts.map_or(f64::INFINITY, |apart_m| apart_m.norm());
+    Some(Joint { base, field, sizes, ptz, parts_m, taken, scale })
+}
+
+/// How far the positions lie apart that halves of the frames give, along each axis, m; of frames too few for that twice the 1-σ that
+/// leaving one out at a time gives (jackknife: Efron, 1982). What is known from all frames scatters half as much. None where a part gives
+/// no position.
+fn apart(whole_m: Vec3, ptz: &[Option<Ptz>], position_m: impl Fn(&[Option<Ptz>]) -> Option<Vec3>) -> Option<Vec3> {
+    let without = |is_left_out: &dyn Fn(usize) -> bool| {
+        let of_rest = |(frame, ptz): (usize, &Option<Ptz>)| ptz.filter(|_| !is_left_out(frame));
+        position_m(&ptz.iter().enumerate().map(of_rest).collect::<Vec<_>>())
     };
-    let between = half(0).zip(half(1)).map(|(one, other)| one - other);
-    if let Some(between) = between {
-        // What is known from all frames scatters half as much as the difference of the halves.
-        base.sigma.position_m =
-            Vec3::from_fn(|axis, _| base.sigma.position_m[axis].max(0.5 * between[axis].abs()).max(ALONE_SIGMA_M));
+    let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
+    if let Some((one, other)) = one.zip(other) {
+        return Some((one - other).abs());
     }
-    for size in &mut sizes {
-        size.sigma_m = size.sigma_m.max(ALONE_SIGMA_M);
-    }
-    let halves_m = between.map_or(f64::INFINITY, |between| between.norm());
-    Some(Joint { base, field, sizes, ptz, halves_m, taken, scale })
+    let part: Vec<usize> = (0..ptz.len()).filter(|frame| ptz[*frame].is_some()).collect();
+    let squares = part.iter().try_fold(Vec3::zeros(), |sum, left_out| {
+        let off_m = without(&|frame| frame == *left_out)? - whole_m;
+        Some(sum + off_m.component_mul(&off_m))
+    });
+    let share = 1.0 - (part.len().max(1) as f64).recip();
+    Some(2.0 * (squares? * share).map(f64::sqrt))
 }
 
 /// The same paint on the lines of a field of another crown or size.
@@ -251,4 +266,30 @@ fn near_lines(
         places.into_iter().step_by(every)
     };
     of_line.into_iter().flat_map(spread).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Frames that each say where the camera stands along x, m; of some the mean, of fewer than `least` nothing.
+    fn apart_of(says_m: &[Option<f64>], least: usize) -> Option<Vec3> {
+        let ptz = |at: &Option<f64>| at.map(|at| Ptz::from_degrees(0.0, 0.0, at));
+        let mean = |ptz: &[Option<Ptz>]| {
+            let says: Vec<f64> = ptz.iter().flatten().map(|ptz| ptz.focal_px).collect();
+            (says.len() >= least).then(|| Vec3::x() * (says.iter().sum::<f64>() / says.len() as f64))
+        };
+        let ptz: Vec<Option<Ptz>> = says_m.iter().map(ptz).collect();
+        apart(mean(&ptz)?, &ptz, mean)
+    }
+
+    #[test]
+    fn parts_of_the_frames_say_how_sure_all_of_them_are() {
+        let halves = apart_of(&[Some(10.0), Some(10.4), Some(10.2), Some(10.6)], 2).unwrap();
+        assert!((halves.x - 0.4).abs() < 1e-9 && halves.y == 0.0, "{halves}");
+        // Of three frames one at a time is left out: the mean of .1, .2 and .6 is sure to .1528, their standard error.
+        let three = apart_of(&[Some(10.1), Some(10.2), None, Some(10.6)], 2).unwrap();
+        assert!((three.x - 2.0 * (0.07_f64 / 3.0).sqrt()).abs() < 1e-9, "{three}");
+        assert_eq!(apart_of(&[Some(10.0), None, Some(10.2)], 2), None, "none confirms the other");
+    }
 }

@@ -1,7 +1,7 @@
 //! The clip that a simulated annotator labels: drawn under the worst conditions of live television, its truth exact.
 
 use crate::camera::{CameraBase, PtzCamera};
-use crate::document::{Camera, CameraId, Click, Document, FieldSpec, Frame, Target};
+use crate::document::{Camera, CameraId, Click, Document, FieldSize, FieldSpec, Frame, Target};
 use crate::experiments::sets::{MOTION_FILE, RealMotion};
 use crate::experiments::{ExperimentError, ExperimentOptions};
 use crate::field::FieldModel;
@@ -25,7 +25,7 @@ pub const CLICK_SIGMA_PX: f64 = 2.0;
 pub struct DrawnClip {
     /// Where the motion comes from, in words.
     pub motion: &'static str,
-    /// The document without a camera on any frame; the base is known, no mask covers the score.
+    /// The document without a camera on any frame; base and size of the field are known, no mask covers the score.
     pub document: Document,
     /// What the pictures show.
     pub field: FieldModel,
@@ -56,6 +56,7 @@ impl DrawnClip {
             let [length_m, width_m] = RealMotion::FIELD_M;
             spec.params = BTreeMap::from([("length_m".to_owned(), length_m), ("width_m".to_owned(), width_m)]);
         }
+        spec.size = Some(FieldSize::Confirmed);
         let field = spec.model(Path::new(""))?;
         let seed = options.seed.wrapping_add(61);
         let daylight = shoot.daylight;

@@ -14,7 +14,7 @@ use crate::score::{SigmaCoverage, quantile, squared_sigmas};
 use clip::{CLICK_SIGMA_PX, DrawnClip, corners_apart_px, frame_count};
 use std::path::Path;
 use std::time::Instant;
-use ways::{Labelled, carried, forest, no_click, two_clicks};
+use ways::{Labelled, Outcome, carried, forest, no_click, two_clicks};
 
 /// A camera whose picture is off by more at a corner is wrong, px at 1920 px width.
 const WRONG_PX: f64 = 10.0;
@@ -22,8 +22,8 @@ const WRONG_PX: f64 = 10.0;
 /// Wrong cameras that state at least this confidence are certain and wrong.
 const CERTAIN: f64 = 0.95;
 
-/// A way of labelling by its name; nothing comes of it where the program does not dare to answer.
-type Way<'a> = (&'a str, &'a dyn Fn() -> Result<Option<Labelled>, ExperimentError>);
+/// A way of labelling by its name.
+type Way<'a> = (&'a str, &'a dyn Fn() -> Result<Outcome, ExperimentError>);
 
 /// Labels a drawn clip in several ways; `motion` is the folder with the published motion of a real camera.
 ///
@@ -39,7 +39,7 @@ pub fn run(
     report.text(&format!(
         "{} frames of 1280 × 720 px, 25 a second, along {}, drawn with the preset `hard`, with a score bug that no mask covers. A simulated \
          annotator clicks landmarks with an error of {CLICK_SIGMA_PX} px (1-σ, each axis) and looks at a frame again where the program states \
-         that its overlay may be off by more than 3 px at a corner. Everywhere but in the last row the camera's base is known. \
+         that its overlay may be off by more than 3 px at a corner. The field's size is known, and everywhere but in the last row the camera's base. \
          Errors are distances at the four corners of the picture; wrong is a frame with a corner off by more than {WRONG_PX} px at 1920 px width.",
         clip.truth.len(),
         clip.motion,
@@ -67,26 +67,35 @@ pub fn run(
     ]);
     let mut times = Table::new(&[("way", "way of labelling"), ("seconds", "s")]);
     let ways: [Way<'_>; 5] = [
-        ("two clicks on every frame", &|| Ok(Some(two_clicks(&clip)))),
-        ("forest", &|| forest(&clip, false).map(Some)),
-        ("forest, snapped to the paint", &|| forest(&clip, true).map(Some)),
-        ("carried through the clip", &|| carried(&clip, Labelled::nothing(&clip)).map(Some)),
+        ("two clicks on every frame", &|| Ok(Ok(two_clicks(&clip)))),
+        ("forest", &|| forest(&clip, false).map(Ok)),
+        ("forest, snapped to the paint", &|| forest(&clip, true).map(Ok)),
+        ("carried through the clip", &|| carried(&clip, Labelled::nothing(&clip)).map(Ok)),
         ("no click: base found, then carried", &|| no_click(&clip)),
     ];
+    let mut refusals = Vec::new();
     for (name, way) in ways {
         let begun = Instant::now();
         let labelled = way()?;
         times.push(vec![name.into(), Cell::Number(begun.elapsed().as_secs_f64())]);
-        let nothing = || vec![name.into(), Cell::Number(0.0), Cell::Count(0), Cell::Count(0)];
-        let mut row = labelled.map_or_else(nothing, |labelled| {
-            let answers = answers(&clip, &labelled);
-            add_frames(&mut frames, name, &answers);
-            row(name, &clip, &labelled, &answers)
-        });
+        let mut row = match labelled {
+            Ok(labelled) => {
+                let answers = answers(&clip, &labelled);
+                add_frames(&mut frames, name, &answers);
+                row(name, &clip, &labelled, &answers)
+            }
+            Err(why) => {
+                refusals.push(format!("No answer for \"{name}\": {why}."));
+                vec![name.into(), Cell::Number(0.0), Cell::Count(0), Cell::Count(0)]
+            }
+        };
         row.resize(table.columns.len(), Cell::Empty);
         table.push(row);
     }
     report.table("ways", "One clip, labelled in five ways.", table);
+    for refusal in refusals {
+        report.text(&refusal);
+    }
     report.data("frames", "Every frame with a camera, by way of labelling.", frames);
     report.time_table("times", "How long the program worked.", times);
     Ok(report)

@@ -26,6 +26,9 @@ pub struct Labelled {
     pub clicks: usize,
 }
 
+/// What comes of a way of labelling: the clip labelled, or in words why the program does not dare to answer.
+pub type Outcome = Result<Labelled, String>;
+
 /// A person looks at a frame again where its overlay may be off by more, 1-σ at the worst corner, px.
 const DOUBTFUL_PX: f64 = 3.0;
 
@@ -133,11 +136,11 @@ pub fn carried(clip: &DrawnClip, mut labelled: Labelled) -> Result<Labelled, Exp
     }
 }
 
-/// No click at all: the camera's place as well is found from the pictures. None where the program does not dare to say.
+/// No click at all: the camera's place as well is found from the pictures.
 ///
 /// # Errors
 /// A picture cannot be read.
-pub fn no_click(clip: &DrawnClip) -> Result<Option<Labelled>, ExperimentError> {
+pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     let mut labelled = Labelled::nothing(clip);
     let camera = labelled.document.cameras[0].id.clone();
     let unknown = Camera::new(camera.clone(), labelled.document.cameras[0].image_size);
@@ -151,9 +154,10 @@ pub fn no_click(clip: &DrawnClip) -> Result<Option<Labelled>, ExperimentError> {
     match answer.map_err(|error| wrong(clip, &error))? {
         UnclickedAnswer::Found(found) => {
             record_found(&mut labelled.document, &camera, &found);
-            carried(clip, labelled).map(Some)
+            carried(clip, labelled).map(Ok)
         }
-        _ => Ok(None),
+        UnclickedAnswer::Abstained(why) => Ok(Err(why.to_string())),
+        UnclickedAnswer::Two { .. } => Ok(Err("two positions of the camera explain the paint".to_owned())),
     }
 }
 

@@ -12,7 +12,7 @@ use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
 use super::scatter::USUAL_DISPLACEMENT;
 use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
-use crate::camera::{CameraBase, Ptz};
+use crate::camera::{BaseSigma, CameraBase, Ptz};
 use crate::field::{Crown, FieldElement, FieldModel};
 use crate::geometry::Vec3;
 use crate::solve::{Observation, ObservedShape};
@@ -43,6 +43,17 @@ pub struct FittedSize {
     pub value_m: f64,
     /// Its 1-σ, m: of clicks that scatter, and of landmarks that lie off their places.
     pub sigma_m: f64,
+    /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a field is seen and not the other,
+    /// its middle, the origin of `world`, is known half as well as its length, and so is everything that is told from there.
+    pub position_sigma_m: Vec3,
+}
+
+impl FittedSize {
+    /// The σ of a base that was found on a field of these sizes, and only on that: with what the sizes leave open.
+    #[must_use]
+    pub fn base_sigma(of_base: BaseSigma, sizes: &[Self]) -> BaseSigma {
+        sizes.iter().fold(of_base, |sigma, size| sigma.with_error_along(size.position_sigma_m))
+    }
 }
 
 /// Where the fit starts: a base and its frames on the field as assumed.
@@ -106,13 +117,21 @@ pub fn fit_field_size(
             let noise_scale = bundle.noise_scale(&found.state);
             let (information, _) = found.equations.reduced(0.0)?;
             let covariance = information.try_inverse()?;
-            let variances = (0..values.len()).map(|size| covariance[(SIZE + size, SIZE + size)] * noise_scale);
-            return fit.fitted(&values, variances);
+            let of = |size: usize| {
+                let variance = covariance[(SIZE + size, SIZE + size)];
+                // The position that is most likely at another value of the length, m per m.
+                let position_by_size = Vec3::from_fn(|axis, _| covariance[(axis, SIZE + size)] / variance);
+                (variance * noise_scale, position_by_size)
+            };
+            return fit.fitted(&values, (0..values.len()).map(of));
         }
         state = found.state;
     }
     None
 }
+
+/// The variance of a length, m², and how the camera's position goes with it, m per m.
+type Known = (f64, Vec3);
 
 /// What does not change from one fit to the next.
 struct SizeFit<'a> {
@@ -175,19 +194,23 @@ impl SizeFit<'_> {
         Some((bundle, shared))
     }
 
-    /// The sizes with their sigmas: the variances of clicks that scatter, and of landmarks that lie off their places.
-    fn fitted(&self, values: &[f64], variances: impl Iterator<Item = f64>) -> Option<Vec<FittedSize>> {
+    /// The sizes with their sigmas: the variances of clicks that scatter, each with how the position goes with the length, and of
+    /// landmarks that lie off their places.
+    fn fitted(&self, values: &[f64], variances: impl Iterator<Item = Known>) -> Option<Vec<FittedSize>> {
         let displaced = self.displaced(values)?;
-        let of = |(((param, value), variance), displaced): (((&SizeParam, &f64), f64), f64)| {
-            let variance = variance + displaced;
+        let known = variances.zip(displaced);
+        let of = |((param, value), ((variance, position_by_size), displaced)): ((&SizeParam, &f64), (Known, f64))| {
+            // What is seen leaves a length no less certain than it was before.
+            let sigma_m = (variance + displaced).sqrt().min(param.sigma_m);
             (variance.is_finite() && variance > 0.0).then(|| FittedSize {
                 name: param.name.clone(),
                 assumed_m: param.assumed_m,
                 value_m: *value,
-                sigma_m: variance.sqrt(),
+                sigma_m,
+                position_sigma_m: position_by_size * sigma_m,
             })
         };
-        self.params.iter().zip(values).zip(variances).zip(displaced).map(of).collect()
+        self.params.iter().zip(values).zip(known).map(of).collect()
     }
 
     /// The variance of each length, m², because the landmarks and lines that move with it lie off their places.
@@ -216,4 +239,81 @@ fn nominal_m(field: &FieldModel, element: FieldElement) -> Option<Vec3> {
         FieldElement::Line(index) => field.lines.get(index)?.curve.point_at(0.5),
         FieldElement::Paint(index) => field.lines.get(index)?.paint_centre.point_at(0.5),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, PtzCamera};
+    use crate::field::builtin;
+    use crate::geometry::ImageSize;
+    use crate::solve::base::{CrownModel, LensModel};
+
+    const SIZE: ImageSize = ImageSize::new(1280, 720);
+
+    /// The sizes that the landmarks seen at some pans say, where the field is assumed as it is.
+    fn sizes(pans_deg: &[f64]) -> Vec<FittedSize> {
+        let template = builtin("soccer").unwrap();
+        let field = template.default_model().unwrap();
+        let base =
+            CameraBase::new(Vec3::new(-8.0, -64.0, 17.0), BaseAngles::default().base_from_world(), SIZE.centre());
+        let ptz: Vec<Option<Ptz>> = pans_deg.iter().map(|pan| Some(Ptz::from_degrees(*pan, -12.0, 2800.0))).collect();
+        let seen = |ptz: &Option<Ptz>| {
+            let camera = PtzCamera::new(base, ptz.unwrap());
+            let of = |(number, landmark): (usize, &crate::field::Landmark)| {
+                let image = camera.image_from_world(field.landmark_in_world(landmark)).ok()?;
+                let seen = SIZE.contains(image) && landmark.nominal_m.z == 0.0;
+                seen.then(|| Observation::of_landmark(&field, landmark.id.as_str(), image, SIZE, number).unwrap())
+            };
+            FrameClicks { observations: field.landmarks.iter().enumerate().filter_map(of).collect(), start: None }
+        };
+        let frames: Vec<FrameClicks> = ptz.iter().map(seen).collect();
+        let params: Vec<SizeParam> = [("length_m", 105.0, 2.5, 90.0, 120.0), ("width_m", 68.0, 3.75, 45.0, 90.0)]
+            .map(|(name, assumed_m, sigma_m, min_m, max_m)| SizeParam {
+                name: name.to_owned(),
+                assumed_m,
+                sigma_m,
+                min_m,
+                max_m,
+            })
+            .into();
+        let sized = |values: &[f64]| {
+            let lengths = params.iter().zip(values).map(|(param, value)| (param.name.clone(), *value));
+            template.model(&lengths.collect(), 0.0).ok()
+        };
+        let model = BaseModel { lens: LensModel::Pinhole, crown: CrownModel::Fixed(0.0), principal_point: None };
+        let start = SizeStart {
+            field: &field,
+            frames: &frames,
+            base: &base,
+            ptz: &ptz,
+            model: &model,
+            image_width_px: SIZE.width,
+            options: &AdjustOptions::default(),
+        };
+        fit_field_size(&sized, &params, &start).unwrap()
+    }
+
+    #[test]
+    fn with_one_end_alone_the_position_is_known_half_as_well_as_the_length() {
+        let one_end = sizes(&[42.0, 46.0, 50.0]);
+        assert!(one_end[0].sigma_m > 2.4, "{one_end:?}");
+        let along = one_end[0].position_sigma_m;
+        assert!((along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02, "{along}");
+        let sigma = FittedSize::base_sigma(BaseSigma::default(), &one_end);
+        assert!(sigma.position_m.x > 1.2 && sigma.position_m.z < 0.2, "{sigma:?}");
+    }
+
+    #[test]
+    fn with_the_centre_alone_the_length_is_open_and_the_position_is_not() {
+        let centre = sizes(&[4.0, 7.0, 10.0]);
+        // Nothing is seen that moves with the length: it stays as well known as it was assumed to be.
+        assert!((centre[0].sigma_m - 2.5).abs() < 0.1 && centre[0].position_sigma_m.norm() < 0.1, "{centre:?}");
+    }
+
+    #[test]
+    fn with_both_ends_the_length_adds_little_to_the_position() {
+        let both = sizes(&[-42.0, -25.0, -8.0, 8.0, 25.0, 42.0]);
+        assert!(both[0].sigma_m < 0.3 && both[0].position_sigma_m.norm() < 0.15, "{both:?}");
+    }
 }

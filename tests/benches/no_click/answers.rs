@@ -195,12 +195,12 @@ fn over(frames: &[(usize, f64)], found: &UnclickedCamera) -> String {
 fn speaks(found: &UnclickedCamera) -> String {
     let evidence = &found.evidence;
     format!(
-        "explained {:.2}, visible {:.2}, rival {:.2}, {} lines, {:.2} px, halves {:.2} m",
+        "explained {:.2}, visible {:.2}, rival {:.2}, {} lines, {:.2} px, parts {:.2} m",
         evidence.explained,
         evidence.visible,
         evidence.rival / evidence.score(),
         evidence.lines.len(),
         evidence.residual_px,
-        evidence.halves_m
+        evidence.parts_m
     )
 }

@@ -27,7 +27,7 @@ pub struct Input {
 type Draw = fn(&Path) -> Input;
 
 /// The inputs by name.
-pub const INPUTS: [(&str, Draw); 12] = [
+pub const INPUTS: [(&str, Draw); 14] = [
     ("an American football field", |folder| other_sport(folder, "american_football_nfl")),
     ("a handball court", |folder| other_sport(folder, "handball")),
     ("a crowd without a pitch", crowd),
@@ -39,7 +39,9 @@ pub const INPUTS: [(&str, Draw); 12] = [
     ("100 × 64 m, said to be 105 × 68", |folder| pinned(folder, [100.0, 64.0], [105.0, 68.0])),
     ("100 × 64 m, said to be 110 × 75", |folder| pinned(folder, [100.0, 64.0], [110.0, 75.0])),
     ("105 × 68 m, said to be 103 × 68", |folder| pinned(folder, [105.0, 68.0], [103.0, 68.0])),
-    ("frames of one end only", one_end),
+    ("frames of one end only", |folder| one_end(folder, [105.0, 68.0])),
+    ("frames of one end only, 107.5 × 68 m", |folder| one_end(folder, [107.5, 68.0])),
+    ("frames of one end only, 101 × 66 m", |folder| one_end(folder, [101.0, 66.0])),
 ];
 
 pub fn refused(pictures: &Path, numbers: Range<usize>) -> Tally {
@@ -186,8 +188,8 @@ fn pinned(folder: &Path, [length_m, width_m]: [f64; 2], said: [f64; 2]) -> Input
 }
 
 /// The camera stays on one penalty area.
-fn one_end(folder: &Path) -> Input {
-    let field = soccer(105.0, 68.0, 0.1);
+fn one_end(folder: &Path, [length_m, width_m]: [f64; 2]) -> Input {
+    let field = soccer(length_m, width_m, 0.1);
     let scene = scene(&field);
     let base = base(PRESET, MAIN);
     let look = |(index, shot): (usize, Shot)| {
