@@ -20,6 +20,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_in_every_container;
     [Ffmpeg] a_number_means_one_picture_however_the_file_was_made;
     [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
+    [Ffmpeg] a_video_is_examined_again_only_where_its_file_has_changed;
     [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
     [Ffmpeg] a_video_on_its_side_is_turned_upright;
     [Ffmpeg] pixels_that_are_not_square_are_said;
@@ -162,6 +163,32 @@ fn uneven_frames_are_numbered_as_they_decode() {
             assert!((at(89) - 3.56).abs() < 1e-3 && (at(90) - 3.80).abs() < 1e-3, "{} {}", at(89), at(90));
         }
     }
+}
+
+fn a_video_is_examined_again_only_where_its_file_has_changed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gap.mp4");
+    let gap = "-vf select='not(between(n,40,44))' -vsync vfr -c:v libx264 -g 50";
+    ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mp4"));
+    // Every frame of an uneven video is visited, and that is told.
+    let mut told = 0;
+    let mut open = |told: &mut usize| {
+        let watch = &mut |_| {
+            *told += 1;
+            ControlFlow::Continue(())
+        };
+        Video::open_watched(&path, watch).unwrap()
+    };
+    let info = open(&mut told).info().clone();
+    assert!(told > 0 && info.decoded_frames == 145, "{told} {info:?}");
+    told = 0;
+    let mut again = open(&mut told);
+    assert_eq!((told, again.info()), (0, &info));
+    assert_eq!(frame(&mut again, 100), played(&path)[100]);
+    // Whoever ends it leaves nothing half known.
+    ffmpeg(folder.path(), &format!("{CARD} {gap} -frames:v 120 gap.mp4"));
+    assert!(matches!(Video::open_watched(&path, &mut |_| ControlFlow::Break(())), Err(MediaError::Stopped { .. })));
+    assert_eq!(open(&mut told).info().decoded_frames, 120);
 }
 
 fn a_video_cut_off_ends_where_it_is_cut() {

@@ -14,6 +14,8 @@ mod comb;
 #[cfg(feature = "opencv")]
 mod decode;
 #[cfg(feature = "opencv")]
+mod known;
+#[cfg(feature = "opencv")]
 mod player;
 #[cfg(feature = "opencv")]
 mod survey;
