@@ -172,7 +172,7 @@ fn a_video_is_examined_again_only_where_its_file_has_changed() {
     ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mp4"));
     // Every frame of an uneven video is visited, and that is told.
     let mut told = 0;
-    let mut open = |told: &mut usize| {
+    let open = |told: &mut usize| {
         let watch = &mut |_| {
             *told += 1;
             ControlFlow::Continue(())
