@@ -16,11 +16,14 @@ fn main() {
     divan::main();
 }
 
-/// A 1080p H.264 video with a key frame every 125 frames: a broadcast match scaled up where there is one
-/// (`TOUCHLINE_DATA` or `../shared/data`), else a test card.
+/// The video that `TOUCHLINE_VIDEO` names; else a 1080p H.264 video with a key frame every 125 frames: a broadcast match scaled up
+/// where there is one (`TOUCHLINE_DATA` or `../shared/data`), else a test card.
 fn video() -> &'static Path {
     static VIDEO: OnceLock<(TempDir, PathBuf)> = OnceLock::new();
     let (_, path) = VIDEO.get_or_init(|| {
+        if let Some(given) = std::env::var_os("TOUCHLINE_VIDEO") {
+            return (tempfile::tempdir().unwrap(), std::path::absolute(given).unwrap());
+        }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("1080p.mp4");
         let data = std::env::var_os("TOUCHLINE_DATA")
@@ -126,9 +129,10 @@ fn play_backward_a_frame(bencher: Bencher) {
 #[divan::bench(sample_count = 30, sample_size = 1)]
 fn jump_without_prefetching(bencher: Bencher) {
     let mut video = Video::open(video()).unwrap();
+    let frames = video.info().decoded_frames;
     let mut index = 0;
     bencher.bench_local(|| {
-        index = (index + 157) % 400;
+        index = (index + frames * 157 / 400) % frames;
         video.frame(index).unwrap()
     });
 }
@@ -143,9 +147,23 @@ fn next_frame_without_prefetching(bencher: Bencher) {
     });
 }
 
+/// A file by a name that nobody has asked for yet.
 #[divan::bench(sample_count = 10, sample_size = 1)]
-fn open_a_video() -> Video {
-    Video::open(video()).unwrap()
+fn open_a_video_for_the_first_time(bencher: Bencher) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut names = 0..;
+    let anew = || {
+        let path = folder.path().join(format!("{}.mp4", names.next().unwrap()));
+        std::os::unix::fs::symlink(video(), &path).unwrap();
+        path
+    };
+    bencher.with_inputs(anew).bench_local_values(|path| Video::open(&path).unwrap());
+}
+
+#[divan::bench(sample_count = 10, sample_size = 1)]
+fn open_a_video_again(bencher: Bencher) {
+    let known = Video::open(video()).unwrap();
+    bencher.bench_local(|| Video::open(&known.info().path).unwrap());
 }
 
 #[divan::bench(sample_count = 30, sample_size = 1)]

@@ -70,7 +70,7 @@ pub fn run(
         ("two clicks on every frame", &|| Ok(Ok(two_clicks(&clip)))),
         ("forest", &|| forest(&clip, false).map(Ok)),
         ("forest, snapped to the paint", &|| forest(&clip, true).map(Ok)),
-        ("carried through the clip", &|| carried(&clip, Labelled::nothing(&clip)).map(Ok)),
+        ("carried through the clip", &|| carried(&clip).map(Ok)),
         ("no click: base found, then carried", &|| no_click(&clip)),
     ];
     let mut refusals = Vec::new();

@@ -115,20 +115,12 @@ pub fn two_clicks(clip: &DrawnClip) -> Labelled {
 ///
 /// # Errors
 /// A picture cannot be read.
-pub fn carried(clip: &DrawnClip, mut labelled: Labelled) -> Result<Labelled, ExperimentError> {
-    if labelled.document.frames.iter().all(|frame| frame.ptz.is_none()) {
-        labelled.click_near(clip, clip.truth.len() / 2, 4);
-    }
-    let (mut reader, mut evidence) = (FrameReader::new(), ClipEvidence::default());
-    let options = TrackClipOptions::default();
+pub fn carried(clip: &DrawnClip) -> Result<Labelled, ExperimentError> {
+    let mut labelled = Labelled::nothing(clip);
+    labelled.click_near(clip, clip.truth.len() / 2, 4);
+    let mut evidence = ClipEvidence::default();
     loop {
-        let at = labelled.document.at(clip.folder());
-        let Some(frames) = clips(at, None).into_iter().next() else { return Ok(labelled) };
-        let tracked = track_clip(at, &frames, &clip.field, &mut reader, &options, &mut evidence, &mut |_| {
-            ControlFlow::Continue(())
-        });
-        let tracked = tracked.map_err(|error| wrong(clip, &error))?;
-        record_tracked(&mut labelled.document, &tracked);
+        carry(clip, &mut labelled, &mut evidence)?;
         let Some(worst) = labelled.most_doubtful(0..clip.truth.len()) else { return Ok(labelled) };
         if labelled.is_over() || !labelled.click_near(clip, worst, 4) {
             return Ok(labelled);
@@ -136,7 +128,19 @@ pub fn carried(clip: &DrawnClip, mut labelled: Labelled) -> Result<Labelled, Exp
     }
 }
 
-/// No click at all: the camera's place as well is found from the pictures.
+/// Carries the cameras that are known through the clip.
+fn carry(clip: &DrawnClip, labelled: &mut Labelled, evidence: &mut ClipEvidence) -> Result<(), ExperimentError> {
+    let (mut reader, options) = (FrameReader::new(), TrackClipOptions::default());
+    let at = labelled.document.at(clip.folder());
+    let Some(frames) = clips(at, None).into_iter().next() else { return Ok(()) };
+    let tracked =
+        track_clip(at, &frames, &clip.field, &mut reader, &options, evidence, &mut |_| ControlFlow::Continue(()));
+    let tracked = tracked.map_err(|error| wrong(clip, &error))?;
+    record_tracked(&mut labelled.document, &tracked);
+    Ok(())
+}
+
+/// No click at all: the camera's place as well is found from the pictures. Nobody looks at a frame that is in doubt.
 ///
 /// # Errors
 /// A picture cannot be read.
@@ -154,7 +158,8 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
     match answer.map_err(|error| wrong(clip, &error))? {
         UnclickedAnswer::Found(found) => {
             record_found(&mut labelled.document, &camera, &found);
-            carried(clip, labelled).map(Ok)
+            carry(clip, &mut labelled, &mut ClipEvidence::default())?;
+            Ok(Ok(labelled))
         }
         UnclickedAnswer::Abstained(why) => Ok(Err(why.to_string())),
         UnclickedAnswer::Two { .. } => Ok(Err("two positions of the camera explain the paint".to_owned())),
