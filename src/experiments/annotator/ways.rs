@@ -2,7 +2,7 @@
 
 use super::clip::DrawnClip;
 use crate::calibrate::{
-    ClipEvidence, FrameLookup, TrackClipOptions, UnclickedAnswer, calibrate, camera_without_clicks, clips,
+    ClipEvidence, Doubt, FrameLookup, TrackClipOptions, UnclickedAnswer, calibrate, camera_without_clicks, clips,
     record_found, record_tracked, track_clip,
 };
 use crate::document::{Camera, Document, Frame, FrameStatus};
@@ -162,7 +162,7 @@ pub fn no_click(clip: &DrawnClip) -> Result<Outcome, ExperimentError> {
             Ok(Ok(labelled))
         }
         UnclickedAnswer::Abstained(why) => Ok(Err(why.to_string())),
-        UnclickedAnswer::Two { .. } => Ok(Err("two positions of the camera explain the paint".to_owned())),
+        UnclickedAnswer::Two { .. } => Ok(Err(Doubt::Rival.to_string())),
     }
 }
 
