@@ -21,6 +21,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_however_the_file_was_made;
     [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
     [Ffmpeg] a_video_is_examined_again_only_where_its_file_has_changed;
+    [Ffmpeg] the_times_of_an_uneven_mp4_are_read_from_its_table;
     [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
     [Ffmpeg] a_video_on_its_side_is_turned_upright;
     [Ffmpeg] pixels_that_are_not_square_are_said;
@@ -167,9 +168,9 @@ fn uneven_frames_are_numbered_as_they_decode() {
 
 fn a_video_is_examined_again_only_where_its_file_has_changed() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("gap.mp4");
+    let path = folder.path().join("gap.mkv");
     let gap = "-vf select='not(between(n,40,44))' -vsync vfr -c:v libx264 -g 50";
-    ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mp4"));
+    ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mkv"));
     // Every frame of an uneven video is visited, and that is told.
     let mut told = 0;
     let open = |told: &mut usize| {
@@ -186,9 +187,36 @@ fn a_video_is_examined_again_only_where_its_file_has_changed() {
     assert_eq!((told, again.info()), (0, &info));
     assert_eq!(frame(&mut again, 100), played(&path)[100]);
     // Whoever ends it leaves nothing half known.
-    ffmpeg(folder.path(), &format!("{CARD} {gap} -frames:v 120 gap.mp4"));
+    ffmpeg(folder.path(), &format!("{CARD} {gap} -frames:v 120 gap.mkv"));
     assert!(matches!(Video::open_watched(&path, &mut |_| ControlFlow::Break(())), Err(MediaError::Stopped { .. })));
     assert_eq!(open(&mut told).info().decoded_frames, 120);
+}
+
+fn the_times_of_an_uneven_mp4_are_read_from_its_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let gap = "-vf select='not(between(n,90,94))' -vsync vfr -c:v libx264 -g 50";
+    ffmpeg(folder.path(), &format!("{CARD} {gap} gap.mp4"));
+    ffmpeg(folder.path(), "-i gap.mp4 -c copy -movflags frag_keyframe+empty_moov fragmented.mp4");
+    ffmpeg(folder.path(), "-i gap.mp4 -c copy gap.mkv");
+    let visited = |name: &str| {
+        let mut told = 0;
+        let video = Video::open_watched(&folder.path().join(name), &mut |_| {
+            told += 1;
+            ControlFlow::Continue(())
+        });
+        (video.unwrap().info().clone(), told)
+    };
+    let (by_table, told) = visited("gap.mp4");
+    assert_eq!((by_table.decoded_frames, told), (145, 0));
+    let (played, told) = visited("gap.mkv");
+    assert!(told > 0, "every frame is visited");
+    // The decoder does not tell the times of the last frames.
+    for index in 0..140 {
+        let [by_table, played] = [&by_table, &played].map(|info| info.pts_s(index).unwrap());
+        assert!((by_table - played).abs() < 2e-3, "{index}: {by_table} {played}");
+    }
+    assert!(visited("fragmented.mp4").1 > 0, "a fragmented file has no table of all its samples");
+    assert_numbers_hold(&folder.path().join("gap.mp4"), 30);
 }
 
 fn a_video_cut_off_ends_where_it_is_cut() {

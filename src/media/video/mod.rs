@@ -18,6 +18,8 @@ mod known;
 #[cfg(feature = "opencv")]
 mod player;
 #[cfg(feature = "opencv")]
+mod sample_table;
+#[cfg(feature = "opencv")]
 mod survey;
 #[cfg(not(feature = "opencv"))]
 mod without;

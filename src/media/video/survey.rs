@@ -2,12 +2,13 @@
 //!
 //! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
 //! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
-//! because it states the average over all frames; of other files the packets are counted. Where neither holds, every
-//! frame is visited once.
+//! because it states the average over all frames; of other files the packets are counted. Where neither holds, an MP4's table
+//! of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
 
 use super::capture::Capture;
 use super::comb::is_combed;
 use super::player::Player;
+use super::sample_table::sample_times_s;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;
@@ -92,6 +93,9 @@ pub(super) fn survey(
         let is_sure = counted.is_some() && (states_its_average || count_packets(path, &mut counter)? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
+        } else if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
+            info.decoded_frames = times_s.len();
+            info.clock = FrameClock::Listed(times_s.into());
         } else {
             let (times_s, capture) = play_through(path, &mut counter)?;
             player = Player { capture, position: times_s.len().checked_sub(1), preroll };
@@ -203,6 +207,30 @@ fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, Me
         counter.at(count)?;
     }
     Ok(Some(count))
+}
+
+/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at further on are shown
+/// just then; none where the table does not say, or not what the frames do.
+fn tabled(
+    path: &Path,
+    container: Container,
+    lead: &Lead,
+    player: &mut Player,
+    info: &VideoInfo,
+) -> Result<Option<Vec<f64>>, MediaError> {
+    /// Frames that are looked at, spread over the video. The last ones do not come after a jump.
+    const LOOKED_AT: usize = 4;
+    let table = if container == Container::Mp4 { sample_times_s(path)? } else { None };
+    let Some(times_s) = table else { return Ok(None) };
+    let clock = FrameClock::Listed(times_s.clone().into());
+    let listed = VideoInfo { clock, decoded_frames: times_s.len(), ..info.clone() };
+    let agree = deviation_s(&listed.clock, &lead.times_s) <= EXACT_S
+        && times_s.len() > lead.times_s.len()
+        && (1..=LOOKED_AT).all(|place| {
+            let index = place * (times_s.len() - 1) / (LOOKED_AT + 1);
+            player.go_to(&listed, index).is_ok()
+        });
+    Ok(agree.then_some(times_s))
 }
 
 /// The time of every frame, by playing them all.
