@@ -11,6 +11,7 @@ use sha2::{Digest, Sha256};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::mpsc::channel;
 use touchline::app::{FoundShots, ShotSearch};
 use touchline::document::ShotKind;
 use touchline::geometry::ImageSize;
@@ -21,6 +22,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_however_the_file_was_made;
     [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
     [Ffmpeg] a_video_is_examined_again_only_where_its_file_has_changed;
+    [Ffmpeg] who_waits_for_a_video_is_told_and_may_give_up;
     [Ffmpeg] the_times_of_an_uneven_mp4_are_read_from_its_table;
     [Ffmpeg] a_video_cut_off_ends_where_it_is_cut;
     [Ffmpeg] a_video_on_its_side_is_turned_upright;
@@ -190,6 +192,37 @@ fn a_video_is_examined_again_only_where_its_file_has_changed() {
     ffmpeg(folder.path(), &format!("{CARD} {gap} -frames:v 120 gap.mkv"));
     assert!(matches!(Video::open_watched(&path, &mut |_| ControlFlow::Break(())), Err(MediaError::Stopped { .. })));
     assert_eq!(open(&mut told).info().decoded_frames, 120);
+}
+
+fn who_waits_for_a_video_is_told_and_may_give_up() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gap.mkv");
+    ffmpeg(folder.path(), &format!("{CARD} -vf select='not(between(n,40,44))' -vsync vfr -c:v libx264 gap.mkv"));
+    let (counting, begun) = channel();
+    let (go_on, paused) = channel::<()>();
+    let path = path.as_path();
+    std::thread::scope(|threads| {
+        let first = threads.spawn(move || {
+            let watch = &mut |_| {
+                counting.send(()).unwrap();
+                paused.recv().unwrap_or_default();
+                ControlFlow::Continue(())
+            };
+            Video::open_watched(path, watch).map(|video| video.info().decoded_frames)
+        });
+        begun.recv().unwrap();
+        let mut told = Vec::new();
+        let waiting = Video::open_watched(path, &mut |progress| {
+            told.push(progress.counted);
+            ControlFlow::Break(())
+        });
+        assert!(matches!(waiting, Err(MediaError::Stopped { .. })));
+        assert!(told.len() == 1 && told[0] > 0, "{told:?}");
+        drop(go_on);
+        assert_eq!(first.join().unwrap().unwrap(), 145);
+    });
+    let known = Video::open_watched(path, &mut |_| panic!("examined again"));
+    assert_eq!(known.unwrap().info().decoded_frames, 145);
 }
 
 fn the_times_of_an_uneven_mp4_are_read_from_its_table() {

@@ -18,8 +18,8 @@ pub struct Video {
 impl Video {
     /// Opens a video and finds out how many of its frames decode.
     ///
-    /// Takes a fraction of a second where the frames have one rate, and one pass over all frames where they do not; hardly any time
-    /// for a file that was opened before and has not changed.
+    /// Takes a second or two where the frames have one rate or an MP4's table of samples has their times, and one pass
+    /// over all frames where neither holds; hardly any time for a file that was opened before and has not changed.
     ///
     /// # Errors
     /// The file cannot be read, is no video, none of its frames decodes, or they are too large.
@@ -36,7 +36,7 @@ impl Video {
         path: &Path,
         watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
     ) -> Result<Self, MediaError> {
-        let Survey { info, preroll, capture } = known_or(path, || survey(path, watch))?;
+        let Survey { info, preroll, capture } = known_or(path, watch, |watch| survey(path, watch))?;
         Ok(Self { player: Player { capture, position: None, preroll }, info })
     }
 

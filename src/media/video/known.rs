@@ -1,22 +1,84 @@
-//! What was found out about the videos opened before: it holds for as long as their files do not change, and most videos are opened
-//! by several threads of one program.
+//! What was found out about the videos opened before: it holds for as long as their files do not change, and most videos
+//! are opened by several threads of one program.
 
-use super::VideoInfo;
 use super::capture::Capture;
 use super::survey::Survey;
+use super::{CountProgress, VideoInfo};
 use crate::media::MediaError;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
-use std::time::SystemTime;
+use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, SystemTime};
 
 /// How many videos are remembered.
 const REMEMBERED: usize = 32;
 
-/// The videos that were asked for last, the latest at the end.
-static KNOWN: LazyLock<Mutex<Vec<(FileState, Slot)>>> = LazyLock::new(Mutex::default);
+/// Examinations, each of a file as it was.
+type Examinations = Vec<(FileState, Arc<Examination>)>;
 
-/// What is known of one video: held while it is being found out, so that others who ask for it wait.
-type Slot = Arc<Mutex<Option<(VideoInfo, usize)>>>;
+/// Those of the videos that were asked for last, the latest at the end.
+static KNOWN: LazyLock<Mutex<Examinations>> = LazyLock::new(Mutex::default);
+/// How often someone who waits for another's examination is told how far that has come, and may give up.
+const TOLD_EVERY: Duration = Duration::from_millis(50);
+
+/// Called with how far the numbering of a video's frames has come; may end it.
+pub(super) type Watch<'a> = &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>;
+
+/// The examination of one video: whoever asks for it first does it, others who ask meanwhile wait.
+#[derive(Default)]
+struct Examination {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+/// How far an examination has come.
+#[derive(Default)]
+enum State {
+    /// Nobody has begun, or whoever had begun gave up.
+    #[default]
+    Open,
+    /// Somebody is at it, and has counted so far.
+    UnderWay(Option<CountProgress>),
+    /// What was found, and the run-up of a jump.
+    Done(VideoInfo, usize),
+}
+
+impl Examination {
+    /// What was found; none where it is for the caller to find out.
+    fn found_or_begun(&self, path: &Path, watch: Watch) -> Result<Option<(VideoInfo, usize)>, MediaError> {
+        loop {
+            let mut state = lock(&self.state);
+            match &*state {
+                State::Done(info, preroll) => return Ok(Some((info.clone(), *preroll))),
+                State::Open => {
+                    *state = State::UnderWay(None);
+                    return Ok(None);
+                }
+                State::UnderWay(_) => {}
+            }
+            let (state, _) = self.changed.wait_timeout(state, TOLD_EVERY).unwrap_or_else(PoisonError::into_inner);
+            let counted = if let State::UnderWay(counted) = &*state { counted.clone() } else { None };
+            drop(state);
+            if counted.is_some_and(|counted| watch(counted).is_break()) {
+                return Err(MediaError::Stopped { path: path.to_path_buf() });
+            }
+        }
+    }
+}
+
+/// A begun examination. It is open again where it ends without having found anything.
+struct Begun<'a> {
+    examination: &'a Examination,
+    found: Option<(VideoInfo, usize)>,
+}
+
+impl Drop for Begun<'_> {
+    fn drop(&mut self) {
+        *lock(&self.examination.state) =
+            self.found.take().map_or(State::Open, |(info, preroll)| State::Done(info, preroll));
+        self.examination.changed.notify_all();
+    }
+}
 
 /// A file as it is at some time.
 #[derive(Clone, PartialEq, Eq)]
@@ -35,24 +97,32 @@ impl FileState {
 }
 
 /// A video as it was surveyed before, opened anew; else surveyed by `survey`, which is called once at a time for a file.
-pub(super) fn known_or(path: &Path, survey: impl FnOnce() -> Result<Survey, MediaError>) -> Result<Survey, MediaError> {
-    let Some(state) = FileState::of(path) else { return survey() };
-    let slot = slot(state);
-    let mut known = lock(&slot);
-    if let Some((info, preroll)) = known.as_ref() {
-        return Ok(Survey { info: info.clone(), preroll: *preroll, capture: Capture::open(path)? });
+/// `watch` is called now and then, also while another thread surveys it, and may end that.
+pub(super) fn known_or(
+    path: &Path,
+    watch: Watch,
+    survey: impl FnOnce(Watch) -> Result<Survey, MediaError>,
+) -> Result<Survey, MediaError> {
+    let Some(file) = FileState::of(path) else { return survey(watch) };
+    let examination = examination(file);
+    if let Some((info, preroll)) = examination.found_or_begun(path, watch)? {
+        return Ok(Survey { info, preroll, capture: Capture::open(path)? });
     }
-    let found = survey()?;
-    *known = Some((found.info.clone(), found.preroll));
+    let mut begun = Begun { examination: &examination, found: None };
+    let found = survey(&mut |counted| {
+        *lock(&examination.state) = State::UnderWay(Some(counted.clone()));
+        watch(counted)
+    })?;
+    begun.found = Some((found.info.clone(), found.preroll));
     Ok(found)
 }
 
 /// Where what is known of a file is kept.
-fn slot(state: FileState) -> Slot {
+fn examination(file: FileState) -> Arc<Examination> {
     let mut all = lock(&KNOWN);
-    let of_file = match all.iter().position(|(known, _)| *known == state) {
+    let of_file = match all.iter().position(|(known, _)| *known == file) {
         Some(at) => all.remove(at),
-        None => (state, Slot::default()),
+        None => (file, Arc::default()),
     };
     if all.len() >= REMEMBERED {
         all.remove(0);

@@ -7,6 +7,8 @@ use crate::media::MediaError;
 /// The farthest frame ahead that is reached by reading on. A jump costs the frames from the key frame before the
 /// target (100–175 frames apart in broadcast material) and the emptying of the decoder, about fifty frames on average.
 const READ_ON_FRAMES: usize = 48;
+/// After so many frames in a row whose times fit no number, the next ones are not waited for.
+const OFF_BEAT_FRAMES: usize = 16;
 
 /// A capture and where it stands.
 pub(super) struct Player {
@@ -15,6 +17,17 @@ pub(super) struct Player {
     pub(super) position: Option<usize>,
     /// How many frames before its target a jump begins, so that a key frame lies between.
     pub(super) preroll: usize,
+}
+
+/// Where reading on led.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Landed {
+    /// To the frame of this number.
+    At(usize),
+    /// To frames whose times fit no number.
+    OffBeat,
+    /// To the end.
+    End,
 }
 
 /// What the next frame was.
@@ -36,48 +49,61 @@ impl Player {
             self.jump_before(info, target)?;
         }
         let mut landed = self.read_on_to(info, target);
-        if landed.is_none() {
+        if !matches!(landed, Landed::At(_)) {
             // After a jump in a video of uneven frame times, OpenCV takes the last frames for lying behind the stated
             // number of frames and holds them back. Played from the start they come.
             self.restart(info, target)?;
             landed = self.read_on_to(info, target);
         }
         match landed {
-            Some(landed) if landed == target => Ok(()),
-            Some(_) => Err(damaged(info, target, "the decoder skips it")),
-            None => Err(damaged(info, target, "the decoder stops before it")),
+            Landed::At(landed) if landed == target => Ok(()),
+            Landed::At(_) => Err(damaged(info, target, "the decoder skips it")),
+            Landed::OffBeat | Landed::End => Err(damaged(info, target, "the decoder stops before it")),
         }
     }
 
-    /// Jumps to a frame and says where that led, at or behind the frame; none when it led nowhere.
-    pub(super) fn land_at(&mut self, info: &VideoInfo, target: usize) -> Option<usize> {
+    /// Jumps to a frame and says where that led: at or behind the frame, if to a frame at all.
+    pub(super) fn land_at(&mut self, info: &VideoInfo, target: usize) -> Landed {
+        let Some(target_s) = info.clock.pts_s(target) else { return Landed::End };
         self.position = None;
-        self.capture.jump_near(info.clock.pts_s(target)?);
+        self.capture.jump_near(target_s);
         self.read_on_to(info, target)
     }
 
-    /// Reads on to the end: the number of the last frame. None when a frame's time fits no number.
-    pub(super) fn read_to_the_end(&mut self, info: &VideoInfo) -> Option<usize> {
+    /// Reads on to the end and lets each frame be looked at: the number of the last one. None when a frame's time fits
+    /// no number.
+    pub(super) fn read_to_the_end(
+        &mut self,
+        info: &VideoInfo,
+        mut look: impl FnMut(&mut Capture, usize),
+    ) -> Option<usize> {
         let mut last = self.position;
         loop {
             match self.advance(info) {
-                Advance::To(index) => last = Some(index),
+                Advance::To(index) => {
+                    look(&mut self.capture, index);
+                    last = Some(index);
+                }
                 Advance::OffBeat => return None,
                 Advance::End => return last,
             }
         }
     }
 
-    /// Reads on until `target` or a frame behind it: the number of that; none at the end.
-    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Option<usize> {
-        loop {
+    /// Reads on until `target` or a frame behind it.
+    fn read_on_to(&mut self, info: &VideoInfo, target: usize) -> Landed {
+        let mut off_beat = 0;
+        while off_beat < OFF_BEAT_FRAMES {
             if let Some(at) = self.position.filter(|&at| at >= target) {
-                return Some(at);
+                return Landed::At(at);
             }
-            if self.advance(info) == Advance::End {
-                return None;
-            }
+            off_beat = match self.advance(info) {
+                Advance::To(_) => 0,
+                Advance::OffBeat => off_beat + 1,
+                Advance::End => return Landed::End,
+            };
         }
+        Landed::OffBeat
     }
 
     /// Jumps to a frame at or before `target`, farther back as long as the time stamps say that it came out behind,

@@ -11,8 +11,8 @@ use std::path::Path;
 /// A table of samples is no larger than this, bytes: of ten hours at 60 frames a second with sound it has some 40 MB.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// The times at which an MP4's frames are shown, s from the first, in their order; none of a file that is cut off, fragmented or edited
-/// (where frames are left out), has several videos, or is no MP4: there only its frames tell.
+/// The times at which an MP4's frames are shown, s from the first, in their order; none of a file that is cut off,
+/// fragmented or edited (where frames are left out), has several videos, or is no MP4: there only its frames tell.
 ///
 /// # Errors
 /// The file cannot be read.
@@ -23,7 +23,8 @@ pub(super) fn sample_times_s(path: &Path) -> Result<Option<Vec<f64>>, MediaError
     Ok(boxes.and_then(|boxes| times_s(&boxes, bytes)))
 }
 
-/// The boxes that say what kind of file it is and what is in it; none where one is missing, too large, or the file is fragmented.
+/// The boxes that say what kind of file it is and what is in it; none where one is missing or too large, or the file is
+/// fragmented.
 fn index_boxes(file: &mut File, bytes: u64) -> std::io::Result<Option<Vec<u8>>> {
     const WIDE: u64 = 16;
     let (mut kind_of_file, mut index) = (None, None);

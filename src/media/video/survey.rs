@@ -2,12 +2,13 @@
 //!
 //! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
 //! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
-//! because it states the average over all frames; of other files the packets are counted. Where neither holds, an MP4's table
-//! of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
+//! because it states the average over all frames; of other files the packets are counted. Where neither holds, an
+//! MP4's table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
 
 use super::capture::Capture;
 use super::comb::is_combed;
-use super::player::Player;
+use super::known::Watch;
+use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
 use super::{CountProgress, FrameClock, VideoInfo};
 use crate::media::error::open_file;
@@ -19,7 +20,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// How many frames at the start are played to see their spacing and to compare jumps with them.
-const LEAD_FRAMES: usize = 48;
+const LEAD_FRAMES: usize = 32;
 /// The same where a jump needs a run-up of [`PREROLL_FRAMES`].
 const LONG_LEAD_FRAMES: usize = 640;
 /// The run-up of a jump in a container that has no index of its key frames: longer than their usual distance.
@@ -28,6 +29,8 @@ const PREROLL_FRAMES: usize = 300;
 const TAIL_FRAMES: usize = 64;
 /// How many frames are counted between two reports of progress.
 const COUNT_REPORT_FRAMES: usize = 100;
+/// Of the frames at the end, which are read to count them, every so many-th is looked at for combs.
+const TAIL_LOOK_FRAMES: usize = 16;
 /// The heights of interlaced footage, px: 480i with and without its blanked lines, 576i, 1080i.
 const INTERLACED_HEIGHTS: [u32; 4] = [480, 486, 576, 1080];
 /// Times on a steady rate, s: what is left is the rounding of floating-point numbers.
@@ -54,10 +57,7 @@ enum Container {
 }
 
 /// Opens a video and finds out what there is to know.
-pub(super) fn survey(
-    path: &Path,
-    watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
-) -> Result<Survey, MediaError> {
+pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
     let container = container_of(path)?;
     let mut capture = Capture::open(path)?;
     let size = capture.size();
@@ -81,6 +81,8 @@ pub(super) fn survey(
     };
     let mut player = Player { capture, position: Some(lead.times_s.len() - 1), preroll };
     let deviation_s = deviation_s(&info.clock, &lead.times_s);
+    let at_the_start = lead.samples.iter().filter(|(_, picture)| may_be_interlaced(&info) && is_combed(picture));
+    let mut combed = at_the_start.count();
 
     if lead.is_whole {
         if deviation_s > ROUNDED_S {
@@ -88,7 +90,7 @@ pub(super) fn survey(
         }
     } else {
         let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
-        let counted = (deviation_s <= ROUNDED_S).then(|| count_to_the_end(&mut player, &info)).flatten();
+        let counted = (deviation_s <= ROUNDED_S).then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
         let states_its_average = container == Container::Mp4 && deviation_s <= EXACT_S;
         let is_sure = counted.is_some() && (states_its_average || count_packets(path, &mut counter)? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
@@ -105,7 +107,8 @@ pub(super) fn survey(
             }
         }
     }
-    info.interlaced = is_interlaced(&mut player, &info, &lead);
+    combed += combed_in_the_middle(&mut player, &info);
+    info.interlaced = combed >= 2;
     if !jumps_agree(&mut player, &info, &lead.samples) {
         player.preroll = usize::MAX;
         info.notices.push(Notice::NoJumping { path: path.to_path_buf() });
@@ -178,16 +181,18 @@ fn listed(times_s: &[Option<f64>], first_s: f64, fps: f64) -> FrameClock {
 }
 
 /// The number of frames, from the number of the last one: found by halving between where frames decode and where they
-/// do not, then by reading to the end. None when the times do not fit one rate.
-fn count_to_the_end(player: &mut Player, info: &VideoInfo) -> Option<usize> {
+/// do not, then by reading to the end. None when the times do not fit one rate. Adds to `combed` how many of the last
+/// frames are made of two fields.
+fn count_to_the_end(player: &mut Player, info: &VideoInfo, combed: &mut usize) -> Option<usize> {
     // `good` decodes; `bad` does not, or is so near the end that its time is unknown.
     let mut good = info.decoded_frames - 1;
     let mut bad = info.stated_frames.max(good + 1);
     let mut probe = bad.saturating_sub(TAIL_FRAMES);
     while probe > good {
         match player.land_at(info, probe) {
-            Some(landed) => good = landed,
-            None => bad = probe,
+            Landed::At(landed) => good = landed,
+            Landed::End => bad = probe,
+            Landed::OffBeat => return None,
         }
         if bad.saturating_sub(good) <= 2 * TAIL_FRAMES {
             break;
@@ -195,7 +200,12 @@ fn count_to_the_end(player: &mut Player, info: &VideoInfo) -> Option<usize> {
         probe = usize::midpoint(good, bad);
     }
     player.go_to(info, good).ok()?;
-    player.read_to_the_end(info).map(|last| last + 1)
+    let look = |capture: &mut Capture, index: usize| {
+        if may_be_interlaced(info) && index.is_multiple_of(TAIL_LOOK_FRAMES) {
+            *combed += usize::from(capture.picture(index).is_ok_and(|picture| is_combed(&picture)));
+        }
+    };
+    player.read_to_the_end(info, look).map(|last| last + 1)
 }
 
 /// The number of stored frames, decodable or not, read without decoding; none when they cannot be read so.
@@ -209,8 +219,8 @@ fn count_packets(path: &Path, counter: &mut Counter) -> Result<Option<usize>, Me
     Ok(Some(count))
 }
 
-/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at further on are shown
-/// just then; none where the table does not say, or not what the frames do.
+/// The times of an MP4's frames by its table of samples, s, where the frames at the start and those that are looked at
+/// further on are shown just then; none where the table does not say, or not what the frames do.
 fn tabled(
     path: &Path,
     container: Container,
@@ -228,7 +238,7 @@ fn tabled(
         && times_s.len() > lead.times_s.len()
         && (1..=LOOKED_AT).all(|place| {
             let index = place * (times_s.len() - 1) / (LOOKED_AT + 1);
-            player.go_to(&listed, index).is_ok()
+            matches!(player.land_at(&listed, index), Landed::At(_))
         });
     Ok(agree.then_some(times_s))
 }
@@ -248,7 +258,7 @@ fn play_through(path: &Path, counter: &mut Counter) -> Result<(Vec<Option<f64>>,
 struct Counter<'a> {
     path: Arc<Path>,
     stated: usize,
-    watch: &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>,
+    watch: Watch<'a>,
 }
 
 impl Counter<'_> {
@@ -272,22 +282,23 @@ fn jumps_agree(player: &mut Player, info: &VideoInfo, samples: &[(usize, Picture
     })
 }
 
-/// Whether the frames are interlaced: two of those looked at are made of two fields. Footage is only in a few heights.
-fn is_interlaced(player: &mut Player, info: &VideoInfo, lead: &Lead) -> bool {
-    if !INTERLACED_HEIGHTS.contains(&info.size.height) || !info.rotation_deg.is_multiple_of(180) {
-        return false;
+/// Whether the frames may be interlaced: such footage is only in a few heights.
+fn may_be_interlaced(info: &VideoInfo) -> bool {
+    INTERLACED_HEIGHTS.contains(&info.size.height) && info.rotation_deg.is_multiple_of(180)
+}
+
+/// How many of some frames in the middle are made of two fields: nothing may move where a video begins and ends.
+fn combed_in_the_middle(player: &mut Player, info: &VideoInfo) -> usize {
+    if !may_be_interlaced(info) {
+        return 0;
     }
-    // Nothing may move where the video begins. Reading on costs little, so that each jump is used for four frames.
-    let starts = [info.decoded_frames / 3, info.decoded_frames * 2 / 3];
-    let places = starts.into_iter().flat_map(|start| (start..info.decoded_frames).step_by(4).take(4));
-    let later: Vec<Picture> = places
-        .filter_map(|index| {
-            player.go_to(info, index).ok()?;
-            player.capture.picture(index).ok()
-        })
-        .collect();
-    let lead = lead.samples.iter().map(|(_, picture)| picture);
-    lead.chain(&later).filter(|picture| is_combed(picture)).count() >= 2
+    // Reading on costs little, so that one jump is used for several frames.
+    let places = (info.decoded_frames / 2..info.decoded_frames).step_by(4).take(6);
+    let pictures = places.filter_map(|index| {
+        player.go_to(info, index).ok()?;
+        player.capture.picture(index).ok()
+    });
+    pictures.filter(is_combed).count()
 }
 
 /// Recognises the container by its first bytes. Text is no video: `FFmpeg` would draw it as one, or follow the list of files
