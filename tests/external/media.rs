@@ -21,6 +21,7 @@ pub const TESTS: &[Test] = tests![
     [Ffmpeg] a_number_means_one_picture_in_every_container;
     [Ffmpeg] a_number_means_one_picture_however_the_file_was_made;
     [Ffmpeg] uneven_frames_are_numbered_as_they_decode;
+    [Ffmpeg] one_frame_left_out_of_thousands_does_not_shift_those_behind_it;
     [Ffmpeg] a_video_is_examined_again_only_where_its_file_has_changed;
     [Ffmpeg] who_waits_for_a_video_is_told_and_may_give_up;
     [Ffmpeg] the_times_of_an_uneven_mp4_are_read_from_its_table;
@@ -165,6 +166,19 @@ fn uneven_frames_are_numbered_as_they_decode() {
             let at = |index| video.info().pts_s(index).unwrap();
             assert!((at(89) - 3.56).abs() < 1e-3 && (at(90) - 3.80).abs() < 1e-3, "{} {}", at(89), at(90));
         }
+    }
+}
+
+/// So long a video that the mean rate is all but that of its first frames.
+fn one_frame_left_out_of_thousands_does_not_shift_those_behind_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let card = "-f lavfi -i testsrc2=size=64x48:rate=25:duration=120";
+    for name in ["gap.mp4", "gap.mkv"] {
+        ffmpeg(folder.path(), &format!("{card} -vf select='not(eq(n,2000))' -vsync vfr -c:v libx264 -g 50 {name}"));
+        let video = assert_numbers_hold(&folder.path().join(name), 30);
+        let at = |index| video.info().pts_s(index).unwrap();
+        assert_eq!(video.info().decoded_frames, 2999, "{name}");
+        assert!((at(1999) - 79.96).abs() < 2e-3 && (at(2000) - 80.04).abs() < 2e-3, "{} {}", at(1999), at(2000));
     }
 }
 

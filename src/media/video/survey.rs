@@ -2,8 +2,8 @@
 //!
 //! The number of frames follows from the time of the last one, as long as the frames follow each other at one rate.
 //! Two checks establish that: an MP4 whose first frames lie exactly on the stated rate has that rate throughout,
-//! because it states the average over all frames; of other files the packets are counted. Where neither holds, an
-//! MP4's table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
+//! because it states the average over all frames; of other files the packets are counted. Where that fails, an MP4's
+//! table of samples has the times if the frames that are looked at confirm it; else every frame is visited once.
 
 use super::capture::Capture;
 use super::comb::is_combed;
@@ -90,17 +90,21 @@ pub(super) fn survey(path: &Path, watch: Watch) -> Result<Survey, MediaError> {
         }
     } else {
         let mut counter = Counter { path: Arc::clone(&info.path), stated: info.stated_frames, watch };
-        let counted = (deviation_s <= ROUNDED_S).then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
-        let states_its_average = container == Container::Mp4 && deviation_s <= EXACT_S;
-        let is_sure = counted.is_some() && (states_its_average || count_packets(path, &mut counter)? == counted);
+        // The rate that an MP4 states is the mean of all frames: it has to be that of the first ones exactly.
+        let may_be_even = deviation_s <= if container == Container::Mp4 { EXACT_S } else { ROUNDED_S };
+        let counted = may_be_even.then(|| count_to_the_end(&mut player, &info, &mut combed)).flatten();
+        let is_sure =
+            counted.is_some() && (container == Container::Mp4 || count_packets(path, &mut counter)? == counted);
         if let Some(count) = counted.filter(|_| is_sure) {
             info.decoded_frames = count;
-        } else if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
-            info.decoded_frames = times_s.len();
-            info.clock = FrameClock::Listed(times_s.into());
         } else {
-            let (times_s, capture) = play_through(path, &mut counter)?;
-            player = Player { capture, position: times_s.len().checked_sub(1), preroll };
+            let times_s = if let Some(times_s) = tabled(path, container, &lead, &mut player, &info)? {
+                times_s.into_iter().map(Some).collect()
+            } else {
+                let (times_s, capture) = play_through(path, &mut counter)?;
+                player = Player { capture, position: times_s.len().checked_sub(1), preroll };
+                times_s
+            };
             info.decoded_frames = times_s.len();
             if self::deviation_s(&info.clock, &times_s) > ROUNDED_S {
                 info.clock = listed(&times_s, first_s, info.fps);
