@@ -4,7 +4,7 @@ use super::comb::first_field;
 use super::known::known_or;
 use super::player::Player;
 use super::survey::{Survey, survey};
-use super::{CountProgress, VideoInfo};
+use super::{VideoInfo, Watch};
 use crate::media::{MediaError, Picture};
 use std::ops::ControlFlow;
 use std::path::Path;
@@ -32,10 +32,7 @@ impl Video {
     ///
     /// # Errors
     /// As [`Video::open`]; [`MediaError::Stopped`] when `watch` ended it.
-    pub fn open_watched(
-        path: &Path,
-        watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
-    ) -> Result<Self, MediaError> {
+    pub fn open_watched(path: &Path, watch: Watch) -> Result<Self, MediaError> {
         let Survey { info, preroll, capture } = known_or(path, watch, |watch| survey(path, watch))?;
         Ok(Self { player: Player { capture, position: None, preroll }, info })
     }

@@ -3,9 +3,8 @@
 
 use super::capture::Capture;
 use super::survey::Survey;
-use super::{CountProgress, VideoInfo};
+use super::{CountProgress, VideoInfo, Watch};
 use crate::media::MediaError;
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Condvar, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
@@ -20,9 +19,6 @@ type Examinations = Vec<(FileState, Arc<Examination>)>;
 static KNOWN: LazyLock<Mutex<Examinations>> = LazyLock::new(Mutex::default);
 /// How often someone who waits for another's examination is told how far that has come, and may give up.
 const TOLD_EVERY: Duration = Duration::from_millis(50);
-
-/// Called with how far the numbering of a video's frames has come; may end it.
-pub(super) type Watch<'a> = &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>;
 
 /// The examination of one video: whoever asks for it first does it, others who ask meanwhile wait.
 #[derive(Default)]

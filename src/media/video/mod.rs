@@ -32,6 +32,7 @@ pub use without::Video;
 
 use super::Notice;
 use crate::geometry::ImageSize;
+use std::ops::ControlFlow;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -85,3 +86,6 @@ pub struct CountProgress {
     /// How many frames the container states; 0 where it states none.
     pub stated: usize,
 }
+
+/// Called with how far the numbering of a video's frames has come; may end it.
+type Watch<'a> = &'a mut dyn FnMut(CountProgress) -> ControlFlow<()>;

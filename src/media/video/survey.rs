@@ -7,10 +7,9 @@
 
 use super::capture::Capture;
 use super::comb::is_combed;
-use super::known::Watch;
 use super::player::{Landed, Player};
 use super::sample_table::sample_times_s;
-use super::{CountProgress, FrameClock, VideoInfo};
+use super::{CountProgress, FrameClock, VideoInfo, Watch};
 use crate::media::error::open_file;
 use crate::media::image_file::ImageLimits;
 use crate::media::{MediaError, Notice, Picture};

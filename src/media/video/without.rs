@@ -1,10 +1,9 @@
 //! The same interface without OpenCV: opening a video is an error.
 
-use super::{CountProgress, VideoInfo};
+use super::{VideoInfo, Watch};
 use crate::media::error::open_file;
 use crate::media::{MediaError, Picture};
 use std::convert::Infallible;
-use std::ops::ControlFlow;
 use std::path::Path;
 
 /// A video; without the feature `opencv` there is none.
@@ -27,10 +26,7 @@ impl Video {
     ///
     /// # Errors
     /// As [`Video::open`].
-    pub fn open_watched(
-        path: &Path,
-        _watch: &mut dyn FnMut(CountProgress) -> ControlFlow<()>,
-    ) -> Result<Self, MediaError> {
+    pub fn open_watched(path: &Path, _watch: Watch) -> Result<Self, MediaError> {
         Self::open(path)
     }
 
