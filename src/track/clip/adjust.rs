@@ -92,16 +92,17 @@ pub fn adjust_clip(
         points: &points,
         anchors,
         first: &first,
-        sigma_px: options.point_sigma_px * px * alike,
+        sigma_px: vec![options.point_sigma_px * px * alike; start.len()],
         loss: Loss::Cauchy { c: options.loss_sigmas / alike },
     };
     let until = |max_iterations| Stopping { max_iterations, short_step: 1e-9, small_gain: 1e-8 };
     let state = ClipState { directions: directions(&problem, &start), ptz: start };
     let rough = minimise(&problem, state, until(options.max_iterations));
     let mut off: Vec<f64> = problem.residuals(&rough.state).filter_map(|(_, off)| Some(off?.norm_squared())).collect();
-    // The median of the squares of two numbers with 1-σ s is 2 ln 2 s².
-    let sigma_px = (median(&mut off).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt().max(options.min_sigma_px * px);
-    problem.sigma_px = sigma_px * alike;
+    let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
+    let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
+    let sigmas_px = |widened: f64| in_rows.iter().map(|sigma_px| sigma_px * alike * widened).collect();
+    problem.sigma_px = sigmas_px(1.0);
     let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
     let straight = fine.state.ptz.clone();
     let mut widened = 1.0;
@@ -112,7 +113,7 @@ pub fn adjust_clip(
             break;
         }
         widened *= points.unwrap_or(1.0);
-        problem.sigma_px = sigma_px * alike * widened;
+        problem.sigma_px = sigmas_px(widened);
         problem.loss = Loss::Cauchy { c: options.loss_sigmas / (alike * widened) };
         let of_proposals = proposals.unwrap_or(1.0).powi(-2);
         for (_, anchor, information) in &mut problem.anchors {
@@ -130,6 +131,27 @@ pub fn adjust_clip(
         Some(AdjustedFrame { ptz, covariance: by_focal_px(&covariances[row], ptz.focal_px) })
     });
     Some(AdjustedClip { frames: frames.collect(), sigma_px, widened })
+}
+
+/// 1-σ of a followed point along one axis in each row, px, as the row's own points tell it and never less than in the clip: a fast
+/// turn blurs what is followed.
+fn row_sigmas(problem: &Clip<'_>, at: &ClipState, of_clip_px: f64) -> Vec<f64> {
+    let mut squares: Vec<Vec<f64>> = vec![Vec::new(); at.ptz.len()];
+    // A point's direction is the mean of its sightings and takes its part of their scatter.
+    let shares = problem.points.iter().flat_map(|point| {
+        let sightings = point.sightings.len();
+        std::iter::repeat_n(1.0 - 1.0 / sightings as f64, sightings)
+    });
+    for ((row, off), share) in problem.residuals(at).zip(shares) {
+        squares[row].extend(off.map(|off| off.norm_squared() / share));
+    }
+    squares.iter_mut().map(|squares| scatter_px(squares).max(of_clip_px)).collect()
+}
+
+/// 1-σ along one axis of what is off by some distances, of which these are the squares, px; robust.
+fn scatter_px(squares: &mut [f64]) -> f64 {
+    // The median of the squares of two numbers with 1-σ s is 2 ln 2 s².
+    (median(squares).unwrap_or(0.0) / (2.0 * 2f64.ln())).sqrt()
 }
 
 /// The anchors' mean square distance per number, in sigmas², from which on something is taken as less exact than it states.
@@ -199,6 +221,10 @@ fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::{ImagePoint, Vec2};
+    use rand::SeedableRng;
+    use rand_distr::{Distribution, Normal};
+    use rand_pcg::Pcg64Mcg;
 
     const SIGMA_DEG: f64 = 0.01;
 
@@ -224,6 +250,47 @@ mod tests {
             assert!(off.abs() < 0.012, "frame {frame}: {off}");
             let jump = pan(frame + 1) - 2.0 * pan(frame) + pan(frame - 1);
             assert!(jump.abs() < 0.002, "frame {frame}: {jump}");
+        }
+    }
+
+    #[test]
+    fn a_blurred_row_says_so_itself() {
+        const SHARP_PX: f64 = 0.15;
+        const BLURRED_PX: f64 = 0.8;
+        let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
+        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let mut random = Pcg64Mcg::seed_from_u64(7);
+        let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
+        let directions: Vec<Vec3> = (0..400)
+            .map(|place| {
+                let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
+                PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap().direction()
+            })
+            .collect();
+        let seen_from = |direction: &Vec3| Seen {
+            sightings: (0..ptz.len())
+                .map(|row| {
+                    let at =
+                        PtzCamera::new(base, ptz[row]).image_from_ray(PanTilt::from_direction(*direction)).unwrap();
+                    let px = if row == 3 { BLURRED_PX } else { SHARP_PX };
+                    (row, at.moved(Vec2::new(shaken(px), shaken(px))))
+                })
+                .collect(),
+        };
+        let points: Vec<Seen> = directions.iter().map(seen_from).collect();
+        let problem = Clip {
+            base,
+            points: &points,
+            anchors: Vec::new(),
+            first: &[0; 6],
+            sigma_px: vec![SHARP_PX; 6],
+            loss: Loss::Cauchy { c: 3.0 },
+        };
+        let sigmas = row_sigmas(&problem, &ClipState { ptz, directions }, 0.1);
+        for (row, sigma) in sigmas.into_iter().enumerate() {
+            // The directions are exact here, so that nothing of the scatter went into them.
+            let expected = if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
+            assert!((sigma / expected - 1.0).abs() < 0.15, "row {row}: {sigma} px, {expected} expected");
         }
     }
 

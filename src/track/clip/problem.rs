@@ -22,8 +22,8 @@ pub(super) struct Clip<'a> {
     pub anchors: Vec<(usize, Anchor, Mat3)>,
     /// The first column of each row.
     pub first: &'a [usize],
-    /// 1-σ of a followed point, px.
-    pub sigma_px: f64,
+    /// 1-σ of a followed point in each row, px.
+    pub sigma_px: Vec<f64>,
     pub loss: Loss,
 }
 
@@ -57,8 +57,8 @@ impl Clip<'_> {
     fn point_equations(&self, cameras: &[PtzCamera], point: &Seen, direction: Vec3) -> PointEquations {
         let tangent = across(direction);
         let mut equations = PointEquations::with_room(point.sightings.len());
-        let precision = self.sigma_px.powi(-2);
         for &(row, image) in &point.sightings {
+            let precision = self.sigma_px[row].powi(-2);
             let camera = &cameras[row];
             let Ok(here) = camera.image_from_direction_jacobian(direction) else {
                 equations.beyond_the_lens(self.loss);
