@@ -41,6 +41,23 @@ impl OpenProject {
         self.frame(position).map_or(position as u64, |frame| frame.number_at(position))
     }
 
+    /// The frames of the video that a position belongs to, in the document's order: their positions and numbers. Images are all
+    /// of one.
+    pub(super) fn numbered_beside(&self, position: usize) -> impl Iterator<Item = (usize, u64)> + '_ {
+        let video_of = |frame: &Frame| frame.video.as_ref().map(|video| video.path.clone());
+        let here = self.frame(position).and_then(video_of);
+        let frames = self.document.frames.iter().enumerate();
+        let alike = frames.filter(move |(_, frame)| frame.video.as_ref().map(|video| &video.path) == here.as_ref());
+        alike.map(|(at, frame)| (at, frame.number_at(at)))
+    }
+
+    /// The lowest and the highest number of the frames of the video that a position belongs to.
+    #[must_use]
+    pub fn numbers_beside(&self, position: usize) -> (u64, u64) {
+        let numbers = self.numbered_beside(position).map(|(_, number)| number);
+        numbers.fold((u64::MAX, 0), |(least, most), number| (least.min(number), most.max(number)))
+    }
+
     /// A document to which nothing has been done yet, its file and its folder, and why it can only be looked at, if so.
     #[must_use]
     pub fn new(document: Document, file: PathBuf, folder: PathBuf, read_only: Option<String>) -> Self {

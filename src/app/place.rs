@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// A frame by its number, from 0.
-    Frame(usize),
+    Frame(u64),
     /// A time, s.
     Time(f64),
 }

@@ -49,6 +49,7 @@ mod names_in_app;
 mod nothing_unasked;
 mod paint;
 mod paint_in_app;
+mod places_in_app;
 mod pose;
 mod program;
 mod published_figures;

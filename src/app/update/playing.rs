@@ -19,13 +19,14 @@ impl App {
     pub(super) fn go_to_place(&mut self, place: Place) {
         let Some(open) = &self.open else { return };
         let frame = match place {
-            Place::Frame(frame) => {
-                let last = open.document.frames.len().saturating_sub(1);
-                if frame > last {
-                    let text = format!("There is no frame {frame}: the last one is {last}.");
+            Place::Frame(wanted) => {
+                let nearest =
+                    open.numbered_beside(self.session.frame).min_by_key(|(_, number)| number.abs_diff(wanted));
+                if let Some((_, number)) = nearest.filter(|(_, number)| *number != wanted) {
+                    let text = format!("There is no frame {wanted}: the nearest one is {number}.");
                     self.session.notify(Level::Info, text);
                 }
-                Some(frame.min(last))
+                nearest.map(|(position, _)| position)
             }
             Place::Time(wanted_s) => {
                 let video = self.frame().and_then(|frame| frame.video.as_ref());

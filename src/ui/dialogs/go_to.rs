@@ -15,7 +15,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
     let opened = has_just_opened(ctx, "place");
     let known = ctx.data_mut(|data| data.get_temp::<String>(memory));
     let mut typed = known.filter(|_| !opened).unwrap_or_default();
-    let last = panel.app.open().map_or(0, |open| open.document.frames.len().saturating_sub(1));
+    let (first, last) = panel.app.open().map_or((0, 0), |open| open.numbers_beside(panel.app.session.frame));
     sheet(panel, ctx, "Go to frame or time", vec2(320.0, 150.0), |panel, ui| {
         let place = ui.horizontal(|ui| {
             let field = TextEdit::singleline(&mut typed).hint_text("500 or 1:23.4").desired_width(210.0);
@@ -38,7 +38,7 @@ pub fn show(panel: &mut Panel<'_>, ctx: &Context) {
             Err(error) if !typed.trim().is_empty() => {
                 RichText::new(sentence(&error.to_string())).color(ui.palette().caution)
             }
-            _ => RichText::new(format!("Frames are numbered from 0 to {last}.")).color(ui.palette().weak),
+            _ => RichText::new(format!("Frames are numbered from {first} to {last}.")).color(ui.palette().weak),
         };
         ui.label(says.small());
     });

@@ -131,7 +131,9 @@ fn tooltip(app: &App, open: &OpenProject, response: Response, bar: &Bar<'_>) {
     let cut = bar.cut_near(at);
     response.on_hover_ui_at_pointer(|ui| {
         let time = frame.video.as_ref().and_then(|video| video.pts_s).map(time_code).unwrap_or_default();
-        ui.label(egui::RichText::new(format!("Frame {position} · {time}")).color(ui.palette().strong));
+        ui.label(
+            egui::RichText::new(format!("Frame {} · {time}", open.frame_number(position))).color(ui.palette().strong),
+        );
         let shot = frame.clip.as_ref().map(|clip| format!(" · shot {clip}")).unwrap_or_default();
         ui.label(format!("{}{shot}", status_label(frame.status)));
         let confidence = frame.solution.as_ref().and_then(|solution| solution.confidence);

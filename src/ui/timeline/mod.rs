@@ -57,14 +57,16 @@ fn controls(panel: &mut Panel<'_>, ui: &mut Ui) {
     let time = frame.video.as_ref().and_then(|video| video.pts_s).map_or_else(|| "–".to_owned(), time_code);
     let last = open.document.frames.len().saturating_sub(1);
     // The width does not change from frame to frame.
-    let digits = last.to_string().len();
-    let text = format!("{time:>8}  {:>digits$}", panel.app.session.frame);
+    let digits = open.frame_number(last).to_string().len();
+    let here = panel.app.session.frame;
+    let text = format!("{time:>8}  {:>digits$}", open.frame_number(here));
     let place = Button::new(RichText::new(text).monospace().color(ui.palette().strong)).frame(false);
-    let tip = format!(
-        "The time, and the number of the frame: from 0 to {last}, as in the document.\n{}",
-        panel.app.settings.keys.tooltip(Command::GoToPlace)
-    );
-    if ui.add(place.min_size(vec2(0.0, 24.0))).on_hover_text(tip).clicked() {
+    let tip = |ui: &mut Ui| {
+        let (first, last) = open.numbers_beside(here);
+        let keys = panel.app.settings.keys.tooltip(Command::GoToPlace);
+        ui.label(format!("The time, and the number of the frame: from {first} to {last}, as in the document.\n{keys}"));
+    };
+    if ui.add(place.min_size(vec2(0.0, 24.0))).on_hover_ui(tip).clicked() {
         panel.actions.push(Action::Command(Command::GoToPlace));
     }
 }
