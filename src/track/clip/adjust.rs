@@ -101,7 +101,10 @@ pub fn adjust_clip(
     let mut off: Vec<f64> = problem.residuals(&rough.state).filter_map(|(_, off)| Some(off?.norm_squared())).collect();
     let sigma_px = scatter_px(&mut off).max(options.min_sigma_px * px);
     let in_rows = row_sigmas(&problem, &rough.state, sigma_px);
-    let sigmas_px = |widened: f64| in_rows.iter().map(|sigma_px| sigma_px * alike * widened).collect();
+    // What the blur of a frame puts off, it puts off for all points of the frame alike: the more they scatter, the fewer they count
+    // for.
+    let counted_px = |in_row: f64| in_row * alike * (in_row / sigma_px);
+    let sigmas_px = |widened: f64| in_rows.iter().map(|in_row| counted_px(*in_row) * widened).collect();
     problem.sigma_px = sigmas_px(1.0);
     let mut fine = minimise(&problem, rough.state, until(options.max_iterations));
     let straight = fine.state.ptz.clone();
@@ -221,7 +224,8 @@ fn directions(problem: &Clip<'_>, ptz: &[Ptz]) -> Vec<Vec3> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{ImagePoint, Vec2};
+    use crate::geometry::{ImagePoint, ImageSize, Vec2};
+    use crate::track::PointTrack;
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     use rand_pcg::Pcg64Mcg;
@@ -292,6 +296,43 @@ mod tests {
             let expected = if row == 3 { BLURRED_PX } else { SHARP_PX } / (1.0f64 - 1.0 / 6.0).sqrt();
             assert!((sigma / expected - 1.0).abs() < 0.15, "row {row}: {sigma} px, {expected} expected");
         }
+    }
+
+    #[test]
+    fn what_a_blurred_frame_is_off_by_alike_gives_way_to_a_click() {
+        const OFF_PX: f64 = 1.0;
+        const CLICK_PX: f64 = 0.3;
+        let ptz = pans(|frame| 0.1 * frame as f64)[..6].to_vec();
+        let base = CameraBase::new(Vec3::zeros(), Mat3::identity(), ImagePoint::new(640.0, 360.0));
+        let mut random = Pcg64Mcg::seed_from_u64(7);
+        let mut shaken = |px: f64| Normal::new(0.0, px).unwrap().sample(&mut random);
+        let tracks = (0..400).map(|place| {
+            let at = ImagePoint::new(200.0 + 2.0 * f64::from(place), 100.0 + f64::from(place * 37 % 500));
+            let ray = PtzCamera::new(base, ptz[2]).ray_from_image(at).unwrap();
+            let seen_from = |(row, ptz): (usize, &Ptz)| {
+                let at = PtzCamera::new(base, *ptz).image_from_ray(ray).unwrap();
+                let (px, off) = if row == 3 { (0.8, OFF_PX) } else { (0.15, 0.0) };
+                at.moved(Vec2::new(off + shaken(px), shaken(px)))
+            };
+            PointTrack { first: 0, points: ptz.iter().enumerate().map(seen_from).collect() }
+        });
+        let tracks = PointTracks { image_size: ImageSize::new(1280, 720), frames: 6, tracks: tracks.collect() };
+        let carried = Carried {
+            ptz: ptz.iter().copied().map(Some).collect(),
+            moving: vec![false; tracks.tracks.len()],
+            apart_px: vec![None; 6],
+            stops: Vec::new(),
+        };
+        let turn = CLICK_PX / 2000.0;
+        let covariance = Mat3::from_diagonal(&Vec3::new(turn * turn, turn * turn, 0.25));
+        let anchors = [0, 1, 3, 5].map(|frame| Anchor { frame, ptz: ptz[frame], covariance, by: AnchorSource::Person });
+        let adjusted = adjust_clip(&base, &tracks, &carried, &anchors, &AdjustOptions::default()).unwrap();
+        let off_px = |frame: usize| {
+            let turned = adjusted.frames[frame].unwrap().ptz.pan.turn_from(ptz[frame].pan);
+            (turned.degrees().to_radians() * 2000.0).abs()
+        };
+        assert!(off_px(3) < 0.5 * OFF_PX, "{} px", off_px(3));
+        assert!(off_px(2) < 0.1 && off_px(4) < 0.1, "{} and {} px", off_px(2), off_px(4));
     }
 
     #[test]
