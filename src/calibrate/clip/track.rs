@@ -235,8 +235,8 @@ pub fn track_clip(
 }
 
 /// What the frames of a clip err by alike, 1-σ, as no further frame mends it: their lines are half a pixel thick far away. Pan and
-/// tilt in px at 1920 px width, the focal length as a share of it. With these 68 % of the frames of five drawn clips lie within
-/// their stated 68 %, without them 33 %; a clip is one draw of it.
+/// tilt in px at 1920 px width, the focal length as a share of it. A clip is one draw of it: of ten drawn clips held by exact cameras 90 %
+/// of the frames lie within their stated 68 %, of one held by a person's clicks 60 %.
 const COMMON_PX: f64 = 0.09;
 const COMMON_OF_FOCAL: f64 = 2.5e-4;
 
