@@ -5,15 +5,14 @@ use super::bulk::BulkFailure;
 use super::choices::{CameraChoice, MaskList, MaskScope, Scope, Selecting, TimeAxis};
 use super::guide::GuidePage;
 use super::opened::{Opened, OutsideChoice};
-use super::paint_orders::{CheckedLines, SnapFailure, SnappedFrame};
+use super::operation::Report;
+use super::paint_orders::{SnapFailure, SnappedFrame};
 use super::review::ReviewOrder;
 use super::session::{Filter, Level, PictureView, Question};
 use super::settings::{Loupe, ThemeChoice};
-use super::tracking::TrackAction;
 use super::transfer::TransferAction;
-use super::unclicked::UnclickedFailure;
-use super::{Chord, Command, Compared, TrainerStatus, VideoAction, WatchPanicked};
-use crate::calibrate::{BulkProgress, BulkSolved, CameraChange, EstimatedBase, UnclickedAnswer, UnclickedProgress};
+use super::{Chord, Command, TrainerStatus, VideoAction};
+use crate::calibrate::{BulkProgress, BulkSolved, EstimatedBase};
 use crate::camera::Ptz;
 use crate::document::{Camera, CameraId, FieldSpec, RejectReason, Target};
 use crate::field::{FieldError, Symmetry, Template};
@@ -25,7 +24,7 @@ use crate::store::{OrphanEdits, Outside};
 use std::path::PathBuf;
 
 /// What changes state; sent by the window, the jobs and the tests.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub enum Action {
     /// A command by menu, key or palette.
     Command(Command),
@@ -164,13 +163,6 @@ pub enum Action {
         /// The clicks for which that is certain, or why nobody could look.
         found: Result<Vec<(usize, SnappedPoint)>, SnapFailure>,
     },
-    /// Cameras were judged by the painted lines.
-    LinesChecked {
-        /// Which order.
-        ticket: u64,
-        /// What the paint says, or why that is not known.
-        found: Result<Vec<CheckedLines>, WatchPanicked>,
-    },
     /// What the search for burned-in graphics found in the document in this file.
     BurntIn {
         /// The document's file.
@@ -247,28 +239,14 @@ pub enum Action {
     /// How the forest used the shown frame's features.
     Features(Box<UsedFeatures>),
 
+    /// An operation reports how far it has come, or what came of it.
+    Report(Report),
     /// How far the estimation of a base has come.
     BaseProgress(EstimateProgress),
     /// The base of a camera was estimated, or why it was not.
     BaseEstimated(Result<Box<EstimatedBase>, EstimateFailure>),
-    /// How far the search for a camera without a click has come.
-    FindCameraProgress {
-        /// Which search.
-        ticket: u64,
-        /// What it is at.
-        progress: UnclickedProgress,
-    },
-    /// Cameras are carried through a clip.
-    Track(TrackAction),
     /// Something is exported or imported.
     Transfer(TransferAction),
-    /// A camera was looked for without a click, or why that was not possible.
-    CameraSearched {
-        /// Which search.
-        ticket: u64,
-        /// Its answer.
-        answer: Result<Box<UnclickedAnswer>, UnclickedFailure>,
-    },
     /// How many frames a change in the background has solved again.
     BulkProgress {
         /// Which change.
@@ -282,13 +260,6 @@ pub enum Action {
         ticket: u64,
         /// The change, or why there is none.
         solved: Result<Box<BulkSolved>, BulkFailure>,
-    },
-    /// A camera was looked at over time: where it stops fitting, or why that is not known.
-    CameraWatched {
-        /// Which look.
-        ticket: u64,
-        /// What was found.
-        change: Result<Option<Box<CameraChange>>, WatchPanicked>,
     },
     /// A frame takes part in the estimation of its camera's base, or is left out.
     UseForBase {
@@ -307,8 +278,6 @@ pub enum Action {
 
     /// The open document is compared with another annotator's.
     Compare(PathBuf),
-    /// It was.
-    Compared(Box<Compared>),
 
     /// The overlay's style.
     SetOverlayStyle(OverlayStyle),

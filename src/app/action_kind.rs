@@ -105,20 +105,15 @@ impl Action {
             | Self::SnapProgress { .. }
             | Self::Snapped { .. }
             | Self::PointsSnapped { .. }
-            | Self::LinesChecked { .. }
             | Self::Trainer(_)
             | Self::Features(_)
             | Self::BaseProgress(_)
             | Self::BaseEstimated(_)
-            | Self::FindCameraProgress { .. }
-            | Self::CameraSearched { .. }
-            | Self::Track(_)
+            | Self::Report(_)
             | Self::Transfer(_)
             | Self::BulkProgress { .. }
             | Self::BulkSolved { .. }
-            | Self::CameraWatched { .. }
             | Self::Compare(_)
-            | Self::Compared(_)
             | Self::Answer(..)
             | Self::Open(_)
             | Self::Progress(_)

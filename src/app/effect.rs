@@ -1,12 +1,11 @@
 //! Effects, which the outside carries out.
 
 use super::bulk::BulkOrder;
-use super::paint_orders::{LineCheckOrder, PointSnapOrder, SnapOrder};
+use super::operation::Job;
+use super::paint_orders::{PointSnapOrder, SnapOrder};
 use super::session::Question;
-use super::tracking::TrackOrder;
 use super::transfer::TransferOrder;
-use super::unclicked::UnclickedOrder;
-use super::{BurntInSearch, CameraWatch, ShotSearch, TrainerOrder};
+use super::{BurntInSearch, ShotSearch, TrainerOrder};
 use crate::document::{CameraId, Document, Edit, History};
 use std::path::PathBuf;
 
@@ -95,20 +94,12 @@ pub enum Effect {
     },
     /// Give up what is being estimated.
     CancelEstimate,
-    /// Find a camera without a click, report `Action::FindCameraProgress` on the way and `Action::CameraSearched` in the end.
-    FindCamera(Box<UnclickedOrder>),
-    /// Nobody waits any more for a camera without a click.
-    CancelFindCamera,
-    /// Carry known cameras through a clip, report `TrackAction::Progress` on the way and `TrackAction::Done` in the end.
-    Track(Box<TrackOrder>),
-    /// Nobody waits any more for the cameras of a clip.
-    CancelTrack,
+    /// Run an operation and pass on what it reports as `Action::Report`.
+    Start(Job),
     /// Work a change out, report `Action::BulkProgress` on the way and `Action::BulkSolved` in the end.
     SolveBulk(Box<BulkOrder>),
     /// Give up the change that is being worked out.
     CancelBulk,
-    /// Look whether a camera fits all of its frames and report `Action::CameraWatched`.
-    WatchCamera(Box<CameraWatch>),
     /// Pull a frame's camera onto the painted lines, or search it by them; report `Action::SnapProgress` on the way and
     /// `Action::Snapped` in the end.
     Snap(Box<SnapOrder>),
@@ -116,8 +107,6 @@ pub enum Effect {
     CancelSnap,
     /// Look where the landmarks of clicks are painted and report `Action::PointsSnapped`.
     SnapPoints(Box<PointSnapOrder>),
-    /// Judge cameras by the painted lines and report `Action::LinesChecked`.
-    CheckLines(Box<LineCheckOrder>),
     /// Look for the cuts of a video and report `VideoAction::ShotsFound`.
     FindShots(Box<ShotSearch>),
     /// Give up that search.
@@ -128,17 +117,6 @@ pub enum Effect {
     Trainer(TrainerOrder),
     /// Read the first camera with a base from a document and report `Action::CameraLoaded`.
     LoadCamera(PathBuf),
-    /// Compare the document with another annotator's and report `Action::Compared`.
-    Compare {
-        /// The document.
-        document: Document,
-        /// The folder that its relative paths start from.
-        folder: PathBuf,
-        /// Its revision.
-        revision: u64,
-        /// The other one's file.
-        with: PathBuf,
-    },
     /// Ask for a path.
     Ask(Question),
     /// Write the settings.

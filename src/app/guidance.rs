@@ -43,13 +43,8 @@ pub fn next_step(app: &App) -> Guidance {
     if let Some(work) = app.session.bulk.as_ref().filter(|_| app.session.mode == Mode::Idle) {
         return Guidance::say(work.describe()).offer("Stop", Command::StopSolving);
     }
-    if let Some(searching) = app.session.unclicked.searching()
-        && app.session.mode == Mode::Idle
-    {
-        return Guidance::say(searching.describe()).offer("Stop", Command::StopFindCamera);
-    }
-    if let Some(tracking) = app.session.tracking.as_ref().filter(|_| app.session.mode == Mode::Idle) {
-        return Guidance::say(tracking.describe()).offer("Stop", Command::StopTracking);
+    if let Some(under_way) = app.operations.under_way().filter(|_| app.session.mode == Mode::Idle) {
+        return Guidance::say(under_way.text).offer("Stop", under_way.stop);
     }
     if let Some(searching) = app.session.snapping.as_ref().and_then(Snapping::describe)
         && app.session.mode == Mode::Idle

@@ -1,13 +1,12 @@
 //! What the painted lines of the open document's pictures are asked in the background.
 
-use crate::calibrate::{OnPaintError, SnapFrameError, camera_on_paint, check_frame, snap_clicks};
+use crate::calibrate::{OnPaintError, SnapFrameError, camera_on_paint, snap_clicks};
 use crate::camera::{CameraBase, PtzCamera};
-use crate::document::{Document, FrameId};
+use crate::document::Document;
 use crate::field::FieldModel;
 use crate::media::ReadFrames;
-use crate::paint::{FindOptions, LineCheck, Snapped, SnappedPoint, WatchFind};
+use crate::paint::{FindOptions, Snapped, SnappedPoint, WatchFind};
 use crate::proposals::{PictureError, read_picture};
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::Arc;
 use thiserror::Error;
@@ -101,48 +100,5 @@ impl PointSnapOrder {
         let Some(frame) = self.document.frames.get(self.frame) else { return Ok(Vec::new()) };
         let picture = read_picture(reader, frame, &self.folder)?;
         Ok(snap_clicks(&self.document, frame, &self.field, &self.camera, &picture, &self.clicks))
-    }
-}
-
-/// Cameras of frames are to be judged by the painted lines.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LineCheckOrder {
-    /// Which order: the report says it again.
-    pub ticket: u64,
-    /// The document.
-    pub document: Document,
-    /// Where its relative paths start.
-    pub folder: PathBuf,
-    /// The frames by their places, and the fields that they show.
-    pub frames: Vec<(usize, Arc<FieldModel>)>,
-}
-
-/// What the paint says about a frame's camera.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CheckedLines {
-    /// Which frame.
-    pub frame: FrameId,
-    /// The camera that was judged.
-    pub camera: PtzCamera,
-    /// What the paint says; none where the picture cannot be read.
-    pub check: Option<LineCheck>,
-}
-
-impl LineCheckOrder {
-    /// Judges the cameras one after another; fewer where `watch` ended it.
-    #[must_use]
-    pub fn carry_out(&self, reader: &mut dyn ReadFrames, watch: &dyn Fn() -> ControlFlow<()>) -> Vec<CheckedLines> {
-        let mut checked = Vec::with_capacity(self.frames.len());
-        for (index, field) in &self.frames {
-            if watch().is_break() {
-                break;
-            }
-            let Some(frame) = self.document.frames.get(*index) else { continue };
-            let Some(camera) = self.document.pointed(frame) else { continue };
-            let picture = read_picture(reader, frame, &self.folder);
-            let check = picture.ok().and_then(|picture| check_frame(&self.document, frame, field, &picture));
-            checked.push(CheckedLines { frame: frame.id.clone(), camera, check });
-        }
-        checked
     }
 }

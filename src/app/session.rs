@@ -11,21 +11,17 @@ use super::choices::QualityChoice;
 use super::guide::GuidePage;
 use super::review_choice::ReviewChoice;
 use super::tour::Tour;
-use super::tracking::{LastCarried, Tracking};
 use super::transfer::Transfer;
-use super::unclicked::UnclickedWork;
 use super::video::VideoState;
-use super::{Command, Comparison, TrainerState};
-use crate::calibrate::FoundCamera;
+use super::{Command, TrainerState};
 use crate::camera::PtzCamera;
-use crate::document::{CameraId, Frame, FrameId, RejectReason, Shared};
+use crate::document::{Frame, FrameId, RejectReason, Shared};
 use crate::geometry::ImagePoint;
 use crate::proposals::FoundMask;
 use crate::scene::uncertainty::UncertaintyView;
 use crate::store::Orphan;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
-use std::sync::Arc;
 
 /// What the window shows and what has been begun.
 #[derive(Debug, Default)]
@@ -76,20 +72,12 @@ pub struct Session {
     pub told: Vec<(Level, String)>,
     /// How far what was done is on disk.
     pub saving: Saving,
-    /// Cameras that are being carried through a clip.
-    pub tracking: Option<Tracking>,
-    /// What was carried last.
-    pub carried: Option<LastCarried>,
     /// What is being done about the camera's base.
     pub base: BaseWork,
     /// A change after which many frames are solved again, while it is worked out.
     pub bulk: Option<BulkWork>,
-    /// The camera and frame of the last notice that a camera stops fitting.
-    pub told_change: Option<(CameraId, usize)>,
     /// What the background trainer is doing.
     pub trainer: TrainerState,
-    /// The comparison with another annotator's document.
-    pub comparison: Comparison,
     /// A document is being read.
     pub opening: Option<String>,
     /// The window may close once everything is on disk.
@@ -104,10 +92,6 @@ pub struct Session {
     pub fit_scale: f64,
     /// The frame whose camera is being pulled onto the painted lines.
     pub snapping: Option<Snapping>,
-    /// What is being done about a camera without a click.
-    pub unclicked: UnclickedWork,
-    /// The camera that was found last without a click, for its map.
-    pub found_camera: Option<Arc<FoundCamera>>,
     /// How many snaps have been asked for.
     pub snap_tickets: u64,
     /// The cameras of frames before they were snapped.

@@ -11,7 +11,8 @@
 //! | [`Saver`] | edits, in order; to write the document |
 //! | [`Trainer`] | the newest document and shown frame, in place of the one before |
 //!
-//! [`Runner`] owns the jobs of an open document and turns effects into orders and reports into actions.
+//! [`Runner`] owns the jobs of an open document and turns effects into orders and reports into actions. Operations of `app` it runs
+//! as [`Job`](crate::app::operation::Job)s, without knowing which they are.
 
 mod background;
 mod decoder;

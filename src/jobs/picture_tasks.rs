@@ -5,11 +5,8 @@ use super::shared_pictures::SharedReader;
 use super::tasks::new_folder;
 use crate::app::base::EstimateFailure;
 use crate::app::transfer::{TransferAction, TransferOrder, TransferWork};
-use crate::app::unclicked::UnclickedOrder;
-use crate::app::{
-    Action, BurntInSearch, LineCheckOrder, PointSnapOrder, ShotSearch, SnapOrder, TrackAction, TrackOrder, VideoAction,
-};
-use crate::calibrate::{ClipProgress, EstimatedBase, WatchUnclicked, estimate_on_paint};
+use crate::app::{Action, BurntInSearch, PointSnapOrder, ShotSearch, SnapOrder, VideoAction};
+use crate::calibrate::{EstimatedBase, estimate_on_paint};
 use crate::document::{CameraId, DocumentAt, Frame};
 use crate::media::FrameReader;
 use crate::paint::WatchFind;
@@ -76,22 +73,6 @@ pub(super) fn snapped(order: &SnapOrder, pictures: SharedPictures, watch: WatchF
     Action::Snapped { ticket: order.ticket, result }
 }
 
-/// Finds a camera by the pictures of its frames alone; `watch` is told how far the search has come.
-pub(super) fn camera_searched(order: &UnclickedOrder, pictures: SharedPictures, watch: WatchUnclicked<'_>) -> Action {
-    let answer = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
-    Action::CameraSearched { ticket: order.ticket, answer: answer.map(Box::new) }
-}
-
-/// Carries known cameras through a clip; `watch` is told how far it has come.
-pub(super) fn tracked(
-    order: &TrackOrder,
-    pictures: SharedPictures,
-    watch: &dyn Fn(ClipProgress) -> ControlFlow<()>,
-) -> Action {
-    let carried = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
-    Action::Track(TrackAction::Done { ticket: order.ticket, carried })
-}
-
 /// Exports or imports; `watch` is told how far it has come.
 pub(super) fn transferred(
     mut order: TransferOrder,
@@ -118,14 +99,4 @@ pub(super) fn transferred(
 pub(super) fn points_snapped(order: &PointSnapOrder, pictures: SharedPictures) -> Action {
     let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures));
     Action::PointsSnapped { ticket: order.ticket, found }
-}
-
-/// Judges cameras by the painted lines; fewer where `watch`, asked before each, ends it.
-pub(super) fn lines_checked(
-    order: &LineCheckOrder,
-    pictures: SharedPictures,
-    watch: &dyn Fn() -> ControlFlow<()>,
-) -> Action {
-    let found = order.carry_out(&mut SharedReader::new(Box::new(FrameReader::new()), pictures), watch);
-    Action::LinesChecked { ticket: order.ticket, found: Ok(found) }
 }

@@ -1,23 +1,17 @@
 //! Carries out what the application asks for, in the background.
 
 use super::opening::{OpenWatch, Ready, open_anything};
-use super::picture_tasks::{
-    base_with_paint, burnt_in, camera_searched, lines_checked, points_snapped, shots_found, snapped, tracked,
-    transferred,
-};
-use super::tasks::{camera_with_base, compared, estimate, save_copy};
+use super::picture_tasks::{base_with_paint, burnt_in, points_snapped, shots_found, snapped, transferred};
+use super::tasks::{camera_with_base, estimate, save_copy};
 use super::{
     Background, BackgroundReport, JobError, Reporter, Saver, SaverOptions, SaverReport, SharedPictures, Trainer,
     TrainerOptions, TrainerReport, Wake, demo,
 };
 use crate::app::base::{EstimateFailure, EstimateProgress};
+use crate::app::operation::{Job, Report};
 use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
-use crate::app::unclicked::UnclickedFailure;
-use crate::app::{
-    Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, TrackAction, TrackFailure, VideoAction,
-    WatchPanicked,
-};
+use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
 use crate::field::template_named;
 use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
@@ -49,22 +43,14 @@ enum Kind {
     Estimate,
     /// It works a change out; the change's ticket.
     Bulk(u64),
-    /// It looks at a camera over time; the look's ticket.
-    Watch(u64),
     /// It looks for burned-in graphics.
     BurntIn,
     /// It looks for cuts; the search's ticket.
     Shots(u64),
     /// It snaps a frame; the order's ticket.
     Snap(u64),
-    /// It looks for a camera without a click; the order's ticket.
-    Unclicked(u64),
-    /// It carries cameras through a clip; the order's ticket.
-    Track(u64),
     /// It looks where clicks are painted; the order's ticket.
     SnapPoints(u64),
-    /// It judges cameras by the painted lines; the order's ticket.
-    LineCheck(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
     /// Anything that runs to its end.
@@ -97,6 +83,19 @@ struct Task {
     given_up: bool,
 }
 
+/// An operation on its thread.
+struct RunningJob {
+    job: Job,
+    background: Background<Report, Report>,
+}
+
+impl Drop for RunningJob {
+    /// The thread is waited for next: it must not go on to its end.
+    fn drop(&mut self) {
+        self.job.cancel();
+    }
+}
+
 /// Carries out effects; its reports are actions.
 pub struct Runner {
     wake: Wake,
@@ -105,6 +104,7 @@ pub struct Runner {
     /// The document that the saver writes.
     held: Option<Location>,
     trainer: Option<Trainer>,
+    jobs: Vec<RunningJob>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
 }
@@ -114,12 +114,22 @@ impl Runner {
     /// decoded.
     #[must_use]
     pub const fn new(wake: Wake, pictures: SharedPictures) -> Self {
-        Self { wake, pictures, saver: None, held: None, trainer: None, tasks: Vec::new(), reports: Vec::new() }
+        Self {
+            wake,
+            pictures,
+            saver: None,
+            held: None,
+            trainer: None,
+            jobs: Vec::new(),
+            tasks: Vec::new(),
+            reports: Vec::new(),
+        }
     }
 
     /// Carries an effect out, or begins to; what only a window can do comes back.
     pub fn carry_out(&mut self, effect: Effect) -> Option<Request> {
         match effect {
+            Effect::Start(job) => self.start(job),
             Effect::Open(path) => self.open("open", move |_| Ok(path)),
             Effect::OpenDemo => self.open("open the demo", demo::fresh_copy),
             Effect::Reopen(path) => {
@@ -158,10 +168,6 @@ impl Runner {
                 });
             }
             Effect::CancelBulk => self.give_up(|kind| matches!(kind, Kind::Bulk(_))),
-            Effect::WatchCamera(watch) => self.begin("camera watch", Kind::Watch(watch.ticket), move |_| {
-                let (ticket, change) = (watch.ticket, watch.look().map(Box::new));
-                Ok(Outcome::Action(Action::CameraWatched { ticket, change: Ok(change) }))
-            }),
             Effect::FindBurntIn(search) => {
                 self.give_up(|kind| kind == Kind::BurntIn);
                 let pictures = self.pictures.clone();
@@ -186,37 +192,11 @@ impl Runner {
                     })))
                 });
             }
-            Effect::FindCamera(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("find the camera", Kind::Unclicked(order.ticket), move |watch| {
-                    let ticket = order.ticket;
-                    Ok(Outcome::Action(camera_searched(&order, pictures, &|progress| {
-                        watch.tell(Action::FindCameraProgress { ticket, progress })
-                    })))
-                });
-            }
-            Effect::CancelFindCamera => self.give_up(|kind| matches!(kind, Kind::Unclicked(_))),
-            Effect::Track(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("carry cameras", Kind::Track(order.ticket), move |watch| {
-                    let ticket = order.ticket;
-                    Ok(Outcome::Action(tracked(&order, pictures, &|progress| {
-                        watch.tell(Action::Track(TrackAction::Progress { ticket, progress }))
-                    })))
-                });
-            }
-            Effect::CancelTrack => self.give_up(|kind| matches!(kind, Kind::Track(_))),
             Effect::CancelSnap => self.give_up(|kind| matches!(kind, Kind::Snap(_))),
             Effect::SnapPoints(order) => {
                 let pictures = self.pictures.clone();
                 self.begin("snap points", Kind::SnapPoints(order.ticket), move |_| {
                     Ok(Outcome::Action(points_snapped(&order, pictures)))
-                });
-            }
-            Effect::CheckLines(order) => {
-                let pictures = self.pictures.clone();
-                self.begin("line check", Kind::LineCheck(order.ticket), move |watch| {
-                    Ok(Outcome::Action(lines_checked(&order, pictures, &|| watch.goes_on())))
                 });
             }
             Effect::Trainer(order) => {
@@ -260,10 +240,6 @@ impl Runner {
             Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
-            Effect::Compare { document, folder, revision, with } => self.begin("compare", Kind::Other, move |_| {
-                compared(document.at(&folder), revision, with)
-                    .map(|compared| Outcome::Action(Action::Compared(Box::new(compared))))
-            }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
             Effect::SaveSettings => return Some(Request::SaveSettings),
             Effect::Close => return Some(Request::Close),
@@ -274,6 +250,7 @@ impl Runner {
     /// What has happened since the last call.
     pub fn poll(&mut self) -> Vec<Action> {
         let mut actions = std::mem::take(&mut self.reports);
+        actions.extend(self.poll_jobs());
         let mut opened = None;
         for task in &mut self.tasks {
             while let Some(report) = task.background.poll() {
@@ -292,7 +269,6 @@ impl Runner {
                         Kind::Bulk(ticket) => {
                             Action::BulkSolved { ticket, solved: Err(BulkFailure::Panicked { message }) }
                         }
-                        Kind::Watch(ticket) => Action::CameraWatched { ticket, change: Err(WatchPanicked { message }) },
                         Kind::Shots(ticket) => Action::Video(VideoAction::ShotsFound {
                             ticket,
                             found: Err(ShotFailure::Panicked { message }),
@@ -300,18 +276,8 @@ impl Runner {
                         Kind::Snap(ticket) => {
                             Action::Snapped { ticket, result: Err(SnapFailure::Panicked { message }) }
                         }
-                        Kind::Unclicked(ticket) => {
-                            Action::CameraSearched { ticket, answer: Err(UnclickedFailure::Panicked { message }) }
-                        }
-                        Kind::Track(ticket) => Action::Track(TrackAction::Done {
-                            ticket,
-                            carried: Err(TrackFailure::Panicked { message }),
-                        }),
                         Kind::SnapPoints(ticket) => {
                             Action::PointsSnapped { ticket, found: Err(SnapFailure::Panicked { message }) }
-                        }
-                        Kind::LineCheck(ticket) => {
-                            Action::LinesChecked { ticket, found: Err(WatchPanicked { message }) }
                         }
                         Kind::Transfer(ticket) => Action::Transfer(TransferAction::Written {
                             ticket,
@@ -368,7 +334,34 @@ impl Runner {
     /// Whether something is still under way.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        !self.tasks.is_empty()
+        !self.jobs.is_empty() || !self.tasks.is_empty()
+    }
+
+    /// Runs an operation on a thread of its own.
+    fn start(&mut self, job: Job) {
+        let (task, pictures) = (job.clone(), self.pictures.clone());
+        let background = Background::spawn(job.name(), self.wake.clone(), move |reporter| {
+            task.run(&pictures, &|progress| reporter.progress(progress))
+        });
+        match background {
+            Ok(background) => self.jobs.push(RunningJob { job, background }),
+            Err(error) => self.reports.push(Action::Report(job.not_started(&error))),
+        }
+    }
+
+    /// What the operations have reported. The application knows which of them it still waits for.
+    fn poll_jobs(&mut self) -> Vec<Action> {
+        let mut actions = Vec::new();
+        for RunningJob { job, background } in &mut self.jobs {
+            while let Some(report) = background.poll() {
+                actions.push(Action::Report(match report {
+                    BackgroundReport::Progress(report) | BackgroundReport::Done(report) => report,
+                    BackgroundReport::Panicked(message) => job.panicked(message),
+                }));
+            }
+        }
+        self.jobs.retain(|running| !running.background.is_over());
+        actions
     }
 
     /// Nobody waits any more for what tasks of some kinds are at.
@@ -465,4 +458,94 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
 /// The time of day as the window shows it: "12:03:41".
 fn clock(at: jiff::civil::Time) -> String {
     format!("{:02}:{:02}:{:02}", at.hour(), at.minute(), at.second())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::operation::probe::{Probe, Step};
+    use crate::app::operation::{Breakdown, Failure};
+    use crate::app::{App, Opened, Settings};
+    use crate::document::{Document, FieldSpec};
+    use std::sync::Arc;
+    use std::sync::mpsc::{Receiver, channel};
+
+    /// An application with a document, and what runs its operations.
+    struct Bench {
+        app: App,
+        runner: Runner,
+        woken: Receiver<()>,
+    }
+
+    impl Bench {
+        fn new() -> Self {
+            let (wake, woken) = channel();
+            let runner = Runner::new(Arc::new(move || wake.send(()).unwrap_or_default()), SharedPictures::none());
+            let mut app = App::new(Settings::default());
+            app.update(opened());
+            Self { app, runner, woken }
+        }
+
+        fn start(&mut self, probe: Probe) {
+            let effect = self.app.start_probe(probe);
+            self.runner.carry_out(effect);
+        }
+
+        /// Passes reports on until nothing runs any more.
+        fn wait(&mut self) {
+            while self.runner.is_busy() {
+                self.woken.recv().unwrap();
+                for action in self.runner.poll() {
+                    self.app.update(action);
+                }
+            }
+        }
+    }
+
+    fn opened() -> Action {
+        Action::Opened(Box::new(Opened::new(Document::new(FieldSpec::new("soccer")), "/match/project.json")))
+    }
+
+    #[test]
+    fn progress_and_result_of_an_operation_reach_it() {
+        let mut bench = Bench::new();
+        let (probe, steps) = Probe::new();
+        bench.start(probe);
+        steps.send(Step::Report(40)).unwrap();
+        bench.woken.recv().unwrap();
+        for action in bench.runner.poll() {
+            bench.app.update(action);
+        }
+        assert_eq!(bench.app.operations.probe.slot.running().unwrap().progress(), Some(&40));
+        steps.send(Step::Return(7)).unwrap();
+        bench.wait();
+        assert_eq!(bench.app.operations.probe.taken, [Ok(7)]);
+    }
+
+    #[test]
+    fn a_panic_of_any_operation_is_its_failure() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::Panic]));
+        bench.wait();
+        let message = "the probe broke".to_owned();
+        assert_eq!(bench.app.operations.probe.taken, [Err(Failure::Broken(Breakdown::Panicked(message)))]);
+    }
+
+    #[test]
+    fn another_document_ends_the_work() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        bench.app.update(opened());
+        bench.wait();
+        assert!(bench.app.operations.probe.taken.is_empty());
+    }
+
+    #[test]
+    fn dropping_the_runner_ends_the_work_and_waits_for_it() {
+        let mut bench = Bench::new();
+        bench.start(Probe::of([Step::WaitUntilCancelled]));
+        drop(bench.runner);
+        assert!(bench.app.operations.probe.slot.is_running(), "the application was not asked");
+        assert!(bench.woken.try_iter().count() > 0, "it has reported its end");
+    }
 }

@@ -1,6 +1,7 @@
 //! The decoded frames that the window, the filmstrip and the trainer share, so that none of them decodes what another has.
 
-use crate::media::{FrameCache, FrameRef, MediaError, Notice, Picture, ReadFrames};
+use crate::app::operation::Decoders;
+use crate::media::{FrameCache, FrameReader, FrameRef, MediaError, Notice, Picture, ReadFrames};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -95,6 +96,16 @@ impl SharedPictures {
     /// Nobody can panic with the lock held.
     fn lock(&self) -> MutexGuard<'_, FrameCache> {
         self.0.frames.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Decoders for SharedPictures {
+    fn open_reader(&self) -> Box<dyn ReadFrames> {
+        Box::new(SharedReader::new(Box::new(FrameReader::new()), self.clone()))
+    }
+
+    fn give_way_to_window(&self) {
+        self.wait_for_window();
     }
 }
 

@@ -1,10 +1,8 @@
 //! What is done in the background at a person's request, apart from opening.
 
 use super::JobError;
-use crate::app::Compared;
 use crate::calibrate::{BaseEstimationError, BaseProblem, EstimatedBase};
 use crate::document::{Camera, CameraId, DocumentAt};
-use crate::evaluate::agreement;
 use crate::solve::base::{BaseOptions, WatchBase};
 use crate::store::{Location, Store};
 use std::path::{Path, PathBuf};
@@ -24,13 +22,6 @@ pub(super) fn estimate(
         problem.estimate_watched(document.document, &options, watch)
     };
     found.map(Box::new)
-}
-
-/// Reads another annotator's document and compares the open one with it.
-pub(super) fn compared(document: DocumentAt<'_>, revision: u64, with: PathBuf) -> Result<Compared, JobError> {
-    let (location, other, _) = crate::store::read(&with)?;
-    let agreement = agreement(document, other.at(location.folder()))?;
-    Ok(Compared { file: with, revision, agreement })
 }
 
 /// Writes a document into another folder; an existing project there is not touched.

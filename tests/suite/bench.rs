@@ -1,5 +1,6 @@
 //! An application with an opened document, driven by actions; what tests of the application share.
 
+use touchline::app::operation::{Failure, Job, Operation, Report};
 use touchline::app::{Action, App, Command, Effect, Opened, Settings};
 use touchline::camera::{BaseAngles, CameraBase, PtzCamera};
 use touchline::document::Document;
@@ -52,6 +53,27 @@ impl Bench {
     pub fn click(&mut self, at: ImagePoint) {
         self.act(Action::Press { at, on: None });
         self.act(Action::Release);
+    }
+
+    /// The request of an operation that was started last.
+    pub fn started<O: Operation>(&self) -> Job {
+        let jobs = self.effects.iter().filter_map(|effect| match effect {
+            Effect::Start(job) if job.name() == O::NAME => Some(job),
+            _ => None,
+        });
+        jobs.last().unwrap_or_else(|| panic!("{} was not started", O::NAME)).clone()
+    }
+
+    /// The operation that was started last has come this far.
+    pub fn report_progress<O: Operation>(&mut self, progress: O::Progress) {
+        let id = self.started::<O>().id();
+        self.act(Action::Report(Report::of_progress::<O>(id, progress)));
+    }
+
+    /// The operation that was started last has ended.
+    pub fn report_end<O: Operation>(&mut self, result: Result<O::Output, Failure<O::Error>>) {
+        let id = self.started::<O>().id();
+        self.act(Action::Report(Report::of_end::<O>(id, result)));
     }
 
     pub fn last_notice(&self) -> &str {

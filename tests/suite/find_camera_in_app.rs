@@ -4,9 +4,11 @@
 use crate::bench::{Bench, base, landmark_in, uncounted};
 use crate::review_in_app::blank;
 use touchline::app::guidance::next_step;
+use touchline::app::operation::{Breakdown, Failure};
+use touchline::app::operations::CameraSearch;
+use touchline::app::operations::camera_search::Left;
 use touchline::app::session::{Level, SidePanel};
-use touchline::app::unclicked::{UnclickedFailure, UnclickedOrder, UnclickedWork};
-use touchline::app::{Action, App, Command, Effect};
+use touchline::app::{Action, App, Command};
 use touchline::calibrate::{
     Abstention, DecidingLandmark, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedEvidence, UnclickedFrame,
     UnclickedProgress,
@@ -41,17 +43,8 @@ fn found(frames: usize, sideways_m: f64) -> UnclickedCamera {
     UnclickedCamera { base, field, sizes: Vec::new(), frames, others: Vec::new(), paint: Vec::new(), evidence }
 }
 
-fn order(bench: &Bench) -> UnclickedOrder {
-    let orders = bench.effects.iter().filter_map(|effect| match effect {
-        Effect::FindCamera(order) => Some((**order).clone()),
-        _ => None,
-    });
-    orders.last().unwrap()
-}
-
-fn report(bench: &mut Bench, answer: Result<UnclickedAnswer, UnclickedFailure>) {
-    let ticket = order(bench).ticket;
-    bench.act(Action::CameraSearched { ticket, answer: answer.map(Box::new) });
+fn report(bench: &mut Bench, answer: UnclickedAnswer) {
+    bench.report_end::<CameraSearch>(Ok(answer));
 }
 
 fn has_base(app: &App) -> bool {
@@ -66,17 +59,17 @@ fn it_is_offered_where_a_base_is_missing_and_tells_what_it_is_at() {
     assert!(Bench::new(blank(5)).app.why_not(Command::FindCamera).is_some(), "its base is known");
     assert!(Bench::new(unknown(2)).app.why_not(Command::FindCamera).unwrap().contains("too few frames"));
     bench.command(Command::FindCamera);
-    assert_eq!(order(&bench).camera.as_str(), "main");
+    let search = bench.started::<CameraSearch>();
+    assert_eq!(bench.app.operations.camera_search.running().unwrap().camera.as_str(), "main");
     assert!(bench.app.why_not(Command::FindCamera).is_some(), "one at a time");
-    let ticket = order(&bench).ticket;
-    bench.act(Action::FindCameraProgress { ticket, progress: UnclickedProgress::Tying { done: 212, of: 480 } });
+    bench.report_progress::<CameraSearch>(UnclickedProgress::Tying { done: 212, of: 480 });
     let said = next_step(&bench.app);
     assert_eq!(said.text, "Finding the camera: matching pairs of frames, 212 of 480…");
     assert_eq!(said.offers, [("Stop", Command::StopFindCamera)]);
     bench.command(Command::StopFindCamera);
-    assert!(bench.effects.contains(&Effect::CancelFindCamera) && bench.app.why_not(Command::FindCamera).is_none());
+    assert!(search.is_cancelled() && bench.app.why_not(Command::FindCamera).is_none());
     // What arrives of it all the same is passed over.
-    bench.act(Action::CameraSearched { ticket, answer: Ok(Box::new(UnclickedAnswer::Found(found(5, 0.0).into()))) });
+    report(&mut bench, UnclickedAnswer::Found(found(5, 0.0).into()));
     assert!(!has_base(&bench.app));
 }
 
@@ -97,7 +90,7 @@ fn what_is_found_is_one_step_of_undo_and_no_click_is_lost() {
         bench.act(Action::Release);
     }
     bench.act(Action::Press { at: ImagePoint::new(100.0, 100.0), on: None });
-    report(&mut bench, Ok(UnclickedAnswer::Found(found(5, 0.0).into())));
+    report(&mut bench, UnclickedAnswer::Found(found(5, 0.0).into()));
     assert!(!has_base(&bench.app), "a drag is not cut in two");
     bench.command(Command::Cancel);
     bench.act(Action::Release);
@@ -152,13 +145,14 @@ fn where_it_abstains_it_says_why_and_which_view_is_missing() {
         ),
     ] {
         bench.command(Command::FindCamera);
-        report(&mut bench, Ok(UnclickedAnswer::Abstained(why)));
+        report(&mut bench, UnclickedAnswer::Abstained(why));
         assert_eq!(bench.last_notice(), says);
-        assert!(matches!(&bench.app.session.unclicked, UnclickedWork::Abstained { why, .. } if why == says));
+        let left = &bench.app.operations.camera_search.left;
+        assert!(matches!(left, Left::Abstained { why, .. } if why == says));
     }
     assert!(!has_base(&bench.app) && bench.app.open().unwrap().history.next_undo().is_none(), "nothing was changed");
     bench.command(Command::FindCamera);
-    report(&mut bench, Err(UnclickedFailure::Panicked { message: "the rig fell".to_owned() }));
+    bench.report_end::<CameraSearch>(Err(Failure::Broken(Breakdown::Panicked("the rig fell".to_owned()))));
     let last = bench.app.session.notices.last().unwrap();
     assert!(last.level == Level::Error && last.text.contains("the rig fell"), "{last:?}");
 }
@@ -176,7 +170,7 @@ fn of_two_answers_each_can_be_tried_and_undone() {
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
         UnclickedAnswer::Two { best, other, deciding }
     };
-    report(&mut bench, Ok(two(Some(deciding))));
+    report(&mut bench, two(Some(deciding)));
     assert!(!has_base(&bench.app), "none is given");
     assert_eq!(bench.app.session.panel, SidePanel::Camera);
     let said = bench.last_notice();
@@ -206,14 +200,14 @@ fn of_two_answers_the_deciding_click_takes_the_right_one_by_itself() {
             image: [ImagePoint::new(400.0, 300.0), ImagePoint::new(900.0, 310.0)],
         };
         let (best, other) = (found(5, 0.0).into(), found(5, 30.0).into());
-        report(&mut bench, Ok(UnclickedAnswer::Two { best, other, deciding: Some(deciding) }));
+        report(&mut bench, UnclickedAnswer::Two { best, other, deciding: Some(deciding) });
         bench.act(Action::GoTo(3));
         bench.act(Action::Pick(touchline::document::Target::Landmark("halfway_far".into())));
         bench.act(Action::Press { at: ImagePoint::new(at.0, at.1), on: None });
         bench.act(Action::Release);
         let found_x_m = bench.app.open().unwrap().document.cameras[0].base().map(|base| base.position_m.x);
         assert_eq!(found_x_m.map(f64::round), x_m, "{at:?}");
-        let waits = matches!(bench.app.session.unclicked, UnclickedWork::Two(_));
+        let waits = matches!(bench.app.operations.camera_search.left, Left::Two(_));
         assert_eq!(waits, x_m.is_none(), "between the two nothing is decided");
         if x_m.is_some() {
             bench.command(Command::Undo);

@@ -4,7 +4,9 @@ use crate::bench::{Bench, SIZE, base, landmark_in, uncounted};
 use crate::seeded::{normal, rng};
 use rand_pcg::Pcg64Mcg;
 use std::path::Path;
-use touchline::app::{Action, Command, Compared, Comparison, Effect, Question};
+use touchline::app::operation::{Breakdown, Failure};
+use touchline::app::operations::{Compared, Comparison};
+use touchline::app::{Action, Command, Effect, Question};
 use touchline::calibrate::ENOUGH_REPEATS;
 use touchline::camera::{Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Frame, FrameStatus, Target};
@@ -142,14 +144,15 @@ fn another_document_is_compared_on_the_quality_page() {
     bench.command(Command::CompareAnnotators);
     assert_eq!(bench.effects.pop(), Some(Effect::Ask(Question::CompareWith)));
     bench.act(Action::Answer(Question::CompareWith, "/other/project.json".into()));
-    assert!(bench.app.session.quality.open && bench.app.session.comparison == Comparison::UnderWay);
-    let Some(Effect::Compare { document, with, revision, .. }) = bench.effects.pop() else {
-        panic!("nothing is compared")
-    };
+    assert!(bench.app.session.quality.open && bench.app.operations.comparison.is_running());
+    bench.started::<Comparison>();
+    let asked = bench.app.operations.comparison.running().unwrap();
+    let (document, with, revision) = (asked.document.clone(), asked.with.clone(), asked.revision);
     assert_eq!((&document, with.as_path()), (bench.document(), Path::new("/other/project.json")));
     assert!(bench.app.why_not(Command::CompareAnnotators).is_some(), "one at a time");
-    bench.act(Action::Failed("no such file".to_owned()));
-    assert_eq!(bench.app.session.comparison, Comparison::None);
+    bench.report_end::<Comparison>(Err(Failure::Broken(Breakdown::Panicked("no such file".to_owned()))));
+    assert!(!bench.app.operations.comparison.is_running() && bench.app.operations.comparison.made().is_none());
+    assert!(bench.last_notice().contains("no such file"), "{}", bench.last_notice());
 
     let mut other = document.clone();
     for frame in &mut other.frames {
@@ -158,8 +161,9 @@ fn another_document_is_compared_on_the_quality_page() {
         }
     }
     let agreement = agreement(document.at(Path::new("/a")), other.at(Path::new("/b"))).unwrap();
-    bench.act(Action::Compared(Box::new(Compared { file: with, revision, agreement })));
-    let Comparison::Made(made) = &bench.app.session.comparison else { panic!("it was made") };
+    bench.act(Action::Compare(with.clone()));
+    bench.report_end::<Comparison>(Ok(Compared { file: with, revision, agreement }));
+    let made = bench.app.operations.comparison.made().unwrap();
     assert_eq!((made.agreement.distances.unwrap().count, made.agreement.lone.len()), (9, 0));
     let pair = made.agreement.frames[2].clicks[1].clicks[0];
     bench.act(Action::LookAt { frame: 2, click: Some(pair) });

@@ -47,6 +47,7 @@ mod library;
 mod masks_in_app;
 mod names_in_app;
 mod nothing_unasked;
+mod operations_in_app;
 mod paint;
 mod paint_in_app;
 mod places_in_app;

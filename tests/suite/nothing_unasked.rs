@@ -58,16 +58,17 @@ fn with_a_refusing_disk(root: &TempDir, path: &Path) -> (Headless, PathBuf) {
 
 #[test]
 fn a_window_that_cannot_save_asks_before_it_closes_and_does_close() {
-    for close in [Action::Command(Command::Quit), Action::CloseRequested] {
+    let ways: [fn() -> Action; 2] = [|| Action::Command(Command::Quit), || Action::CloseRequested];
+    for close in ways {
         let (root, path) = new_project();
         let (mut headless, _) = with_a_refusing_disk(&root, &path);
         for _ in 0..2 {
-            headless.act(close.clone());
+            headless.act(close());
             assert_eq!(headless.app.session.dialog, Some(Dialog::NotSaved(Leaving::Close)));
             assert!(!headless.requests.contains(&Request::Close), "nothing goes unasked");
             headless.act(Action::CloseDialog);
         }
-        headless.act(close);
+        headless.act(close());
         headless.act(Action::LeaveUnsaved);
         assert!(headless.requests.contains(&Request::Close), "it does close");
     }

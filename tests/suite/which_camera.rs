@@ -6,8 +6,10 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 use std::ops::ControlFlow;
 use std::path::Path;
+use touchline::app::operation::{Job, Operation};
+use touchline::app::operations::CameraWatch;
 use touchline::app::selection::{Scope, Selecting};
-use touchline::app::{Action, App, CameraChoice, CameraWatch, Command, Effect, Opened, Settings, WatchPanicked};
+use touchline::app::{Action, App, CameraChoice, Command, Effect, Opened, Settings};
 use touchline::calibrate::{
     AssignError, BaseProblem, BulkChange, BulkSolve, FrameLookup, camera_change, check_cameras, solve_document,
 };
@@ -15,6 +17,7 @@ use touchline::camera::{BaseAngles, CameraBase, Ptz, PtzCamera};
 use touchline::document::{Camera, Click, Document, FieldSpec, Fields, Frame, FrameStatus};
 use touchline::field::{FieldModel, builtin};
 use touchline::geometry::{Angle, ImageSize, Vec2, Vec3};
+use touchline::jobs::SharedPictures;
 use touchline::solve::base::BaseOptions;
 use touchline::solve::{Verdict, WarningCode};
 
@@ -223,15 +226,14 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     let mut rng = seeded::rng("a_camera_with_many_clicked_frames");
     let opened = Opened::new(document(60, 30, 2.0, &mut rng), "/match/project.json");
     let mut app = App::new(Settings::default());
-    let looks = |effects: Vec<Effect>| -> Vec<CameraWatch> {
+    let looks = |effects: Vec<Effect>| -> Vec<Job> {
         let looks = effects.into_iter().filter_map(|effect| match effect {
-            Effect::WatchCamera(look) => Some(*look),
+            Effect::Start(job) if job.name() == CameraWatch::NAME => Some(job),
             _ => None,
         });
         looks.collect()
     };
-    let report =
-        |look: &CameraWatch| Action::CameraWatched { ticket: look.ticket, change: Ok(look.look().map(Box::new)) };
+    let report = |look: &Job| Action::Report(look.run(&SharedPictures::none(), &|_| ()));
     let first = looks(app.update(Action::Opened(Box::new(opened)))).remove(0);
     assert_eq!(app.camera_change(), None, "nothing is known yet");
     let meanwhile = looks(app.update(Action::SetComment("rain".into())));
@@ -240,10 +242,7 @@ fn a_camera_with_many_clicked_frames_is_looked_at_in_the_background() {
     assert!(app.camera_change().unwrap().frame.abs_diff(30) <= 2, "{:?}", app.camera_change());
     assert!(looks(app.update(report(&second))).is_empty(), "the document is as it was looked at");
     let before = app.session.notices.len();
-    app.update(Action::CameraWatched {
-        ticket: first.ticket,
-        change: Err(WatchPanicked { message: "too late".to_owned() }),
-    });
+    app.update(Action::Report(first.panicked("too late".to_owned())));
     assert_eq!(app.session.notices.len(), before, "nobody waits for it any more");
 }
 

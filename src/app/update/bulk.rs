@@ -14,7 +14,7 @@ use std::sync::Arc;
 impl App {
     /// Makes a change as one step of undo: at once, or in the background where it concerns many frames. False, and told, where it
     /// cannot be made now.
-    pub(super) fn change_in_bulk(&mut self, step: Step, change: BulkChange) -> bool {
+    pub(in crate::app) fn change_in_bulk(&mut self, step: Step, change: BulkChange) -> bool {
         if let Some(work) = &self.session.bulk {
             let text = format!("Not while another change is under way: {}", work.describe());
             self.session.notify_with(Level::Info, text, Some(("Stop", Command::StopSolving)));
@@ -122,7 +122,7 @@ impl App {
                 self.session.base = BaseWork::Applied(Arc::clone(found));
                 self.tell_assumed_size();
             }
-            BulkChange::Unclicked(found) => self.camera_found(found),
+            BulkChange::Unclicked(found) => self.tell_found_camera(found),
             BulkChange::Assign(given) => self.frames_assigned(given),
         }
     }

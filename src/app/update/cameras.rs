@@ -3,21 +3,12 @@
 use super::App;
 use crate::app::CameraChoice;
 use crate::app::Command;
-use crate::app::camera_watch::{AT_ONCE, CameraWatch, WatchPanicked};
-use crate::app::effect::Effect;
 use crate::app::selection::{Scope, Selecting, after_click};
 use crate::app::session::{Dialog, Level};
-use crate::calibrate::{AssignedFrames, BulkChange, CameraChange, NewCamera, camera_change};
-use crate::document::{CameraId, Step};
-use std::sync::Arc;
+use crate::calibrate::{AssignedFrames, BulkChange, NewCamera};
+use crate::document::Step;
 
 impl App {
-    /// Where the shown frame's camera stops fitting, if it does.
-    #[must_use]
-    pub fn camera_change(&self) -> Option<&CameraChange> {
-        self.watched.change.as_ref()
-    }
-
     pub(super) fn select_frame(&mut self, frame: usize, how: Selecting) {
         if let Some(open) = self.open.as_ref().filter(|open| open.frame(frame).is_some()) {
             self.session.frames_selected = after_click(open, &self.session, frame, how);
@@ -76,63 +67,6 @@ impl App {
         let step = Step::on_document(format!("New camera from frame {}", open.frame_number(change.frame)));
         let given = change.assigned(&open.document);
         self.change_in_bulk(step, BulkChange::Assign(Box::new(given)));
-    }
-
-    /// Looks whether the shown frame's camera still fits, after every edit; what is found is reported once. Many frames are looked
-    /// at in the background, one look at a time.
-    pub(super) fn watch_camera(&mut self) {
-        let seen =
-            self.open.as_ref().and_then(|open| Some((open.revision, open.frame(self.session.frame)?.camera.clone())));
-        if seen.is_none() {
-            (self.watched.of, self.watched.change) = (None, None);
-        }
-        let (Some(seen), Some(open)) = (seen, &mut self.open) else { return };
-        if self.watched.of.as_ref() == Some(&seen) || self.watched.under_way.is_some() {
-            return;
-        }
-        let Some(field) = self.current.field() else {
-            (self.watched.of, self.watched.change) = (Some(seen), None);
-            return;
-        };
-        let lookup = open.derived.lookup(&open.document);
-        if lookup.clicked_count(&seen.1) <= AT_ONCE {
-            let change = camera_change(&open.document, lookup, &seen.1, field);
-            self.camera_looked_at(seen, change);
-            return;
-        }
-        self.watched.tickets += 1;
-        let watch = CameraWatch {
-            ticket: self.watched.tickets,
-            document: open.document.clone(),
-            camera: seen.1.clone(),
-            field: Arc::clone(field),
-        };
-        self.watched.under_way = Some((watch.ticket, seen));
-        self.effects.push(Effect::WatchCamera(Box::new(watch)));
-    }
-
-    /// Takes the report of a look in the background; an outdated report is ignored.
-    pub(super) fn camera_watched(&mut self, ticket: u64, change: Result<Option<Box<CameraChange>>, WatchPanicked>) {
-        let Some((_, seen)) = self.watched.under_way.take_if(|(known, _)| *known == ticket) else { return };
-        match change {
-            Ok(change) => self.camera_looked_at(seen, change.map(|change| *change)),
-            Err(panicked) => {
-                self.camera_looked_at(seen, None);
-                self.session.notify(Level::Error, panicked.to_string());
-            }
-        }
-    }
-
-    fn camera_looked_at(&mut self, seen: (u64, CameraId), change: Option<CameraChange>) {
-        if let Some(change) = &change {
-            let told = (seen.1.clone(), change.frame);
-            if self.session.told_change.as_ref() != Some(&told) {
-                self.session.told_change = Some(told);
-                let offer = [("New camera from here", Command::NewCameraFromChange)];
-                self.session.notify_with(Level::Warning, change.describe(), offer);
-            }
-        }
-        (self.watched.of, self.watched.change) = (Some(seen), change);
     }
 }
 

@@ -5,8 +5,7 @@ use super::gold::IN_ROUND;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode, PictureView, Question, SidePanel};
 use crate::app::transfer::TransferTab;
-use crate::app::unclicked::UnclickedWork;
-use crate::app::{Chord, Command, CommandKind, Comparison};
+use crate::app::{Chord, Command, CommandKind};
 use crate::document::{EditKind, Frame, FrameStatus};
 
 /// One step of the zoom keys.
@@ -77,9 +76,7 @@ impl App {
             }
             C::SkipAgain if self.round().is_none() => Some("No blind round is under way."),
             C::MarkGold => self.frame().filter(|frame| !frame.gold).and_then(Frame::why_not_gold),
-            C::CompareAnnotators if self.session.comparison == Comparison::UnderWay => {
-                Some("A comparison is under way.")
-            }
+            C::CompareAnnotators => self.why_not_compare(),
             C::ChooseGold if !self.gold().can_choose => {
                 Some("Every suitable reference is gold already. Accept more frames first.")
             }
@@ -119,20 +116,14 @@ impl App {
             C::UseEstimatedBase if self.session.base.proposed().is_none() => Some("There is no estimated base."),
             C::StopSolving if self.session.bulk.is_none() => Some("No frames are being solved again."),
             C::DropEstimatedBase if !self.session.base.is_open() => Some("No base is being estimated."),
-            C::EstimateBase | C::DiscardCarried if self.is_read_only() => Some("The document is read-only."),
+            C::EstimateBase if self.is_read_only() => Some("The document is read-only."),
             C::Compare if self.current.proposal.is_some() => None,
             C::SwitchRoot if self.current.other_root().is_none() => Some("Only one focal length fits these points."),
             C::Compare if self.current.alternative().is_none() => Some("No other solution fits these points."),
             C::Snap => self.why_not_snap(),
-            C::Track => self.why_not_track(),
-            C::DiscardCarried if self.session.carried.is_none() => Some("No cameras were carried."),
-            C::StopTracking if self.session.tracking.is_none() => Some("No cameras are being carried."),
-            C::FindCamera => self.why_not_find_camera(),
-            C::StopFindCamera if matches!(self.session.unclicked, UnclickedWork::Idle) => {
-                Some("No search for a camera is running.")
-            }
-            C::TryFirstCamera | C::TryOtherCamera if !matches!(self.session.unclicked, UnclickedWork::Two(_)) => {
-                Some("There are no two cameras to choose from.")
+            C::Track | C::DiscardCarried | C::StopTracking => self.why_not_clip_tracking(command),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.why_not_camera_search(command)
             }
             C::SearchLines => self.why_not_search_lines(),
             C::StopSearch if self.session.snapping.as_ref().is_none_or(|snapping| !snapping.from_nothing) => {
@@ -143,7 +134,7 @@ impl App {
         }
     }
 
-    fn is_read_only(&self) -> bool {
+    pub(in crate::app) fn is_read_only(&self) -> bool {
         self.open.as_ref().is_some_and(|open| open.read_only.is_some())
     }
 
@@ -257,9 +248,7 @@ impl App {
             C::MendNames => self.mend_names(),
             C::SwitchRoot => self.switch_root(),
             C::Snap => self.snap(false),
-            C::Track => self.track(),
-            C::DiscardCarried => self.discard_carried(),
-            C::StopTracking => self.stop_tracking(),
+            C::Track | C::DiscardCarried | C::StopTracking => self.clip_tracking_command(command),
             C::SearchLines => self.snap(true),
             C::StopSearch => self.stop_search(),
             C::ZoomIn | C::ZoomOut | C::ZoomToFit if self.session.quality.open => self.zoom_time(command),
@@ -299,10 +288,9 @@ impl App {
             C::NewCameraFromChange => self.new_camera_from_change(),
             C::KeepBurntIn => self.keep_burnt_in(),
             C::ChangeBurntIn => self.change_burnt_in(),
-            C::FindCamera => self.find_camera(),
-            C::StopFindCamera => self.stop_find_camera(),
-            C::TryFirstCamera => self.try_camera(0),
-            C::TryOtherCamera => self.try_camera(1),
+            C::FindCamera | C::StopFindCamera | C::TryFirstCamera | C::TryOtherCamera => {
+                self.camera_search_command(command);
+            }
             C::EstimateBase => self.estimate_base(false),
             C::ShowForBase => self.show_for_base(),
             C::FitFieldSize => self.estimate_base(true),

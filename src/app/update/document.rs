@@ -5,8 +5,8 @@ use super::Current;
 use crate::app::Command;
 use crate::app::OpenProject;
 use crate::app::Opened;
-use crate::app::camera_watch::Watched;
 use crate::app::effect::Effect;
+use crate::app::operations::Operations;
 use crate::app::session::{Dialog, Leaving, Level, Question, Saving, Session, is_to_do};
 use crate::field::{FieldError, Template};
 use std::path::{Path, PathBuf};
@@ -39,9 +39,9 @@ impl App {
         self.effects.push(Effect::CancelEstimate);
         self.effects.push(Effect::CancelBulk);
         self.effects.push(Effect::CancelSnap);
-        self.effects.push(Effect::CancelFindCamera);
         self.effects.push(Effect::CancelTransfer);
         self.stop_shot_search();
+        self.operations = Operations::default();
         let panel = self.session.panel;
         let trainer = self.trainer_for_another();
         let snap_tickets = self.session.snap_tickets;
@@ -76,9 +76,6 @@ impl App {
         self.current = Current::default();
         self.review = super::Review::default();
         self.quality = super::Quality::default();
-        // A look at the document before is reported in vain.
-        self.watched = Watched { tickets: self.watched.tickets, ..Watched::default() };
-        self.line_checks = self.line_checks.for_another();
         self.point_snaps = self.point_snaps.for_another();
         self.session.unticked.clear();
         self.begin_waiting_tour();

@@ -5,7 +5,6 @@ mod bulk;
 mod cameras;
 mod clicks;
 mod commands;
-mod compare;
 mod document;
 mod doubt;
 mod frames;
@@ -21,64 +20,27 @@ mod playing;
 mod points;
 mod proposals;
 mod quality;
+mod requests;
 mod review;
 mod settings;
 mod shots;
 mod sport;
 mod tour;
-mod tracking;
 mod trainer;
 mod transfer;
-mod unclicked;
 
 pub use commands::MAX_SCALE;
 
 use super::action::Action;
-use super::camera_watch::Watched;
 use super::current::{Current, FreshSolve};
 use super::effect::Effect;
-use super::line_checks::LineChecks;
-use super::point_snaps::PointSnaps;
 use super::quality::Quality;
-use super::review::{AcceptSheet, Review};
-use super::session::{Dialog, Level, Mode, Saving, Session};
-use super::{Comparison, OpenProject, Settings};
+use super::review::Review;
+use super::session::{Dialog, Level, Mode, Saving};
+use super::{App, OpenProject, Settings};
 use crate::calibrate::{CalibrationError, record_outcome};
 use crate::document::{EditKind, Frame, FrameStatus, Step};
 use crate::solve::FrameSolution;
-use std::sync::Arc;
-
-/// The whole application without a window.
-#[derive(Debug, Default)]
-pub struct App {
-    /// What belongs to the user.
-    pub settings: Settings,
-    /// What the window shows and what has been begun.
-    pub session: Session,
-    open: Option<OpenProject>,
-    current: Current,
-    fresh: Option<FreshSolve>,
-    review: Review,
-    /// While suggestions are about to be accepted together.
-    accept_sheet: Option<Arc<AcceptSheet>>,
-    quality: Quality,
-    watched: Watched,
-    line_checks: LineChecks,
-    /// Tells the time of what people do; none: it is not written down.
-    clock: Option<fn() -> jiff::Timestamp>,
-    point_snaps: PointSnaps,
-    /// How many changes have been worked out in the background.
-    bulk_tickets: u64,
-    /// How often a camera was looked for without a click.
-    unclicked_tickets: u64,
-    /// The number of the last order to carry cameras.
-    track_tickets: u64,
-    /// A tour begins once the demo is open.
-    tour_waits: bool,
-    /// How many searches for cuts there were.
-    shot_tickets: u64,
-    effects: Vec<Effect>,
-}
 
 impl App {
     /// An application with nothing open.
@@ -129,8 +91,8 @@ impl App {
         let names_or_clicks = self.open.as_ref().map(|open| open.revision);
         self.tell_tour(&action);
         self.apply(action);
-        self.finish_find_camera();
-        self.finish_tracking();
+        self.deliver_waiting_reports();
+        self.decide_camera_by_click();
         self.finish_bulk();
         self.finish_shot_search();
         self.current.refresh(self.open.as_mut(), &self.session, self.fresh.take());
@@ -194,7 +156,6 @@ impl App {
             Action::SnapProgress { ticket, share } => self.snap_progress(ticket, share),
             Action::Snapped { ticket, result } => self.snapped(ticket, result),
             Action::PointsSnapped { ticket, found } => self.points_snapped(ticket, found),
-            Action::LinesChecked { ticket, found } => self.lines_checked(ticket, found),
             Action::BurntIn { file, found } => self.burnt_in_found(&file, found),
             Action::BeginEdit(name) => self.begin_edit(name),
             Action::EditPtz(ptz) => self.edit_ptz(ptz),
@@ -221,17 +182,13 @@ impl App {
             Action::LookAt { frame, click } => self.look_at(frame, click),
             Action::BaseProgress(progress) => self.base_progress(progress),
             Action::BaseEstimated(found) => self.base_estimated(found),
-            Action::FindCameraProgress { ticket, progress } => self.find_camera_progress(ticket, progress),
-            Action::Track(action) => self.tracking(action),
+            Action::Report(report) => self.receive(report),
             Action::Transfer(action) => self.transfer(action),
-            Action::CameraSearched { ticket, answer } => self.camera_searched(ticket, answer),
             Action::BulkProgress { ticket, progress } => self.bulk_progress(ticket, progress),
             Action::BulkSolved { ticket, solved } => self.bulk_solved(ticket, solved),
-            Action::CameraWatched { ticket, change } => self.camera_watched(ticket, change),
             Action::UseForBase { frame, used } => self.use_for_base(frame, used),
             Action::MirrorNames { frame, symmetry } => self.mirror_names(frame, symmetry),
             Action::Compare(with) => self.compare(with),
-            Action::Compared(compared) => self.compared(*compared),
             Action::SetOverlayStyle(_)
             | Action::SetTheme(_)
             | Action::SetLineColour(..)
@@ -274,9 +231,6 @@ impl App {
             Action::Failed(message) => {
                 self.session.opening = None;
                 self.tour_waits = false;
-                if self.session.comparison == Comparison::UnderWay {
-                    self.session.comparison = Comparison::None;
-                }
                 self.session.notify(Level::Error, message);
             }
             Action::TemplateRead { of, name, template } => self.template_read(&of, &name, template),
@@ -315,17 +269,17 @@ impl App {
     }
 
     /// Opens a step of undo on the shown frame; false (and said so) if nothing can be changed.
-    fn begin(&mut self, name: impl Into<String>) -> bool {
+    pub(super) fn begin(&mut self, name: impl Into<String>) -> bool {
         self.begin_step(self.step_at(name, self.session.frame))
     }
 
     /// A step of undo on the frame at a position.
-    fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
+    pub(super) fn step_at(&self, name: impl Into<String>, position: usize) -> Step {
         let frame = self.open.as_ref().and_then(|open| open.frame(position)).map(|frame| frame.id.clone());
         Step { name: name.into(), frame }
     }
 
-    fn begin_step(&mut self, step: Step) -> bool {
+    pub(super) fn begin_step(&mut self, step: Step) -> bool {
         if self.refuses_changes() {
             return false;
         }
@@ -336,7 +290,7 @@ impl App {
     }
 
     /// Whether nothing can be changed; says so.
-    fn refuses_changes(&mut self) -> bool {
+    pub(super) fn refuses_changes(&mut self) -> bool {
         let Some(reason) = self.open.as_ref().and_then(|open| open.read_only.as_ref()) else { return false };
         let text = format!("Nothing can be changed here: {reason}");
         self.session.notify(Level::Warning, text);
@@ -344,20 +298,20 @@ impl App {
     }
 
     /// Closes the step of undo; what changed goes into the journal.
-    fn commit(&mut self) {
+    pub(super) fn commit(&mut self) {
         self.follow_base();
         self.close_step();
     }
 
     /// Commits the step that is open, if one is: what was begun does not go on across what comes next.
-    fn commit_open_step(&mut self) {
+    pub(super) fn commit_open_step(&mut self) {
         if self.open.as_ref().is_some_and(|open| open.history.is_open()) {
             self.commit();
         }
     }
 
     /// [`Self::commit`] for a step in which the frames follow their cameras already.
-    fn close_step(&mut self) {
+    pub(super) fn close_step(&mut self) {
         let Some(open) = &mut self.open else { return };
         let name = open.history.open_step().map(|step| step.name.clone()).unwrap_or_default();
         let kind = open.history.open_kind();

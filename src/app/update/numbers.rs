@@ -119,7 +119,7 @@ impl App {
     }
 
     /// Says that the size of the field is assumed, with the way out.
-    pub(super) fn tell_assumed_size(&mut self) {
+    pub(in crate::app) fn tell_assumed_size(&mut self) {
         if let Some(told) = self.shown_field_spec().and_then(FieldSpec::describe_assumed_size) {
             self.session.notify_with(Level::Info, told, [("Confirm", Command::ConfirmFieldSize)]);
         }

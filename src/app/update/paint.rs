@@ -1,12 +1,10 @@
 //! The painted lines: a frame snapped to them, cameras judged by them.
 
 use super::App;
-use crate::app::camera_watch::WatchPanicked;
 use crate::app::effect::Effect;
-use crate::app::line_checks::PaintSays;
-use crate::app::paint_orders::{CheckedLines, LineCheckOrder, SnapFailure, SnapOrder, SnappedFrame};
+use crate::app::paint_orders::{SnapFailure, SnapOrder, SnappedFrame};
 use crate::app::session::{Level, Mode, Snapping};
-use crate::calibrate::{record_found_by_paint, record_line_check, record_snapped};
+use crate::calibrate::{record_found_by_paint, record_snapped};
 use crate::camera::PtzCamera;
 use crate::document::{Frame, FrameStatus};
 use crate::paint::LineVerdict;
@@ -135,13 +133,6 @@ impl App {
         }
     }
 
-    /// What the painted lines say about a frame's camera, where that is known.
-    #[must_use]
-    pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
-        let open = self.open.as_ref()?;
-        self.line_checks.of(open, open.frame(frame)?)
-    }
-
     /// The verdict on the shown frame, the painted lines and its neighbours included: what these contradict is looked at first.
     #[must_use]
     pub fn judgement(&self) -> Option<Judgement> {
@@ -162,35 +153,6 @@ impl App {
             Some(check(format!("{apart_px:.0} px off the way between the frames before and after it")))
         };
         of_paint.or_else(of_neighbours).or(judgement)
-    }
-
-    /// Has cameras judged by the paint that nobody has judged yet, between edits.
-    pub(super) fn check_lines(&mut self) {
-        let Some(open) = self.open.as_mut().filter(|open| !open.history.is_open()) else { return };
-        let Some((ticket, places)) = self.line_checks.next(open, self.session.frame) else { return };
-        let with_field = |index: usize| Some((index, open.field_of(index).ok()?));
-        let frames = places.into_iter().filter_map(with_field).collect();
-        let (document, folder) = ((*open.document).clone(), open.folder.clone());
-        self.effects.push(Effect::CheckLines(Box::new(LineCheckOrder { ticket, document, folder, frames })));
-    }
-
-    /// Takes in what the paint says.
-    pub(super) fn lines_checked(&mut self, ticket: u64, found: Result<Vec<CheckedLines>, WatchPanicked>) {
-        let found = found.unwrap_or_else(|panicked| {
-            self.session.notify(Level::Error, panicked.to_string());
-            Vec::new()
-        });
-        self.line_checks.take(ticket, found);
-    }
-
-    /// Writes what the paint says about the shown frame's camera into its solution, within a step.
-    pub(super) fn record_paint(&mut self) {
-        let Some(open) = &mut self.open else { return };
-        let Some(frame) = open.frame(self.session.frame) else { return };
-        let Some(check) = self.line_checks.fresh(open, frame) else { return };
-        if let Some(frame) = open.document.frames.get_mut(self.session.frame) {
-            record_line_check(frame, &check);
-        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::document::CameraId;
 const ZOOM_STEP: f64 = 2.0;
 
 impl App {
-    pub(super) fn toggle_quality(&mut self) {
+    pub(in crate::app) fn toggle_quality(&mut self) {
         self.session.quality.open = !self.session.quality.open;
         if !self.session.quality.open {
             return;

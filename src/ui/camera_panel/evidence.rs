@@ -248,14 +248,14 @@ fn disputed_click(panel: &mut Panel<'_>, ui: &mut Ui, disputed: &DisputedClick) 
         .unwrap_or_default();
     let text = format!("Point {} of {}, {what}: {off}.{hint}", disputed.click + 1, short_name(frame));
     remark(ui, &text, |ui| {
-        let go = [Action::GoTo(disputed.frame), Action::Select(Some(disputed.click))];
+        let go = || [Action::GoTo(disputed.frame), Action::Select(Some(disputed.click))];
         if ui.add(Button::new("Go there").small()).clicked() {
-            panel.actions.extend(go.clone());
+            panel.actions.extend(go());
         }
         if let Some((target, _)) = better
             && ui.add(Button::new("Rename").small()).on_hover_text("Rename this point to the name that fits.").clicked()
         {
-            panel.actions.extend(go);
+            panel.actions.extend(go());
             panel.actions.push(Action::Name { click: disputed.click, target });
         }
     });

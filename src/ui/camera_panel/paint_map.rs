@@ -23,7 +23,7 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
         let base = camera.base();
         found.camera == camera.id && base.is_none_or(|base| base.position_m == found.found.base.position_m)
     };
-    let Some(found) = panel.app.session.found_camera.clone().filter(is_it) else { return };
+    let Some(found) = panel.app.operations.camera_search.found.clone().filter(is_it) else { return };
     let Some(open) = panel.app.open() else { return };
     let frames: Vec<_> = found.looks(&open.document).collect();
     let looks: Vec<_> = frames.iter().map(|(_, look)| *look).collect();

@@ -1,7 +1,8 @@
 //! Finding the camera without a click: the button, the progress, what is left to decide.
 
 use super::section;
-use crate::app::unclicked::{Searching, TwoCameras, UnclickedWork};
+use crate::app::operations::UnderWay;
+use crate::app::operations::camera_search::{Left, TwoCameras};
 use crate::app::{Action, Command};
 use crate::document::Camera;
 use crate::ui::{
@@ -12,16 +13,18 @@ use egui::{Button, Label, ProgressBar, RichText, Ui};
 
 /// Shows what can be done about a camera without a click; nothing where it has a base.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
-    match &panel.app.session.unclicked {
-        UnclickedWork::Searching(searching) => {
-            section(ui, "FINDING THE CAMERA");
-            searched(panel, ui, searching);
-        }
-        UnclickedWork::Two(two) => {
+    let search = &panel.app.operations.camera_search;
+    if let Some(under_way) = search.under_way() {
+        section(ui, "FINDING THE CAMERA");
+        searched(panel, ui, &under_way);
+        return;
+    }
+    match &search.left {
+        Left::Two(two) => {
             section(ui, "TWO ANSWERS");
             decided(panel, ui, two);
         }
-        UnclickedWork::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
+        Left::Abstained { camera: of, why } if *of == camera.id && camera.base().is_none() => {
             section(ui, "WITHOUT A CLICK");
             ui.add(Label::new(RichText::new(why.as_str()).color(ui.palette().caution)).wrap());
             start(panel, ui, "Look again");
@@ -36,9 +39,9 @@ pub fn show(panel: &mut Panel<'_>, ui: &mut Ui, camera: &Camera) {
     }
 }
 
-fn searched(panel: &mut Panel<'_>, ui: &mut Ui, searching: &Searching) {
-    ui.add(Label::new(searching.describe()).wrap());
-    let share = searching.progress.map_or(0.0, |progress| progress.share_of_step() as f32);
+fn searched(panel: &mut Panel<'_>, ui: &mut Ui, under_way: &UnderWay) {
+    ui.add(Label::new(under_way.text.as_str()).wrap());
+    let share = under_way.share.unwrap_or_default();
     ui.add(ProgressBar::new(share).desired_height(6.0).corner_radius(2));
     ui.add_space(theme::SPACE);
     command(panel, ui, "Stop", Command::StopFindCamera);

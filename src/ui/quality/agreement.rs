@@ -2,7 +2,8 @@
 
 use super::scatter::Scatter;
 use super::{card, nothing_yet};
-use crate::app::{Action, Command, Compared, Comparison};
+use crate::app::operations::Compared;
+use crate::app::{Action, Command};
 use crate::document::Target;
 use crate::evaluate::{Agreement, ClickPair, FrameAgreement, NameDispute};
 use crate::ui::bar::Bar;
@@ -28,16 +29,13 @@ const NOTHING: &str = "Choose another annotator's document of the same frames to
 
 /// Shows the section.
 pub fn show(panel: &mut Panel<'_>, ui: &mut Ui) {
-    let comparison = panel.app.session.comparison.clone();
-    let made = match &comparison {
-        Comparison::Made(compared) => Some(compared),
-        Comparison::None | Comparison::UnderWay => None,
-    };
-    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made);
-    card(panel, ui, "TWO ANNOTATORS", beside, |panel, ui| match &comparison {
-        Comparison::None => nothing_yet(ui, NOTHING),
-        Comparison::UnderWay => nothing_yet(ui, "Comparing…"),
-        Comparison::Made(compared) => found(panel, ui, &compared.agreement),
+    let (is_running, made) =
+        (panel.app.operations.comparison.is_running(), panel.app.operations.comparison.made().cloned());
+    let beside = |panel: &mut Panel<'_>, ui: &mut Ui| beside(panel, ui, made.as_ref());
+    card(panel, ui, "TWO ANNOTATORS", beside, |panel, ui| match &made {
+        Some(compared) => found(panel, ui, &compared.agreement),
+        None if is_running => nothing_yet(ui, "Comparing…"),
+        None => nothing_yet(ui, NOTHING),
     });
 }
 

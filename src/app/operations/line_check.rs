@@ -1,20 +1,129 @@
-//! What the painted lines say about the frames' cameras: found in the background, beside the document.
+//! What the painted lines say about the frames' cameras: found in the background between edits, kept beside the document.
 
-use super::OpenProject;
-use super::paint_orders::CheckedLines;
+use crate::app::operation::{Context, Failure, Operation, Slot};
+use crate::app::session::Level;
+use crate::app::{App, OpenProject};
+use crate::calibrate::{check_frame, record_line_check};
 use crate::camera::PtzCamera;
-use crate::document::{Frame, FrameId, FrameStatus, PaintEvidence};
+use crate::document::{Document, Frame, FrameId, FrameStatus, PaintEvidence};
+use crate::field::FieldModel;
 use crate::paint::{LineCheck, LineVerdict};
+use crate::proposals::read_picture;
 use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::path::PathBuf;
+use std::sync::Arc;
 
-/// As many frames are looked through after each action: an edit of a long match stays quick.
+/// Frames that are looked through after each action for one to check: an edit of a long match stays quick.
 const LOOKED_THROUGH: usize = 64;
 
-/// As many are judged in one order: a report every second or so.
-const IN_ORDER: usize = 4;
+/// Frames in one batch: there is a report every second or so.
+const BATCH: usize = 4;
 
 /// If this many cameras are contradicted and none is supported, the lines in the pictures are not those of the field.
 const CONTRADICTED_ALONE: usize = 4;
+
+/// Cameras of a few frames are to be judged by the painted lines.
+pub struct LineCheckBatch {
+    document: Document,
+    folder: PathBuf,
+    frames: Vec<FrameToCheck>,
+}
+
+/// A frame of a batch.
+struct FrameToCheck {
+    index: usize,
+    frame: FrameId,
+    camera: PtzCamera,
+    /// The field that it shows; none where that is not valid.
+    field: Option<Arc<FieldModel>>,
+}
+
+/// What the paint says about a frame's camera.
+#[derive(Clone, Debug)]
+pub struct CheckedLines {
+    frame: FrameId,
+    /// The camera that was judged.
+    camera: PtzCamera,
+    /// What the paint says; none where the picture cannot be read.
+    check: Option<LineCheck>,
+}
+
+impl Operation for LineCheckBatch {
+    type Progress = Infallible;
+    type Output = Vec<CheckedLines>;
+    type Error = Infallible;
+
+    const NAME: &'static str = "line check";
+
+    fn run(&self, context: &Context<'_, Infallible>) -> Result<Vec<CheckedLines>, Infallible> {
+        let mut reader = context.open_reader();
+        let mut checked = Vec::with_capacity(self.frames.len());
+        for FrameToCheck { index, frame: id, camera, field } in &self.frames {
+            if context.check().is_break() {
+                break;
+            }
+            let (Some(frame), Some(field)) = (self.document.frames.get(*index), field) else { continue };
+            let picture = read_picture(&mut *reader, frame, &self.folder).ok();
+            let check = picture.and_then(|picture| check_frame(&self.document, frame, field, &picture));
+            checked.push(CheckedLines { frame: id.clone(), camera: *camera, check });
+        }
+        Ok(checked)
+    }
+
+    fn slot(app: &mut App) -> &mut Slot<Self> {
+        &mut app.operations.line_checks.slot
+    }
+
+    fn take_over(&self, app: &mut App, result: Result<Vec<CheckedLines>, Failure<Infallible>>) {
+        let found = result.unwrap_or_else(|failure| {
+            app.session.notify(Level::Error, failure.to_string());
+            Vec::new()
+        });
+        let checks = &mut app.operations.line_checks;
+        // Frames of which nothing was found out are not asked again as long as their cameras stay.
+        for FrameToCheck { frame, camera, .. } in &self.frames {
+            checks.keep(CheckedLines { frame: frame.clone(), camera: *camera, check: None });
+        }
+        for checked in found {
+            checks.keep(checked);
+        }
+    }
+}
+
+impl App {
+    /// What the painted lines say about a frame's camera, where that is known.
+    #[must_use]
+    pub fn paint_says(&self, frame: usize) -> Option<PaintSays> {
+        let open = self.open.as_ref()?;
+        self.operations.line_checks.of(open, open.frame(frame)?)
+    }
+
+    /// Has cameras judged by the paint that nobody has judged yet, between edits. Batches do not replace each other: the next
+    /// one begins when the last has come back.
+    pub(in crate::app) fn check_lines(&mut self) {
+        let Some(open) = self.open.as_mut().filter(|open| !open.history.is_open()) else { return };
+        if self.operations.line_checks.slot.is_running() {
+            return;
+        }
+        let frames = self.operations.line_checks.next(open, self.session.frame);
+        if frames.is_empty() {
+            return;
+        }
+        let (document, folder) = ((*open.document).clone(), open.folder.clone());
+        self.start(LineCheckBatch { document, folder, frames });
+    }
+
+    /// Writes what the paint says about the shown frame's camera into its solution, within a step.
+    pub(in crate::app) fn record_paint(&mut self) {
+        let Some(open) = &mut self.open else { return };
+        let Some(frame) = open.frame(self.session.frame) else { return };
+        let Some(check) = self.operations.line_checks.fresh(open, frame) else { return };
+        if let Some(frame) = open.document.frames.get_mut(self.session.frame) {
+            record_line_check(frame, &check);
+        }
+    }
+}
 
 /// What the paint says about a camera, as the window shows it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -72,26 +181,19 @@ impl PaintSays {
 
 /// The line checks of the open document.
 #[derive(Debug, Default)]
-pub(super) struct LineChecks {
+pub(in crate::app) struct LineChecks {
+    slot: Slot<LineCheckBatch>,
     known: BTreeMap<FrameId, CheckedLines>,
     /// How many of the known cameras are contradicted, and how many supported: asked for each thumbnail that is drawn.
     contradicted: usize,
     supported: usize,
-    /// The order under way, and what it is about.
-    under_way: Option<(u64, Vec<(FrameId, PtzCamera)>)>,
-    tickets: u64,
-    /// Where the search for frames goes on.
-    place: usize,
+    /// The index of the frame where the search for frames to check goes on.
+    cursor: usize,
 }
 
 impl LineChecks {
-    /// The checks of another document: reports of orders before are passed over.
-    pub(super) fn for_another(&self) -> Self {
-        Self { tickets: self.tickets, ..Self::default() }
-    }
-
     /// What the paint says about a frame's camera, where that is known.
-    pub(super) fn of(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
+    fn of(&self, open: &OpenProject, frame: &Frame) -> Option<PaintSays> {
         let recorded = frame.solution.as_ref().and_then(|solution| solution.line_check.as_ref());
         let says = match recorded {
             Some(evidence) => PaintSays::recorded(evidence),
@@ -102,7 +204,7 @@ impl LineChecks {
     }
 
     /// What was found about a frame's camera and is not in the document yet.
-    pub(super) fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
+    fn fresh(&self, open: &OpenProject, frame: &Frame) -> Option<LineCheck> {
         let known = self.known.get(&frame.id)?;
         (Some(known.camera) == open.document.pointed(frame)).then_some(known.check).flatten()
     }
@@ -124,52 +226,35 @@ impl LineChecks {
         }
     }
 
-    /// The frames to be judged next, the shown one alone and first; none while an order is under way.
-    pub(super) fn next(&mut self, open: &OpenProject, shown: usize) -> Option<(u64, Vec<usize>)> {
-        if self.under_way.is_some() {
-            return None;
-        }
+    /// The frames to be judged next: the shown one alone and first, then others in turn; none if all are known.
+    fn next(&mut self, open: &mut OpenProject, shown: usize) -> Vec<FrameToCheck> {
         let count = open.document.frames.len();
-        let mut wanted: Vec<(usize, FrameId, PtzCamera)> = self.lacking(open, shown).into_iter().collect();
+        let mut wanted: Vec<FrameToCheck> = self.lacking(open, shown).into_iter().collect();
         if wanted.is_empty() {
             for _ in 0..LOOKED_THROUGH.min(count) {
-                self.place = (self.place + 1) % count;
-                wanted.extend(self.lacking(open, self.place));
-                if wanted.len() == IN_ORDER {
+                self.cursor = (self.cursor + 1) % count;
+                wanted.extend(self.lacking(open, self.cursor));
+                if wanted.len() == BATCH {
                     break;
                 }
             }
         }
-        if wanted.is_empty() {
-            return None;
-        }
-        self.tickets += 1;
-        let places = wanted.iter().map(|(index, ..)| *index).collect();
-        self.under_way = Some((self.tickets, wanted.into_iter().map(|(_, id, camera)| (id, camera)).collect()));
-        Some((self.tickets, places))
+        wanted
     }
 
     /// A solved frame of which it is not known what the paint says.
-    fn lacking(&self, open: &OpenProject, index: usize) -> Option<(usize, FrameId, PtzCamera)> {
+    fn lacking(&self, open: &mut OpenProject, index: usize) -> Option<FrameToCheck> {
         let frame = open.frame(index)?;
         let recorded = frame.solution.as_ref().is_some_and(|solution| solution.line_check.is_some());
         if frame.status == FrameStatus::Rejected || recorded {
             return None;
         }
         let camera = open.document.pointed(frame)?;
-        let known = self.known.get(&frame.id).is_some_and(|known| known.camera == camera);
-        (!known).then(|| (index, frame.id.clone(), camera))
-    }
-
-    /// Takes a report in. Frames that the order was about and that nothing was found out of are not asked again.
-    pub(super) fn take(&mut self, ticket: u64, found: Vec<CheckedLines>) {
-        let Some((_, asked)) = self.under_way.take_if(|(known, _)| *known == ticket) else { return };
-        for (frame, camera) in asked {
-            self.keep(CheckedLines { frame, camera, check: None });
+        if self.known.get(&frame.id).is_some_and(|known| known.camera == camera) {
+            return None;
         }
-        for checked in found {
-            self.keep(checked);
-        }
+        let frame = frame.id.clone();
+        Some(FrameToCheck { index, frame, camera, field: open.field_of(index).ok() })
     }
 }
 

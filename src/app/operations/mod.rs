@@ -1,0 +1,60 @@
+//! The operations, one file each: its input and its work, when it is available, what becomes of its result, and its words.
+//!
+//! To add one, write its file, give [`Operations`] a field for its state, and let a command or an action start it.
+
+pub mod camera_search;
+mod camera_watch;
+mod clip_tracking;
+pub mod comparison;
+mod line_check;
+
+pub use camera_search::CameraSearch;
+pub use camera_watch::CameraWatch;
+pub use clip_tracking::ClipTracking;
+pub use comparison::{Compared, Comparison};
+pub use line_check::PaintSays;
+
+use super::Command;
+#[cfg(test)]
+use super::operation::probe::ProbeState;
+use camera_search::CameraSearchState;
+use camera_watch::CameraWatchState;
+use clip_tracking::ClipTrackingState;
+use comparison::ComparisonState;
+use line_check::LineChecks;
+
+/// The state of each operation on the open document. Another document begins with a new one: whatever runs is cancelled.
+#[derive(Debug, Default)]
+pub struct Operations {
+    /// The search for a camera by pictures alone.
+    pub camera_search: CameraSearchState,
+    /// Whether the shown frame's camera fits all of its frames.
+    pub(in crate::app) camera_watch: CameraWatchState,
+    /// Cameras carried through a clip.
+    pub(in crate::app) clip_tracking: ClipTrackingState,
+    /// The comparison with another annotator's document.
+    pub comparison: ComparisonState,
+    /// What the painted lines say about the frames' cameras.
+    pub(in crate::app) line_checks: LineChecks,
+    #[cfg(test)]
+    pub(crate) probe: ProbeState,
+}
+
+/// Something that the user has asked for and waits for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnderWay {
+    /// What is being done and how far it has come, in one sentence.
+    pub text: String,
+    /// How much of the present step is done, 0 to 1; none where that is not known.
+    pub share: Option<f32>,
+    /// What stops it.
+    pub stop: Command,
+}
+
+impl Operations {
+    /// What the status row says is under way.
+    #[must_use]
+    pub fn under_way(&self) -> Option<UnderWay> {
+        self.camera_search.under_way().or_else(|| self.clip_tracking.under_way())
+    }
+}
