@@ -2,7 +2,7 @@
 
 use super::OpenProject;
 use super::base::WithProposal;
-use super::naming::{self, NamingScene};
+use super::naming::{self, NamingScene, NeighbourClick, TakenName};
 use super::review::disagrees;
 use super::session::{Mode, Naming, Session};
 use crate::calibrate::{
@@ -10,9 +10,9 @@ use crate::calibrate::{
     solved_neighbours,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{Click, Frame, FramePtz, Solution, SolutionSource, Target};
+use crate::document::{Click, Frame, FramePtz, Solution, SolutionSource};
 use crate::field::{FieldError, FieldModel};
-use crate::geometry::{ImagePoint, ImageSize};
+use crate::geometry::ImageSize;
 use crate::scene::next_click::{NextClick, next_clicks};
 use crate::solve::{
     ClickResidual, FrameSolution, GOOD_CORNER_SIGMA_PX, IdentityFinding, Judgement, Verdict, WarningCode, judge,
@@ -301,7 +301,7 @@ pub(super) fn rank_names(open: &mut OpenProject, frame_index: usize, click: usiz
         named: &named,
         taken: &taken_names(frame, click),
         neighbours: &neighbours,
-        elsewhere: &solved_elsewhere(open, frame_index),
+        other_shots: &solved_elsewhere(open, frame_index),
         neighbour_clicks: &remembered_clicks(open, frame_index),
     };
     let candidates = naming::candidates(&scene, at, lines);
@@ -330,12 +330,12 @@ fn solved_elsewhere(open: &OpenProject, frame_index: usize) -> Vec<Ptz> {
     found
 }
 
-fn taken_names(frame: &Frame, except: usize) -> Vec<(Target, usize)> {
+fn taken_names(frame: &Frame, except: usize) -> Vec<TakenName> {
     let others = frame.clicks.iter().enumerate().filter(|(index, _)| *index != except);
-    others.filter_map(|(index, click)| Some((click.target.clone()?, index))).collect()
+    others.filter_map(|(index, click)| Some(TakenName { target: click.target.clone()?, click: index })).collect()
 }
 
-fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<(Target, ImagePoint)> {
+fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<NeighbourClick> {
     let Some(frame) = open.frame(frame_index) else { return Vec::new() };
     let labelled = |other: &Frame| other.camera == frame.camera && !other.clicks.is_empty();
     let mut clicks = Vec::new();
@@ -345,7 +345,9 @@ fn remembered_clicks(open: &OpenProject, frame_index: usize) -> Vec<(Target, Ima
             let Some(found) = open.find(at, forward, labelled) else { break };
             at = found;
             let named = open.frame(found).into_iter().flat_map(|frame| &frame.clicks);
-            clicks.extend(named.filter_map(|click| Some((click.target.clone()?, click.image))));
+            let neighbour_click =
+                |click: &Click| Some(NeighbourClick { target: click.target.clone()?, image: click.image });
+            clicks.extend(named.filter_map(neighbour_click));
         }
     }
     clicks
@@ -356,8 +358,8 @@ mod tests {
     use super::*;
     use crate::app::{Action, App, Opened, Settings};
     use crate::camera::BaseAngles;
-    use crate::document::{Camera, Document, FieldSpec};
-    use crate::geometry::{ImageSize, Vec3};
+    use crate::document::{Camera, Document, FieldSpec, Target};
+    use crate::geometry::{ImagePoint, ImageSize, Vec3};
 
     const SIZE: ImageSize = ImageSize::new(1280, 720);
 

@@ -1,6 +1,6 @@
 //! What has been begun in the window and not ended.
 
-use super::naming::{NameCandidate, matching};
+use super::naming::{NameCandidate, filter_by_text};
 use super::reclick::Reclick;
 use crate::document::Target;
 
@@ -54,9 +54,9 @@ impl Naming {
     /// The candidates on offer: at most [`OFFERED`], after the filter.
     #[must_use]
     pub fn offered(&self) -> Vec<&NameCandidate> {
-        let mut matching = matching(&self.candidates, &self.typed);
-        matching.truncate(OFFERED);
-        matching
+        let mut offered = filter_by_text(&self.candidates, &self.typed);
+        offered.truncate(OFFERED);
+        offered
     }
 
     /// The candidate that Enter takes.

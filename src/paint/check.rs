@@ -1,6 +1,6 @@
 //! The line check: a camera judged by the paint that it predicts.
 
-use super::pull::{Around, RidgePull, Step};
+use super::alignment::{LinearisedCamera, RidgeAlignment, StepPx};
 use super::sightings::Look;
 use super::unexplained::unexplained_share;
 use super::{GroundPicture, Sightings};
@@ -99,9 +99,9 @@ pub fn check_lines(ground: &GroundPicture, field: &FieldModel, camera: &PtzCamer
         biases.push(if sample.normal.y < 0.0 { -ridge.offset_px } else { ridge.offset_px });
     }
     let (found, bare) = (offsets.len(), sightings.bare());
-    let around = Around::new(camera.base(), camera.ptz(), size.width);
-    let pull = RidgePull::new(&around, &sightings, scale);
-    let halves_px = halves_apart_px(&pull, &around, Step::zeros(), &[6.0 * scale, 4.0 * scale, 3.0 * scale], size);
+    let around = LinearisedCamera::new(camera.base(), camera.ptz(), size.width);
+    let pull = RidgeAlignment::new(&around, &sightings, scale);
+    let halves_px = halves_apart_px(&pull, &around, StepPx::zeros(), &[6.0 * scale, 4.0 * scale, 3.0 * scale], size);
     let unexplained = unexplained_share(ground, field, camera, &sightings.samples);
     let agreement = if found + bare == 0 { 0.0 } else { weighed / (found + bare) as f64 };
     let mut check = LineCheck {
@@ -145,13 +145,13 @@ fn score(check: &LineCheck, scale: f64) -> f64 {
 /// How far apart two overlays are that the two halves of the samples pull a camera to, px (median over the picture). The halves
 /// take turns along the lines.
 pub(super) fn halves_apart_px(
-    pull: &RidgePull,
-    around: &Around,
-    from: Step,
+    pull: &RidgeAlignment,
+    around: &LinearisedCamera,
+    from: StepPx,
     scales_px: &[f64],
     size: ImageSize,
 ) -> f64 {
-    let half = |odd: usize| around.after(&pull.solved(from, scales_px, None, |sample| sample / BLOCK % 2 == odd));
+    let half = |odd: usize| around.ptz_after(&pull.align(from, scales_px, None, |sample| sample / BLOCK % 2 == odd));
     overlays_apart_px(&PtzCamera::new(*around.camera.base(), half(0)), half(1), size)
 }
 

@@ -15,6 +15,7 @@
 
 mod across;
 mod agreement;
+mod alignment;
 mod check;
 mod colours;
 mod directions;
@@ -32,7 +33,6 @@ mod placed_point;
 mod places;
 mod point;
 mod profile;
-mod pull;
 mod ridge;
 mod search;
 mod sightings;

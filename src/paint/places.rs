@@ -1,6 +1,6 @@
 //! Where a picture shows the paint of a field: what the frames of a camera are adjusted to together.
 
-use super::pull::ridge_sigma_px;
+use super::alignment::ridge_sigma_px;
 use super::sightings::Look;
 use super::{GroundPicture, Sightings};
 use crate::camera::PtzCamera;

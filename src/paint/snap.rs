@@ -1,8 +1,8 @@
 //! Snapping: pan, tilt and focal length pulled onto the painted lines, or the reason why not.
 
+use super::alignment::{ClickAlignment, LinearisedCamera, RidgeAlignment, StepPx, sample_sigmas_px};
 use super::check::{check_lines, halves_apart_px, overlays_apart_px};
 use super::lens::{OwnLens, own_lens};
-use super::pull::{Around, ClickPull, RidgePull, Step, sample_sigmas_px};
 use super::search::likely_steps;
 use super::sightings::Look;
 use super::{GroundPicture, LineCheck, Sightings, SnapError};
@@ -135,16 +135,16 @@ struct Fit {
     ptz: Ptz,
     /// What was seen last, and around which camera.
     seen: Sightings,
-    around: Around,
+    around: LinearisedCamera,
     /// The last step, from that camera to `ptz`.
-    step: Step,
+    step: StepPx,
     /// Samples with paint where it is predicted, each by its distance, as a share of the open ones.
     agreeing: f64,
 }
 
 impl Problem<'_> {
-    fn look(&self, ptz: Ptz, look: Look) -> (Around, Sightings) {
-        let around = Around::new(self.base, ptz, self.ground.size().width);
+    fn look(&self, ptz: Ptz, look: Look) -> (LinearisedCamera, Sightings) {
+        let around = LinearisedCamera::new(self.base, ptz, self.ground.size().width);
         let scaled = Look {
             reach_px: look.reach_px * self.scale,
             spacing_px: look.spacing_px * self.scale,
@@ -166,12 +166,12 @@ impl Problem<'_> {
     fn fits(&self, start: Ptz) -> Vec<Fit> {
         let coarse = Look { reach_px: self.options.reach_px, spacing_px: COARSE_SPACING_PX, step_px: 1.0 };
         let (around, seen) = self.look(start, coarse);
-        let ridges = RidgePull::new(&around, &seen, self.scale);
-        let clicks = ClickPull::new(&around, self.clicks);
+        let ridges = RidgeAlignment::new(&around, &seen, self.scale);
+        let clicks = ClickAlignment::new(&around, self.clicks);
         let mut fits: Vec<Fit> = Vec::new();
         for step in likely_steps(&ridges, &clicks, self.options.reach_px * self.scale) {
-            let step = ridges.solved(step, &self.scales_px(0), Some(&clicks), |_| true);
-            let Some(fit) = self.refined(around.after(&step)) else { continue };
+            let step = ridges.align(step, &self.scales_px(0), Some(&clicks), |_| true);
+            let Some(fit) = self.refined(around.ptz_after(&step)) else { continue };
             if fits.iter().all(|other| self.apart_px(other.ptz, fit.ptz) > SAME_PX * self.scale) {
                 fits.push(fit);
             }
@@ -182,13 +182,15 @@ impl Problem<'_> {
     /// The middle and the fine stage.
     fn refined(&self, start: Ptz) -> Option<Fit> {
         let (around, seen) = self.look(Some(start).filter(Ptz::is_finite)?, MIDDLE);
-        let (ridges, clicks) = (RidgePull::new(&around, &seen, self.scale), ClickPull::new(&around, self.clicks));
-        let middle = around.after(&ridges.solved(Step::zeros(), &self.scales_px(1), Some(&clicks), |_| true));
+        let (ridges, clicks) =
+            (RidgeAlignment::new(&around, &seen, self.scale), ClickAlignment::new(&around, self.clicks));
+        let middle = around.ptz_after(&ridges.align(StepPx::zeros(), &self.scales_px(1), Some(&clicks), |_| true));
         let (around, seen) = self.look(Some(middle).filter(Ptz::is_finite)?, FINE);
-        let (ridges, clicks) = (RidgePull::new(&around, &seen, self.scale), ClickPull::new(&around, self.clicks));
-        let step = ridges.solved(Step::zeros(), &self.scales_px(2), Some(&clicks), |_| true);
-        let ptz = Some(around.after(&step)).filter(Ptz::is_finite)?;
-        let residuals = (0..ridges.len()).filter_map(|sample| ridges.residual(sample, &step));
+        let (ridges, clicks) =
+            (RidgeAlignment::new(&around, &seen, self.scale), ClickAlignment::new(&around, self.clicks));
+        let step = ridges.align(StepPx::zeros(), &self.scales_px(2), Some(&clicks), |_| true);
+        let ptz = Some(around.ptz_after(&step)).filter(Ptz::is_finite)?;
+        let residuals = (0..ridges.num_samples()).filter_map(|sample| ridges.residual_px(sample, &step));
         let (count, sum) = residuals.fold((0.0, 0.0), |(count, sum), residual| {
             (count + 1.0, sum + 1.0 / (1.0 + (residual / (2.0 * self.scale)).powi(2)))
         });
@@ -199,9 +201,9 @@ impl Problem<'_> {
     /// A fit with what is known of it, if nothing speaks against it.
     fn accepted(&self, fit: &Fit) -> Result<Snapped, SnapError> {
         let options = self.options;
-        let ridges = RidgePull::new(&fit.around, &fit.seen, self.scale);
-        let taking_part: Vec<(usize, f64)> = (0..ridges.len())
-            .filter_map(|sample| Some((sample, ridges.residual(sample, &fit.step)?.abs())))
+        let ridges = RidgeAlignment::new(&fit.around, &fit.seen, self.scale);
+        let taking_part: Vec<(usize, f64)> = (0..ridges.num_samples())
+            .filter_map(|sample| Some((sample, ridges.residual_px(sample, &fit.step)?.abs())))
             .filter(|(_, distance_px)| *distance_px <= TAKES_PART_PX * self.scale)
             .collect();
         let found = taking_part.len();

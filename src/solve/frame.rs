@@ -3,7 +3,7 @@
 use super::context::SAME_FIT;
 use super::refine::{refine, squared_sigmas};
 use super::shape::ShapeJacobian;
-use super::starts::{camera_distance, scanned_starts, starts};
+use super::starts::{camera_distance, find_starts, scan_starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
     Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, PtzStep, SolveContext, SolveError,
@@ -153,7 +153,7 @@ struct Fit {
 /// With two landmarks and nothing else there may be two focal lengths that their angle allows. Where refinement leads both
 /// to one camera, the worse root stays a candidate at its own focal length, with pan and tilt refined.
 fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -> Result<Vec<Fit>, SolveError> {
-    let starts = starts(base, used, context)?;
+    let starts = find_starts(base, used, context)?;
     let refined = |start: Ptz| {
         let refined = refine(base, start, used, context.loss, context.prior.as_ref());
         fit(base, refined.ptz, refined.cost, used, context)
@@ -162,7 +162,7 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
     found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     // Beside the fold of the lens a pair may have a camera to which no pinhole leads.
     if found.first().is_none_or(|best| best.cost > SAME_FIT) && used.len() == 2 && context.prior.is_none() {
-        found.extend(scanned_starts(base, used).into_iter().filter_map(refined));
+        found.extend(scan_starts(base, used).into_iter().filter_map(refined));
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     }
     found.dedup_by(|worse, better| camera_distance(&worse.candidate.ptz, &better.candidate.ptz) < SAME_CAMERA);

@@ -1,4 +1,15 @@
-//! Where refinement starts: every camera that some of a frame's clicks determine by themselves.
+//! Where the refinement of a frame starts: cameras that some of its observations determine in closed form.
+//!
+//! | landmark clicks | starts |
+//! |---|---|
+//! | 2 | the one or two cameras of the two-point solve |
+//! | 3 and more | the same for every pair, the pairs farthest apart in the picture first |
+//! | 1 | for every focal length the camera that shows the landmark where it was clicked; those that fit the other observations locally best |
+//! | 0 (lines only) | a grid over pan, tilt and focal length, its best cells refined by a few steps |
+//!
+//! Starts are ranked by a robust cost over *all* observations, so that one misnamed landmark spoils the pairs that it is part of and no
+//! others; the best distinct ones are refined (`refine.rs`) and compared (`frame.rs`). Cameras that are known from elsewhere (a prior,
+//! the previous solution, neighbouring frames) stand in where the clicks give none.
 
 use super::one_point::pan_tilt_from_one_point;
 use super::refine::{cost, refine};
@@ -9,81 +20,92 @@ use super::{Loss, Observation, PtzRanges, SolveContext, SolveError};
 use crate::camera::{CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImagePoint, Vec3};
 
-/// Pairs of landmarks tried at most, the best separated first.
+/// Pairs of landmarks that are solved, at most.
 const MAX_PAIRS: usize = 48;
 
-/// Starts that are refined at most.
+/// Starts that are refined, at most.
 const MAX_STARTS: usize = 4;
 
-/// Starts nearer to each other than this (see [`camera_distance`]) lead to one solution.
-const DISTINCT: f64 = 0.05;
+/// Cameras known from elsewhere that are used as starts, at most.
+const MAX_KNOWN: usize = 3;
 
-/// Scores starts: far-off clicks hardly count, so one wrong name does not hide the others.
-const SCORE_LOSS: Loss = Loss::Cauchy { c: 5.0 };
+/// Starts nearer to each other than this lead to one solution ([`camera_distance`]).
+const MIN_START_DISTANCE: f64 = 0.05;
+
+/// The loss that ranks starts. A click beyond 5 σ hardly counts, so one wrong name does not hide a good start.
+const RANKING_LOSS: Loss = Loss::Cauchy { c: 5.0 };
 
 /// A landmark click.
 #[derive(Clone, Copy)]
 struct LandmarkClick {
-    at: Vec3,
+    point_in_world: Vec3,
     image: ImagePoint,
     click: usize,
+}
+
+/// A start with its cost; lower is better.
+#[derive(Clone, Copy)]
+struct RankedStart {
+    cost: f64,
+    ptz: Ptz,
 }
 
 /// The starts worth refining, best first; at least one.
 ///
 /// # Errors
 /// No start exists, with the reason.
-pub(super) fn starts(
+pub(super) fn find_starts(
     base: &CameraBase,
     observations: &[Observation],
     context: &SolveContext,
 ) -> Result<Vec<Ptz>, SolveError> {
-    let landmarks: Vec<LandmarkClick> = observations
-        .iter()
-        .filter_map(|observation| {
-            let Observation { image, click, .. } = *observation;
-            Some(LandmarkClick { at: observation.shape.point()?, image, click })
-        })
-        .collect();
-    let known =
-        context.prior.iter().map(|prior| prior.ptz).chain(context.start).chain(context.neighbours.iter().copied());
-    let mut found: Vec<Ptz> = match landmarks.as_slice() {
+    let landmarks = landmark_clicks(observations);
+    let known = known_cameras(context);
+    let mut starts = match landmarks.as_slice() {
+        [] => [known.clone(), grid_starts(base, observations, context)].concat(),
+        [one] => [known.clone(), sweep_focal_length(base, *one, observations, context)].concat(),
         [one, two] => {
-            // With nothing else to compare by there is nothing to rank.
-            let roots = pair_starts(base, *one, *two);
+            let roots = solve_pair(base, *one, *two);
+            // Both roots fit two points exactly: without other observations there is nothing to rank them by.
             if observations.len() == 2 && context.prior.is_none() {
                 return Ok(roots?.iter().collect());
             }
             roots.map(|roots| roots.iter().collect()).unwrap_or_default()
         }
-        [] | [_] => known.clone().take(3).collect(),
-        many => {
-            let starts = all_pair_starts(base, many)?;
-            if starts.is_empty() { known.clone().take(3).collect() } else { starts }
-        }
+        many => solve_pairs(base, many)?,
     };
-    match landmarks.as_slice() {
-        [] => found.extend(grid_starts(base, observations, context)),
-        [one] => found.extend(focal_sweep(base, *one, observations, context)),
-        _ => {}
+    if starts.is_empty() {
+        starts = known;
     }
-    if found.is_empty() {
-        found.extend(known.take(3));
-    }
-    if found.is_empty() {
-        return Err(match landmarks.as_slice() {
-            [one, two, ..] => pair_starts(base, *one, *two).err(),
+    if starts.is_empty() {
+        let pair_error = match landmarks.as_slice() {
+            [one, two, ..] => solve_pair(base, *one, *two).err(),
             _ => None,
-        }
-        .unwrap_or(SolveError::NoFit { observations: observations.len() }));
+        };
+        return Err(pair_error.unwrap_or(SolveError::NoFit { observations: observations.len() }));
     }
-    Ok(best_distinct(base, found, observations))
+    Ok(keep_best_distinct(base, &starts, observations))
 }
 
-/// The closed forms on one pair, with its clicks named in the error.
-fn pair_starts(base: &CameraBase, one: LandmarkClick, two: LandmarkClick) -> Result<OneOrTwo<Ptz>, SolveError> {
+fn landmark_clicks(observations: &[Observation]) -> Vec<LandmarkClick> {
+    let landmark_click = |observation: &Observation| {
+        let Observation { image, click, .. } = *observation;
+        Some(LandmarkClick { point_in_world: observation.shape.point()?, image, click })
+    };
+    observations.iter().filter_map(landmark_click).collect()
+}
+
+/// What is known of the camera without the clicks: a prior, the previous solution, neighbouring frames.
+fn known_cameras(context: &SolveContext) -> Vec<Ptz> {
+    let prior = context.prior.iter().map(|prior| prior.ptz);
+    prior.chain(context.start).chain(context.neighbours.iter().copied()).take(MAX_KNOWN).collect()
+}
+
+/// The two-point solve of one pair, with its clicks named in the error.
+fn solve_pair(base: &CameraBase, one: LandmarkClick, two: LandmarkClick) -> Result<OneOrTwo<Ptz>, SolveError> {
     let clicks = [one.click, two.click];
-    solve_two_points(base, [one.at, two.at], [one.image, two.image]).map_err(|error| match error {
+    let found = solve_two_points(base, [one.point_in_world, two.point_in_world], [one.image, two.image]);
+    found.map_err(|error| match error {
         TwoPointError::PointsTooClose { separation_px } => {
             SolveError::PointsTooClose { separation_px, needed_px: MIN_SEPARATION_PX }
         }
@@ -96,9 +118,9 @@ fn pair_starts(base: &CameraBase, one: LandmarkClick, two: LandmarkClick) -> Res
     })
 }
 
-/// All cameras that a pair of landmarks has, those included that no pinhole leads to; none for other clicks, or where the
-/// lens has no fold.
-pub(super) fn scanned_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
+/// All cameras of two landmark clicks, those near the fold of the lens included ([`scan_two_points`]); none for other observations,
+/// or without a lens.
+pub(super) fn scan_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz> {
     let [one, two] = used else { return Vec::new() };
     match (one.shape.point(), two.shape.point()) {
         (Some(first), Some(second)) if base.distortion != FocalCurve::NONE => {
@@ -108,108 +130,124 @@ pub(super) fn scanned_starts(base: &CameraBase, used: &[Observation]) -> Vec<Ptz
     }
 }
 
-/// The closed forms on the best-separated pairs; the error of the best-separated one if none has a solution and all
-/// clicks lie on one spot or ray.
-fn all_pair_starts(base: &CameraBase, landmarks: &[LandmarkClick]) -> Result<Vec<Ptz>, SolveError> {
-    let mut pairs: Vec<(f64, LandmarkClick, LandmarkClick)> = Vec::new();
+/// The two-point solves of the pairs farthest apart in the picture, which determine the focal length best.
+///
+/// # Errors
+/// The error of the farthest pair, if no pair has a solution.
+fn solve_pairs(base: &CameraBase, landmarks: &[LandmarkClick]) -> Result<Vec<Ptz>, SolveError> {
+    let mut pairs: Vec<[LandmarkClick; 2]> = Vec::new();
     for (index, one) in landmarks.iter().enumerate() {
-        pairs.extend(landmarks[index + 1..].iter().map(|two| (one.image.distance_px(two.image), *one, *two)));
+        pairs.extend(landmarks[index + 1..].iter().map(|two| [*one, *two]));
     }
-    pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let separation_px = |[one, two]: &[LandmarkClick; 2]| one.image.distance_px(two.image);
+    pairs.sort_by(|a, b| separation_px(b).total_cmp(&separation_px(a)));
     pairs.truncate(MAX_PAIRS);
-    let mut found = Vec::with_capacity(pairs.len());
+
+    let mut starts = Vec::with_capacity(pairs.len());
     let mut first_error = None;
-    for (_, one, two) in pairs {
-        match pair_starts(base, one, two) {
-            Ok(roots) => found.extend(roots.iter()),
+    for [one, two] in pairs {
+        match solve_pair(base, one, two) {
+            Ok(roots) => starts.extend(roots.iter()),
             Err(error) => _ = first_error.get_or_insert(error),
         }
     }
     match first_error {
-        Some(error) if found.is_empty() => Err(error),
-        _ => Ok(found),
+        Some(error) if starts.is_empty() => Err(error),
+        _ => Ok(starts),
     }
 }
 
-/// One landmark: for each focal length the camera that shows it where it was clicked.
-fn focal_sweep(
+/// One landmark: pan and tilt follow from the focal length, which leaves one parameter to sweep. Every local minimum of the cost is
+/// the start of one solution.
+fn sweep_focal_length(
     base: &CameraBase,
     landmark: LandmarkClick,
     observations: &[Observation],
     context: &SolveContext,
 ) -> Vec<Ptz> {
-    let mut scored = Vec::new();
-    for focal_px in log_steps(context, 48) {
-        if let Ok(ptz) = pan_tilt_from_one_point(base, focal_px, landmark.at, landmark.image) {
-            scored.push((cost(&PtzCamera::new(*base, ptz), observations, SCORE_LOSS), ptz));
+    const STEPS: usize = 48;
+    let mut swept = Vec::with_capacity(STEPS + 1);
+    for focal_px in log_spaced_focals(context, STEPS) {
+        if let Ok(ptz) = pan_tilt_from_one_point(base, focal_px, landmark.point_in_world, landmark.image) {
+            swept.push(rank(base, ptz, observations));
         }
     }
-    // Every dip of the sweep is the start of one solution.
-    (0..scored.len())
-        .filter(|&i| {
-            (i == 0 || scored[i - 1].0 >= scored[i].0) && (i + 1 == scored.len() || scored[i + 1].0 >= scored[i].0)
-        })
-        .map(|i| scored[i].1)
-        .collect()
+    let mut minima = Vec::new();
+    for (index, start) in swept.iter().enumerate() {
+        let falls_to = index == 0 || swept[index - 1].cost >= start.cost;
+        let rises_from = swept.get(index + 1).is_none_or(|next| next.cost >= start.cost);
+        if falls_to && rises_from {
+            minima.push(start.ptz);
+        }
+    }
+    minima
 }
 
-/// No landmark: a coarse grid over what this camera does, the best cells refined by a few steps each.
+/// No landmark: lines do not determine a camera in closed form. Tries a coarse grid over what this camera does and refines the best
+/// cells by a few steps each.
 fn grid_starts(base: &CameraBase, observations: &[Observation], context: &SolveContext) -> Vec<Ptz> {
-    const KEPT: usize = 40;
-    let angles = |from: Angle, upto: Angle, step_deg: f64| {
-        let (from, upto) = (from.degrees(), upto.degrees());
-        let count = ((upto - from) / step_deg).ceil().clamp(1.0, 90.0);
-        (0..=count as usize).map(move |i| Angle::from_degrees(from + (upto - from) * i as f64 / count))
-    };
+    const FOCAL_STEPS: usize = 10;
+    const MAX_CELLS: usize = 40;
     let PtzRanges { pan: pans, tilt: tilts, .. } = &context.ranges;
-    let mut scored: Vec<(f64, Ptz)> = Vec::new();
-    for focal_px in log_steps(context, 10) {
-        // Steps of a quarter of the field of view.
-        let step_deg = (0.5 * f64::from(context.image_size.width) / focal_px).atan().to_degrees() / 2.0;
-        for pan in angles(pans.start(), pans.end(), step_deg.max(4.0)) {
-            for tilt in angles(*tilts.start(), *tilts.end(), step_deg.max(4.0) / 2.0) {
+    let mut cells: Vec<RankedStart> = Vec::new();
+    for focal_px in log_spaced_focals(context, FOCAL_STEPS) {
+        // Steps of a quarter of the field of view in pan and of half that in tilt, but not of less than 4° and 2°.
+        let quarter_view_deg = (0.5 * f64::from(context.image_size.width) / focal_px).atan().to_degrees() / 2.0;
+        let step_deg = quarter_view_deg.max(4.0);
+        for pan in evenly_spaced(pans.start(), pans.end(), step_deg) {
+            for tilt in evenly_spaced(*tilts.start(), *tilts.end(), step_deg / 2.0) {
                 let ptz = Ptz { pan, tilt, focal_px };
                 let camera = PtzCamera::new(*base, ptz);
-                let distances = observations.iter().map(|observation| observation.distance_px(&camera));
-                if let Some(score) = distances.sum::<Option<f64>>() {
-                    scored.push((score, ptz));
+                // A cell that does not show every line is dropped.
+                let distances_px = observations.iter().map(|observation| observation.distance_px(&camera));
+                if let Some(cost) = distances_px.sum::<Option<f64>>() {
+                    cells.push(RankedStart { cost, ptz });
                 }
             }
         }
     }
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    scored.truncate(KEPT);
-    scored
-        .into_iter()
-        .map(|(_, ptz)| refine(base, ptz, observations, Loss::Squared, context.prior.as_ref()).ptz)
-        .filter(Ptz::is_finite)
-        .collect()
+    cells.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    cells.truncate(MAX_CELLS);
+    let refine_cell =
+        |cell: RankedStart| refine(base, cell.ptz, observations, Loss::Squared, context.prior.as_ref()).ptz;
+    cells.into_iter().map(refine_cell).filter(Ptz::is_finite).collect()
 }
 
-/// Focal lengths over the plausible range, evenly in log f.
-fn log_steps(context: &SolveContext, count: usize) -> impl Iterator<Item = f64> + use<> {
+/// Angles from one to another, both included, at most `step_deg` apart and at most 91.
+fn evenly_spaced(from: Angle, upto: Angle, step_deg: f64) -> impl Iterator<Item = Angle> {
+    let (from_deg, upto_deg) = (from.degrees(), upto.degrees());
+    let count = ((upto_deg - from_deg) / step_deg).ceil().clamp(1.0, 90.0);
+    (0..=count as usize).map(move |step| Angle::from_degrees(from_deg + (upto_deg - from_deg) * step as f64 / count))
+}
+
+/// Focal lengths over the plausible range, evenly spaced in log f.
+fn log_spaced_focals(context: &SolveContext, count: usize) -> impl Iterator<Item = f64> + use<> {
     let (from, upto) = (context.ranges.focal_px.start().max(1.0).ln(), context.ranges.focal_px.end().max(1.0).ln());
-    (0..=count).map(move |i| (from + (upto - from) * i as f64 / count as f64).exp())
+    (0..=count).map(move |step| (from + (upto - from) * step as f64 / count as f64).exp())
 }
 
-/// The best-scoring starts, near duplicates left out.
-fn best_distinct(base: &CameraBase, found: Vec<Ptz>, observations: &[Observation]) -> Vec<Ptz> {
-    let mut scored: Vec<(f64, Ptz)> =
-        found.into_iter().map(|ptz| (cost(&PtzCamera::new(*base, ptz), observations, SCORE_LOSS), ptz)).collect();
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
+fn rank(base: &CameraBase, ptz: Ptz, observations: &[Observation]) -> RankedStart {
+    RankedStart { cost: cost(&PtzCamera::new(*base, ptz), observations, RANKING_LOSS), ptz }
+}
+
+/// The best starts, near duplicates left out.
+fn keep_best_distinct(base: &CameraBase, starts: &[Ptz], observations: &[Observation]) -> Vec<Ptz> {
+    let mut ranked: Vec<RankedStart> = starts.iter().map(|ptz| rank(base, *ptz, observations)).collect();
+    ranked.sort_by(|a, b| a.cost.total_cmp(&b.cost));
     let mut kept: Vec<Ptz> = Vec::with_capacity(MAX_STARTS);
-    for (_, ptz) in scored {
-        if kept.iter().all(|other| camera_distance(other, &ptz) > DISTINCT) {
-            kept.push(ptz);
-            if kept.len() == MAX_STARTS {
-                break;
-            }
+    for start in ranked {
+        if kept.iter().all(|other| camera_distance(other, &start.ptz) > MIN_START_DISTANCE) {
+            kept.push(start.ptz);
+        }
+        if kept.len() == MAX_STARTS {
+            break;
         }
     }
     kept
 }
 
-/// How differently two cameras see: the largest of the turns in units of 1000 px and the change of log focal length.
+/// How differently two cameras see: the largest of the differences in pan and tilt, as shifts of the picture in units of 1000 px, and of
+/// that in log focal length.
 pub(super) fn camera_distance(one: &Ptz, two: &Ptz) -> f64 {
     let per_radian = one.focal_px.min(two.focal_px) / 1000.0;
     let pan = one.pan.turn_from(two.pan).abs().radians() * per_radian;

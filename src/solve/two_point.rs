@@ -1,13 +1,49 @@
-//! The focal length from two points, and with it pan and tilt (appendix 6.1 of the paper, made stable).
+//! The two-point solve: pan, tilt and focal length of a camera with a known base, in closed form.
 //!
-//! x₁, x₂: ideal pixels minus the principal point; r₁, r₂: unit rays to the two world points. The angle between the pixels'
-//! directions must be that between the rays. With s = f²:
+//! After J. Chen, F. Zhu, J. J. Little: "A Two-point Method for PTZ Camera Calibration in Sports", WACV 2018, section 3.1 and
+//! appendix 6. Equation numbers are the paper's.
 //!
-//! S = |r₁ × r₂|²,  D = |x₁ − x₂|²,  a = |x₁|²,  b = |x₂|²,  X = x₁ × x₂ (scalar)
+//! # Derivation
+//!
+//! Position and base rotation are known, so every world point has a known unit ray r in `base`. Pan and tilt rotate the rays, and a
+//! rotation keeps the angle α between them. The focal length is the f at which the two pixels subtend that angle (Eq. 3); x₁, x₂
+//! are the pixels relative to the principal point:
+//!
+//! ```text
+//! cos α = r₁·r₂ = (x₁·x₂ + f²) / √((|x₁|² + f²) (|x₂|² + f²))
+//! ```
+//!
+//! Squared, with s = f², a = |x₁|², b = |x₂|², c = x₁·x₂ and d = cos α, this is the quadratic that Eq. 9 solves:
+//!
+//! ```text
+//! (1 − d²) s² + (2c − d² (a + b)) s + (c² − d² a b) = 0
+//! ```
+//!
+//! A telephoto lens sees rays a degree or less apart. Then d is nearly 1, and in 1 − d² the leading digits cancel: six of sixteen
+//! for pixels 3 px apart at f = 6000 px. Lagrange's identity turns the differences into products, and this is the form that is
+//! evaluated:
+//!
+//! ```text
+//! S = |r₁ × r₂|² = 1 − d²        X = x₁ × x₂, X² = a b − c²        D = |x₁ − x₂|² = a + b − 2c
+//!
 //! S s² + (S (a + b) − D) s + (S a b − X²) = 0
+//! ```
 //!
-//! This is the paper's quadratic with the cancellation taken out (1 − d² = S, ab − c² = X²). A root s > 0 counts if
-//! x₁·x₂ + s has the sign of r₁·r₂. Usually one does; in about 1 pair of 40 two do, and both are kept.
+//! With f known, one point gives pan and tilt ([`pan_tilt_from_one_ray`], Eq. 15).
+//!
+//! # Number of solutions
+//!
+//! While f grows from 0 to ∞, the angle that the pixels subtend goes from β, their angle at the principal point, to 0. If α < β,
+//! exactly one f subtends α; if α > β, none or two do. Two are found for about one pair in 40: both pixels then lie in nearly the same
+//! direction from the principal point. The shorter one is nearly always a fish-eye lens, but two points alone cannot rule it out:
+//! both are returned, in ascending order.
+//!
+//! # Distortion
+//!
+//! With a lens, x₁ and x₂ are the *undistorted* pixels and depend on f, so that the equation is no longer quadratic. Each root of
+//! the pinhole is followed by fixed-point iteration: undistort at f, solve the quadratic, repeat. Where that finds nothing, the
+//! excess angle (subtended minus α) is sampled over log f and its zeros are bracketed. This is slower, but it also finds the roots
+//! near the fold of the lens model, to which no pinhole leads.
 
 use super::one_point::pan_tilt_from_one_ray;
 use crate::camera::{CameraBase, FocalCurve, Ptz, undistort};
@@ -62,6 +98,10 @@ impl<T: Copy> OneOrTwo<T> {
         }
     }
 
+    fn filter_map<U: Copy>(self, convert: impl Fn(T) -> Option<U>) -> Option<OneOrTwo<U>> {
+        OneOrTwo::from_pair([convert(self.first), self.second.and_then(convert)])
+    }
+
     /// The values, in ascending order of focal length.
     pub fn iter(&self) -> impl Iterator<Item = T> + use<T> {
         std::iter::once(self.first).chain(self.second)
@@ -74,12 +114,60 @@ impl<T: Copy> OneOrTwo<T> {
     }
 }
 
-/// The focal lengths (px) at which two ideal pixels (px from the principal point) are as far apart as two unit rays.
+/// Every (pan, tilt, focal length) for which two world points appear at two pixels, in ascending order of focal length.
+///
+/// The focal length comes from both points, pan and tilt from the first one; from the second one where the first is so steeply
+/// above or below the camera that no pan reaches its pixel. With exact points the other point then fits too. With noisy ones it is
+/// off by the noise, which is what the least-squares refinement ([`super::refine()`]) starts from.
+///
+/// # Errors
+/// Coinciding pixels or rays, no valid root, or a root at which the lens has no such pixel.
+pub fn solve_two_points(
+    base: &CameraBase,
+    points_in_world: [Vec3; 2],
+    pixels: [ImagePoint; 2],
+) -> Result<OneOrTwo<Ptz>, TwoPointError> {
+    let pair = PointPair::new(base, points_in_world, pixels);
+    let is_pinhole = base.distortion == FocalCurve::NONE;
+
+    let pinhole_focals = match focal_from_two_rays(pair.offsets_px(), pair.rays_in_base) {
+        Ok(focals) => Some(focals),
+        // Undistorted, the pixels may still have a root.
+        Err(TwoPointError::NoRealRoot { .. }) if !is_pinhole => None,
+        Err(error) => return Err(error),
+    };
+    let from_pinhole = pinhole_focals.and_then(|focals| {
+        focals.filter_map(|focal_px| {
+            let root = if is_pinhole { pair.pinhole_root(focal_px) } else { pair.follow_root(focal_px)? };
+            pair.ptz_from_either_point(&root)
+        })
+    });
+    if let Some(found) = from_pinhole {
+        return Ok(found);
+    }
+
+    let mut scanned = if is_pinhole { Vec::new() } else { pair.scan_roots() }
+        .into_iter()
+        .filter_map(|root| pair.ptz_from_either_point(&root));
+    OneOrTwo::from_pair([scanned.next(), scanned.next()]).ok_or_else(|| pair.no_real_root())
+}
+
+/// Every camera for which two world points appear at two pixels, found by scanning all focal lengths. Slow, but it also finds
+/// those near the fold of the lens, to which no pinhole leads.
+pub(super) fn scan_two_points(base: &CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Vec<Ptz> {
+    let pair = PointPair::new(base, points_in_world, pixels);
+    pair.scan_roots().iter().filter_map(|root| pair.ptz_from_point(0, root)).collect()
+}
+
+/// The focal lengths (px) at which two ideal pixels (px from the principal point) subtend the angle between two unit rays, in
+/// ascending order. A double root is returned twice.
 ///
 /// # Errors
 /// Coinciding pixels or rays (NaN counts as coinciding), or no valid root.
 pub fn focal_from_two_rays(pixels: [Vec2; 2], rays: [Vec3; 2]) -> Result<OneOrTwo<f64>, TwoPointError> {
     let ([x1, x2], [r1, r2]) = (pixels, rays);
+
+    // Degenerate input; written so that NaN is caught as well.
     let separation_px = (x1 - x2).norm();
     if !(separation_px >= MIN_SEPARATION_PX) {
         return Err(TwoPointError::PointsTooClose { separation_px });
@@ -90,21 +178,28 @@ pub fn focal_from_two_rays(pixels: [Vec2; 2], rays: [Vec3; 2]) -> Result<OneOrTw
     if !(MIN_RAY_ANGLE_DEG..=180.0 - MIN_RAY_ANGLE_DEG).contains(&angle_deg) {
         return Err(TwoPointError::SameRay { angle_deg });
     }
+
+    // The quadratic in s = f², in the form without cancellation.
     let (a, b, cross) = (x1.norm_squared(), x2.norm_squared(), x1.perp(&x2));
-    let roots = quadratic_roots(
-        sine_squared,
-        sine_squared * (a + b) - separation_px * separation_px,
+    let roots = solve_quadratic(
         sine_squared * a * b - cross * cross,
+        sine_squared * (a + b) - separation_px * separation_px,
+        sine_squared,
     );
-    let valid = |s: f64| (s > 0.0 && (x1.dot(&x2) + s) * cosine >= 0.0).then(|| s.sqrt());
+
+    // Squaring Eq. 3 has added the roots that belong to −cos α: the numerator x₁·x₂ + s must have the sign of cos α.
+    let focal_from_root = |s: f64| (s > 0.0 && (x1.dot(&x2) + s) * cosine >= 0.0).then(|| s.sqrt());
     roots
-        .and_then(|roots| OneOrTwo::from_pair(roots.map(valid)))
+        .and_then(|roots| OneOrTwo::from_pair(roots.map(focal_from_root)))
         .ok_or(TwoPointError::NoRealRoot { separation_px, angle_deg })
 }
 
-/// The real roots of q₂ s² + q₁ s + q₀ (q₂ > 0) in ascending order, without cancellation; a discriminant that is negative
-/// by rounding alone counts as zero.
-fn quadratic_roots(q2: f64, q1: f64, q0: f64) -> Option<[f64; 2]> {
+/// The real roots of q₀ + q₁ s + q₂ s² = 0 (q₂ > 0) in ascending order; a double root twice.
+///
+/// The root of larger magnitude is computed first, where q₁ and the square root add up without cancellation; the other one
+/// follows from the product of the roots, q₀/q₂ (Press et al., Numerical Recipes, section 5.6). A discriminant that is negative by
+/// rounding alone counts as zero.
+fn solve_quadratic(q0: f64, q1: f64, q2: f64) -> Option<[f64; 2]> {
     let discriminant = q1 * q1 - 4.0 * q2 * q0;
     if !(discriminant >= -8.0 * f64::EPSILON * q1 * q1) {
         return None;
@@ -113,186 +208,270 @@ fn quadratic_roots(q2: f64, q1: f64, q0: f64) -> Option<[f64; 2]> {
     if q == 0.0 {
         return Some([0.0, 0.0]);
     }
-    let (one, other) = (q / q2, q0 / q);
-    Some([one.min(other), one.max(other)])
+    let (larger, smaller) = (q / q2, q0 / q);
+    Some([larger.min(smaller), larger.max(smaller)])
 }
 
-/// Every (pan, tilt, focal length) for which two world points appear at two pixels, as far as the closed forms go: the
-/// focal length from both points, pan and tilt from the first. Distortion is undone at the focal length found, repeatedly.
-///
-/// # Errors
-/// Coinciding pixels or rays, no valid root, or a root at which the lens has no such pixel.
-pub fn solve_two_points(
-    base: &CameraBase,
-    points_in_world: [Vec3; 2],
-    pixels: [ImagePoint; 2],
-) -> Result<OneOrTwo<Ptz>, TwoPointError> {
-    let directions = points_in_world.map(|point| base.base_from_world_point(point));
-    let rays = directions.map(|direction| direction.normalize());
-    let clicked = pixels.map(|pixel| pixel.offset_from(base.principal_point));
-    let pointed = |(focal_px, ideal): (f64, [Vec2; 2])| {
-        let (pan, tilt) = pan_tilt_from_one_ray(directions[0], ideal[0])
-            .or_else(|_| pan_tilt_from_one_ray(directions[1], ideal[1]))
-            .ok()?;
-        Some(Ptz { pan, tilt, focal_px })
-    };
-    let pinhole = focal_from_two_rays(clicked, rays);
-    if base.distortion == FocalCurve::NONE {
-        let mut found = [None, None];
-        for (slot, focal_px) in found.iter_mut().zip(pinhole?.iter()) {
-            *slot = pointed((focal_px, clicked.map(|offset| offset / focal_px)));
-        }
-        return OneOrTwo::from_pair(found).ok_or_else(|| no_real_root(pixels, rays));
-    }
-    let lens = LensPair { base, pixels, rays };
-    let followed = match pinhole {
-        Ok(roots) => {
-            let mut found = [None, None];
-            for (slot, focal_px) in found.iter_mut().zip(roots.iter()) {
-                *slot = lens.follow(focal_px).and_then(pointed);
-            }
-            OneOrTwo::from_pair(found)
-        }
-        Err(TwoPointError::NoRealRoot { .. }) => None,
-        Err(error) => return Err(error),
-    };
-    let found = followed.or_else(|| {
-        let mut roots = lens.scan().into_iter().filter_map(pointed);
-        OneOrTwo::from_pair([roots.next(), roots.next()])
-    });
-    found.ok_or_else(|| no_real_root(pixels, rays))
-}
-
-/// Every camera for which two world points appear at two pixels, found by trying all focal lengths: slow, but it also finds
-/// those beside the fold of the lens, to which no pinhole leads.
-pub(super) fn scan_two_points(base: &CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Vec<Ptz> {
-    let directions = points_in_world.map(|point| base.base_from_world_point(point));
-    let lens = LensPair { base, pixels, rays: directions.map(|direction| direction.normalize()) };
-    let pointed = |(focal_px, ideal): (f64, [Vec2; 2])| {
-        let (pan, tilt) = pan_tilt_from_one_ray(directions[0], ideal[0]).ok()?;
-        Some(Ptz { pan, tilt, focal_px })
-    };
-    lens.scan().into_iter().filter_map(pointed).collect()
-}
-
-fn no_real_root(pixels: [ImagePoint; 2], [r1, r2]: [Vec3; 2]) -> TwoPointError {
-    TwoPointError::NoRealRoot {
-        separation_px: pixels[0].distance_px(pixels[1]),
-        angle_deg: r1.cross(&r2).norm().atan2(r1.dot(&r2)).to_degrees(),
-    }
-}
-
-/// Two pixels and their rays under a lens whose distortion follows the focal length.
-struct LensPair<'a> {
+/// Two world points and the pixels at which a camera with a known base sees them.
+struct PointPair<'a> {
     base: &'a CameraBase,
     pixels: [ImagePoint; 2],
-    rays: [Vec3; 2],
+    /// From the camera to the points, m.
+    directions_in_base: [Vec3; 2],
+    /// The same, unit: r₁ and r₂.
+    rays_in_base: [Vec3; 2],
 }
 
-impl LensPair<'_> {
-    /// The pixels' ideal points on the plane z = 1 at a focal length; none beyond the fold of the lens model.
-    fn ideal_at(&self, focal_px: f64) -> Option<[Vec2; 2]> {
-        let lens = self.base.distortion.radial_at(focal_px);
-        let ideal = |pixel: ImagePoint| undistort(pixel.offset_from(self.base.principal_point) / focal_px, lens).ok();
-        Some([ideal(self.pixels[0])?, ideal(self.pixels[1])?])
+/// A focal length at which the pixels subtend the angle of the rays.
+struct FocalRoot {
+    focal_px: f64,
+    /// The undistorted pixels there, on the plane z = 1.
+    ideal_in_cam: [Vec2; 2],
+}
+
+/// The excess angle at one focal length.
+#[derive(Clone, Copy)]
+struct ExcessSample {
+    log_focal: f64,
+    /// The angle that the undistorted pixels subtend minus that of the rays.
+    excess_rad: f64,
+}
+
+impl<'a> PointPair<'a> {
+    fn new(base: &'a CameraBase, points_in_world: [Vec3; 2], pixels: [ImagePoint; 2]) -> Self {
+        let directions_in_base = points_in_world.map(|point| base.base_from_world_point(point));
+        let rays_in_base = directions_in_base.map(|direction| direction.normalize());
+        Self { base, pixels, directions_in_base, rays_in_base }
     }
 
-    /// Follows one root from the pinhole to the lens: undistort at the focal length found, solve again, keep the nearest
-    /// root.
-    fn follow(&self, pinhole_focal_px: f64) -> Option<(f64, [Vec2; 2])> {
-        const ROUNDS: usize = 30;
+    /// The pixels relative to the principal point, still distorted.
+    fn offsets_px(&self) -> [Vec2; 2] {
+        self.pixels.map(|pixel| pixel.offset_from(self.base.principal_point))
+    }
+
+    fn no_real_root(&self) -> TwoPointError {
+        let [r1, r2] = self.rays_in_base;
+        TwoPointError::NoRealRoot {
+            separation_px: self.pixels[0].distance_px(self.pixels[1]),
+            angle_deg: angle_between(&r1, &r2).to_degrees(),
+        }
+    }
+
+    /// Pan and tilt from one of the points once the focal length is known; none if no pan reaches its pixel.
+    fn ptz_from_point(&self, point: usize, root: &FocalRoot) -> Option<Ptz> {
+        let (pan, tilt) = pan_tilt_from_one_ray(self.directions_in_base[point], root.ideal_in_cam[point]).ok()?;
+        Some(Ptz { pan, tilt, focal_px: root.focal_px })
+    }
+
+    fn ptz_from_either_point(&self, root: &FocalRoot) -> Option<Ptz> {
+        self.ptz_from_point(0, root).or_else(|| self.ptz_from_point(1, root))
+    }
+
+    fn pinhole_root(&self, focal_px: f64) -> FocalRoot {
+        FocalRoot { focal_px, ideal_in_cam: self.offsets_px().map(|offset| offset / focal_px) }
+    }
+
+    /// The pixels undistorted at a focal length; none beyond the fold of the lens model.
+    fn undistort_at(&self, focal_px: f64) -> Option<FocalRoot> {
+        let lens = self.base.distortion.radial_at(focal_px);
+        let [x1, x2] = self.offsets_px();
+        Some(FocalRoot {
+            focal_px,
+            ideal_in_cam: [undistort(x1 / focal_px, lens).ok()?, undistort(x2 / focal_px, lens).ok()?],
+        })
+    }
+
+    /// Follows a root of the pinhole to the one of the lens by fixed-point iteration: undistorts the pixels at the current focal
+    /// length, solves the quadratic for them and goes to the nearer of its roots.
+    fn follow_root(&self, pinhole_focal_px: f64) -> Option<FocalRoot> {
+        const MAX_ITERATIONS: usize = 30;
+        const CONVERGED_LOG_FOCAL: f64 = 1e-13;
         let mut focal_px = pinhole_focal_px;
-        for _ in 0..ROUNDS {
-            let ideal = self.ideal_at(focal_px)?;
-            let roots = focal_from_two_rays(ideal.map(|point| point * focal_px), self.rays).ok()?;
-            let distance = |root: f64| (root / focal_px).ln().abs();
-            let next = roots.iter().min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
-            let moved = distance(next);
+        for _ in 0..MAX_ITERATIONS {
+            let ideal_px = self.undistort_at(focal_px)?.ideal_in_cam.map(|point| point * focal_px);
+            let focals = focal_from_two_rays(ideal_px, self.rays_in_base).ok()?;
+            let log_change = |next: f64| (next / focal_px).ln().abs();
+            let next = focals.iter().min_by(|a, b| log_change(*a).total_cmp(&log_change(*b)))?;
+            let has_converged = log_change(next) < CONVERGED_LOG_FOCAL;
             focal_px = next;
-            if moved < 1e-13 {
+            if has_converged {
                 break;
             }
         }
-        Some((focal_px, self.ideal_at(focal_px)?))
+        self.undistort_at(focal_px)
     }
 
-    /// The angle between the pixels' directions at a focal length, less that between the rays, rad.
-    fn excess_angle(&self, log_focal: f64) -> Option<f64> {
-        let [one, two] = self.ideal_at(log_focal.exp())?.map(|point| Vec3::new(point.x, point.y, 1.0));
-        let between = |a: &Vec3, b: &Vec3| a.cross(b).norm().atan2(a.dot(b));
-        Some(between(&one, &two) - between(&self.rays[0], &self.rays[1]))
+    /// All roots of the excess angle over focal lengths from a fifth to fifty times the pixels' distance from the principal point,
+    /// in ascending order.
+    fn scan_roots(&self) -> Vec<FocalRoot> {
+        let mut roots = Vec::new();
+        for mut samples in self.sample_excess() {
+            // Two roots between neighbouring samples change the sign twice, which no sample shows. A sample from between them
+            // separates the two.
+            let separating = self.sample_dips(&samples);
+            samples.extend(separating);
+            samples.sort_by(|a, b| a.log_focal.total_cmp(&b.log_focal));
+            for bracket in samples.windows(2) {
+                if bracket[0].excess_rad * bracket[1].excess_rad <= 0.0 {
+                    roots.extend(self.bisect(bracket[0], bracket[1]));
+                }
+            }
+        }
+        roots
     }
 
-    /// The roots that the lens has and the pinhole has not: sign changes of the excess angle over focal lengths from a
-    /// fifth to fifty times the pixels' reach. A dip that a coarse step jumps over is searched for its bottom first, and
-    /// each stretch of focal lengths is sampled up to the fold of the lens, where the angle changes fastest.
-    fn scan(&self) -> Vec<(f64, [Vec2; 2])> {
+    /// The excess angle at a focal length; none beyond the fold of the lens model.
+    fn excess_at(&self, log_focal: f64) -> Option<ExcessSample> {
+        let [one, two] = self.undistort_at(log_focal.exp())?.ideal_in_cam.map(|point| Vec3::new(point.x, point.y, 1.0));
+        let [r1, r2] = &self.rays_in_base;
+        Some(ExcessSample { log_focal, excess_rad: angle_between(&one, &two) - angle_between(r1, r2) })
+    }
+
+    /// Samples the excess angle evenly in log f and on both sides of each fold of the lens, where it changes fastest. A fold ends
+    /// the range of focal lengths at which both pixels have a ray: there is one list for each such range, ascending.
+    fn sample_excess(&self) -> Vec<Vec<ExcessSample>> {
+        const STEPS: u32 = 64;
+        /// Distance of the samples beside a fold from it, in log f.
+        const FOLD_MARGIN: f64 = 1e-9;
+        let reach_px = self.pixels.map(|pixel| pixel.distance_px(self.base.principal_point));
+        let farthest_px = reach_px[0].max(reach_px[1]);
+        let (from, upto) = ((0.2 * farthest_px).ln(), (50.0 * farthest_px).ln());
+
+        let mut log_focals: Vec<f64> =
+            (0..=STEPS).map(|step| from + (upto - from) * f64::from(step) / f64::from(STEPS)).collect();
+        for fold_px in reach_px.into_iter().flat_map(|reach_px| self.base.distortion.fold_focals(reach_px)) {
+            let beside_fold = [fold_px.ln() - FOLD_MARGIN, fold_px.ln() + FOLD_MARGIN];
+            log_focals.extend(beside_fold.into_iter().filter(|log_focal| (from..=upto).contains(log_focal)));
+        }
+        log_focals.sort_by(f64::total_cmp);
+
+        let mut ranges = Vec::new();
+        let mut range = Vec::new();
+        for log_focal in log_focals {
+            match self.excess_at(log_focal) {
+                Some(sample) => range.push(sample),
+                None if range.is_empty() => {}
+                None => ranges.push(std::mem::take(&mut range)),
+            }
+        }
+        ranges.push(range);
+        ranges
+    }
+
+    /// For each sample at which |excess| has a minimum without a change of sign: a sample of the other sign beside it, or the
+    /// minimum itself where it does not cross zero.
+    fn sample_dips(&self, samples: &[ExcessSample]) -> Vec<ExcessSample> {
         let mut found = Vec::new();
-        for mut samples in self.stretches() {
-            let dips: Vec<usize> = (1..samples.len().saturating_sub(1))
-                .filter(|&i| {
-                    let [before, here, after] = [samples[i - 1].1, samples[i].1, samples[i + 1].1];
-                    here.abs() <= before.abs() && here.abs() <= after.abs() && before * here > 0.0 && here * after > 0.0
-                })
-                .collect();
-            let bottoms: Vec<(f64, f64)> =
-                dips.into_iter().filter_map(|at| self.bottom(samples[at - 1], samples[at + 1].0)).collect();
-            samples.extend(bottoms);
-            samples.sort_by(|a, b| a.0.total_cmp(&b.0));
-            found.extend(samples.windows(2).filter(|pair| pair[0].1 * pair[1].1 <= 0.0).filter_map(|pair| {
-                let focal_px = self.bisect(pair[0], pair[1])?.exp();
-                Some((focal_px, self.ideal_at(focal_px)?))
-            }));
+        for three in samples.windows(3) {
+            let [before, here, after] = [0, 1, 2].map(|at| three[at].excess_rad);
+            let is_dip = here.abs() <= before.abs() && here.abs() <= after.abs();
+            if is_dip && before * here > 0.0 && here * after > 0.0 {
+                found.extend(self.minimise_excess(three[0], three[2]));
+            }
         }
         found
     }
 
-    /// The excess angle over log focal lengths, in ascending stretches on which both pixels have a ray.
-    fn stretches(&self) -> Vec<Vec<(f64, f64)>> {
-        const STEPS: u32 = 64;
-        /// So near to the fold, as a share of the focal length.
-        const BESIDE: f64 = 1e-9;
-        let reach = self.pixels.map(|pixel| pixel.distance_px(self.base.principal_point));
-        let (from, upto) = ((0.2 * reach[0].max(reach[1])).ln(), (50.0 * reach[0].max(reach[1])).ln());
-        let mut places: Vec<f64> =
-            (0..=STEPS).map(|step| from + (upto - from) * f64::from(step) / f64::from(STEPS)).collect();
-        let edges = reach.into_iter().flat_map(|reach| self.base.distortion.fold_focals(reach));
-        let inside = |place: &f64| (from..=upto).contains(place);
-        places.extend(edges.flat_map(|edge| [edge.ln() - BESIDE, edge.ln() + BESIDE]).filter(inside));
-        places.sort_by(f64::total_cmp);
-        let mut stretches = vec![Vec::new()];
-        for place in places {
-            match (self.excess_angle(place), stretches.last_mut()) {
-                (Some(excess), Some(stretch)) => stretch.push((place, excess)),
-                (None, Some(stretch)) if !stretch.is_empty() => stretches.push(Vec::new()),
-                _ => {}
-            }
-        }
-        stretches
-    }
-
-    /// The smallest |excess angle| between two log focal lengths at which it has one sign (golden section), or a place where
-    /// it has the other.
-    fn bottom(&self, (mut low, outside): (f64, f64), mut high: f64) -> Option<(f64, f64)> {
+    /// Golden-section search for the smallest |excess| between two samples of one sign; ends early at a sample of the other sign.
+    fn minimise_excess(&self, from: ExcessSample, upto: ExcessSample) -> Option<ExcessSample> {
+        const ITERATIONS: usize = 40;
+        /// 1/φ, the golden section.
         const SHARE: f64 = 0.618_033_988_749_895;
-        for _ in 0..40 {
-            let (a, b) = (high - SHARE * (high - low), low + SHARE * (high - low));
-            let (at_a, at_b) = (self.excess_angle(a)?, self.excess_angle(b)?);
-            if let Some(across) = [(a, at_a), (b, at_b)].into_iter().find(|at| at.1 * outside < 0.0) {
-                return Some(across);
+        let (mut low, mut high) = (from.log_focal, upto.log_focal);
+        for _ in 0..ITERATIONS {
+            let left = self.excess_at(high - SHARE * (high - low))?;
+            let right = self.excess_at(low + SHARE * (high - low))?;
+            for inner in [left, right] {
+                if inner.excess_rad * from.excess_rad < 0.0 {
+                    return Some(inner);
+                }
             }
-            if at_a.abs() < at_b.abs() { high = b } else { low = a }
+            if left.excess_rad.abs() < right.excess_rad.abs() {
+                high = right.log_focal;
+            } else {
+                low = left.log_focal;
+            }
         }
-        let middle = f64::midpoint(low, high);
-        Some((middle, self.excess_angle(middle)?))
+        self.excess_at(f64::midpoint(low, high))
     }
 
     /// The root between two samples of opposite sign.
-    fn bisect(&self, (mut low, at_low): (f64, f64), (mut high, _): (f64, f64)) -> Option<f64> {
-        for _ in 0..60 {
-            let middle = f64::midpoint(low, high);
-            if self.excess_angle(middle)? * at_low > 0.0 { low = middle } else { high = middle }
+    fn bisect(&self, from: ExcessSample, upto: ExcessSample) -> Option<FocalRoot> {
+        const ITERATIONS: usize = 60;
+        let (mut low, mut high) = (from.log_focal, upto.log_focal);
+        for _ in 0..ITERATIONS {
+            let middle = self.excess_at(f64::midpoint(low, high))?;
+            if middle.excess_rad * from.excess_rad > 0.0 {
+                low = middle.log_focal;
+            } else {
+                high = middle.log_focal;
+            }
         }
-        Some(f64::midpoint(low, high))
+        self.undistort_at(f64::midpoint(low, high).exp())
+    }
+}
+
+/// The angle between two directions, rad; exact for small angles, where an arc cosine is not.
+fn angle_between(a: &Vec3, b: &Vec3) -> f64 {
+    a.cross(b).norm().atan2(a.dot(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two pixels and the unit rays that a pinhole of this focal length sees there.
+    fn pixels_and_rays(focal_px: f64, pixels: [[f64; 2]; 2]) -> ([Vec2; 2], [Vec3; 2]) {
+        let pixels = pixels.map(Vec2::from);
+        (pixels, pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px).normalize()))
+    }
+
+    /// Eq. 9 of the paper as it is printed.
+    fn focal_as_published([x1, x2]: [Vec2; 2], [r1, r2]: [Vec3; 2]) -> f64 {
+        let (a, b, c, d) = (x1.dot(&x1), x2.dot(&x2), x1.dot(&x2), r1.dot(&r2));
+        let q1 = 2.0 * c - d * d * (a + b);
+        let discriminant = q1 * q1 - 4.0 * (d * d * a * b - c * c) * (d * d - 1.0);
+        (2.0 * (d * d * a * b - c * c) / (q1 + discriminant.sqrt())).sqrt()
+    }
+
+    #[test]
+    fn the_published_equation_gives_the_same_focal_length_with_fewer_digits() {
+        for (focal_px, pixels, published_error_px) in [
+            (3000.0, [[-400.0, 120.0], [350.0, -80.0]], 1e-12..1e-8),
+            (6000.0, [[200.0, 100.0], [203.0, 101.0]], 1e-8..1e-4),
+        ] {
+            let (pixels, rays) = pixels_and_rays(focal_px, pixels);
+            let found = focal_from_two_rays(pixels, rays).unwrap().iter().last().unwrap();
+            assert!((found - focal_px).abs() < 1e-10, "{found}");
+            let published = focal_as_published(pixels, rays);
+            assert!(published_error_px.contains(&(published - focal_px).abs()), "{published}");
+        }
+    }
+
+    #[test]
+    fn two_focal_lengths_come_in_ascending_order() {
+        // Both pixels on one side of the principal point: α is 25°, β only 2°.
+        let (pixels, rays) = pixels_and_rays(1000.0, [[300.0, 0.0], [900.0, 30.0]]);
+        let found = focal_from_two_rays(pixels, rays).unwrap();
+        let focals: Vec<f64> = found.iter().collect();
+        assert!(found.is_two() && focals[0] < focals[1], "{found:?}");
+        for focal_px in focals {
+            let [one, two] = pixels.map(|pixel| Vec3::new(pixel.x, pixel.y, focal_px));
+            assert!((angle_between(&one, &two) - angle_between(&rays[0], &rays[1])).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn degenerate_pairs_are_named() {
+        let (pixels, rays) = pixels_and_rays(2000.0, [[-300.0, 0.0], [300.0, 0.0]]);
+        let same_pixel = focal_from_two_rays([pixels[0], pixels[0]], rays);
+        assert!(matches!(same_pixel, Err(TwoPointError::PointsTooClose { .. })), "{same_pixel:?}");
+        let same_ray = focal_from_two_rays(pixels, [rays[0], rays[0]]);
+        assert!(matches!(same_ray, Err(TwoPointError::SameRay { .. })), "{same_ray:?}");
+        let not_a_number = focal_from_two_rays([pixels[0], Vec2::new(f64::NAN, 0.0)], rays);
+        assert!(matches!(not_a_number, Err(TwoPointError::PointsTooClose { .. })), "{not_a_number:?}");
+        // No focal length makes pixels 10 px apart on one side of the principal point subtend 90°.
+        let beside = focal_from_two_rays([Vec2::new(300.0, 0.0), Vec2::new(310.0, 0.0)], [Vec3::x(), Vec3::y()]);
+        assert!(matches!(beside, Err(TwoPointError::NoRealRoot { .. })), "{beside:?}");
     }
 }

@@ -1,7 +1,7 @@
 //! Cameras that look along ±180° or ±90° of pan: on the far side and behind the goals everything is as on the main stand.
 
 use std::path::Path;
-use touchline::app::naming::{NamingScene, candidates};
+use touchline::app::naming::{NamingScene, TakenName, candidates};
 use touchline::app::quality::{Course, Quantity, TimeAxis};
 use touchline::calibrate::{Disagreements, FrameLookup, calibrate, choose_gold};
 use touchline::camera::{BaseAngles, CameraBase, PanTilt, Ptz, PtzCamera};
@@ -141,9 +141,9 @@ fn names(place: &Place, right_deg: f64) -> (Vec<String>, usize) {
         base: Some(&place.base),
         camera: None,
         named: &[Observation::of_landmark(&field, &left.0, left.1, SIZE, 0).unwrap()],
-        taken: &[(Target::Landmark(left.0.as_str().into()), 0)],
+        taken: &[TakenName { target: Target::Landmark(left.0.as_str().into()), click: 0 }],
         neighbours: &[],
-        elsewhere: &[],
+        other_shots: &[],
         neighbour_clicks: &[],
     };
     let names: Vec<String> =

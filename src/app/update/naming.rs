@@ -3,7 +3,7 @@
 use super::App;
 use crate::app::Command;
 use crate::app::current::rank_names;
-use crate::app::naming::certain;
+use crate::app::naming::unambiguous;
 use crate::app::session::{Level, Mode, OFFERED, PictureView};
 use crate::document::{BetterName, Frame, Target};
 
@@ -46,7 +46,7 @@ impl App {
         let (frame, lines) = (self.session.frame, self.session.next_on_line);
         let Some(open) = &mut self.open else { return };
         let Some(naming) = rank_names(open, frame, click, lines) else { return };
-        let target = certain(&naming.candidates).map(|certain| certain.target.clone());
+        let target = unambiguous(&naming.candidates).map(|candidate| candidate.target.clone());
         if let Some(click) = self.frame_mut().and_then(|frame| frame.clicks.get_mut(click)) {
             click.target = target;
         }

@@ -1,17 +1,17 @@
 //! A document's camera found without a click: its frames looked at, the bases that explain their paint, and the best of these
 //! asked of every frame's own picture.
 
-use super::candidates::{Candidate, Neighbours, OVER_RIVAL, SAME_M, candidates};
+use super::candidates::{Candidate, RUNNER_UP_RATIO, SAME_POSITION_M, ViewGraph, find_candidates};
 use super::clicked::GroundClick;
 use super::deciding::deciding_landmark;
 use super::error::Stop;
 use super::evidence::missing_lines;
+use super::field_prior::FieldPrior;
 use super::held::Held;
+use super::matched_frames::MatchedFrames;
 use super::place::Place;
 use super::refined::Refined;
-use super::tied::TiedFrames;
 use super::traces::{FrameTraces, PictureOfFrame};
-use super::venue::Venue;
 use super::{
     Abstention, Doubt, UnclickedAnswer, UnclickedCamera, UnclickedError, UnclickedFrame, UnclickedProgress,
     WatchUnclicked,
@@ -89,8 +89,8 @@ fn answered(
     picture: PictureOfFrame<'_>,
     watch: WatchUnclicked<'_>,
 ) -> Result<UnclickedAnswer, UnclickedError> {
-    let venue = Venue::of(document, camera)?;
-    match (Search { document, camera, venue: &venue, by_clicks, watch }).answer(look_at, picture) {
+    let field_prior = FieldPrior::from_document(document, camera)?;
+    match (Search { document, camera, field_prior: &field_prior, by_clicks, watch }).answer(look_at, picture) {
         Ok(answer) => Ok(answer),
         Err(Stop::Abstained(why)) => Ok(UnclickedAnswer::Abstained(why)),
         Err(Stop::Failed(error)) => Err(error),
@@ -100,7 +100,7 @@ fn answered(
 struct Search<'a> {
     document: DocumentAt<'a>,
     camera: &'a CameraId,
-    venue: &'a Venue,
+    field_prior: &'a FieldPrior,
     /// Clicks say where the camera stands.
     by_clicks: bool,
     watch: WatchUnclicked<'a>,
@@ -118,20 +118,21 @@ impl Search<'_> {
             return Err(Abstention::NothingFits.into());
         }
         let (frames, traces) = self.look(&spread, picture)?;
-        let tied = TiedFrames::of(&traces, self.watch)?;
+        let matched = MatchedFrames::from_traces(&traces, self.watch)?;
         let of_group: Option<Vec<GroundClick>> = self.by_clicks.then(|| {
-            let place = |click: &GroundClick| tied.group.iter().position(|place| frames[*place] == click.frame);
+            let place = |click: &GroundClick| matched.indices.iter().position(|place| frames[*place] == click.frame);
             let in_group = |click: GroundClick| Some(GroundClick { frame: place(&click)?, ..click });
             self.clicks(&frames).into_iter().filter_map(in_group).collect()
         });
-        let found = candidates(frames.len(), &tied, of_group.as_deref(), self.venue, self.watch)?;
+        let found = find_candidates(frames.len(), &matched, of_group.as_deref(), self.field_prior, self.watch)?;
         let mut places = found.into_iter();
         let best = places.next().ok_or(Abstention::NothingFits)?;
-        let is_elsewhere =
-            |other: &Candidate| (other.base.position_m - best.base.position_m).norm() > SAME_M && other.score() > 0.0;
+        let is_elsewhere = |other: &Candidate| {
+            (other.base.position_m - best.base.position_m).norm() > SAME_POSITION_M && other.score() > 0.0
+        };
         let rival = places.find(is_elsewhere);
         let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
-        let other = rival.filter(|_| best.score() < OVER_RIVAL * rival_score);
+        let other = rival.filter(|_| best.score() < RUNNER_UP_RATIO * rival_score);
         let doubts = best.doubts.clone();
         let mut best = Place::of(best, &frames);
         best.camera.evidence.rival = rival_score;
@@ -158,7 +159,9 @@ impl Search<'_> {
         // Two that become one where both are adjusted once more differed by the field's size only.
         let both = [self.refined(&best.camera, picture)?, self.refined(&other.camera, picture)?];
         let [best, other] = match both {
-            [Some(of_best), Some(of_other)] if (of_best.position_m() - of_other.position_m()).norm() < SAME_M => {
+            [Some(of_best), Some(of_other)]
+                if (of_best.position_m() - of_other.position_m()).norm() < SAME_POSITION_M =>
+            {
                 let best = self.settled(best, Some(of_best), &frames, picture)?;
                 return self.judged(best, looked_at, OVER_REFUTED);
             }
@@ -227,12 +230,16 @@ impl Search<'_> {
     /// explained as much: this adjustment sees decimetres of it.
     fn refined(&self, found: &UnclickedCamera, picture: PictureOfFrame<'_>) -> Result<Option<Refined>, Stop> {
         self.told(UnclickedProgress::Refining)?;
-        Refined::of((found, self.venue.is_size_free()), (self.document, self.camera), picture, self.watch)
+        Refined::of((found, self.field_prior.is_size_unknown()), (self.document, self.camera), picture, self.watch)
     }
 
     /// The clicks that say where the camera stands.
     fn clicks(&self, frames: &[usize]) -> Vec<GroundClick> {
-        if self.by_clicks { GroundClick::of(&self.document.frames, frames, &self.venue.assumed) } else { Vec::new() }
+        if self.by_clicks {
+            GroundClick::of(&self.document.frames, frames, &self.field_prior.assumed)
+        } else {
+            Vec::new()
+        }
     }
 
     /// The doubt about a camera that a click contradicts.
@@ -283,12 +290,12 @@ impl Search<'_> {
     /// A camera's frames: held by their neighbours, pulled onto the paint of their own pictures, and held by that in turn. Those
     /// that stay uncertain go. `frames` are the places of those looked at.
     fn snapped(&self, place: Place, frames: &[usize], picture: PictureOfFrame<'_>) -> Result<Place, Stop> {
-        let Place { camera: mut found, neighbours } = place;
-        let size = self.size(frames, &neighbours);
-        let Some(held) = Held::of(&found.base, &neighbours, &neighbours.holds, size) else {
-            return Ok(Place { camera: found, neighbours });
+        let Place { camera: mut found, view_graph } = place;
+        let size = self.size(frames, &view_graph);
+        let Some(held) = Held::of(&found.base, &view_graph, &view_graph.paint_priors, size) else {
+            return Ok(Place { camera: found, view_graph });
         };
-        found.frames = held.frames(&neighbours, frames);
+        found.frames = held.frames(&view_graph, frames);
         // Snapping reads the clicks of a frame; here there are none.
         let mut document = self.document.document.clone();
         for frame in &found.frames {
@@ -311,13 +318,13 @@ impl Search<'_> {
                 }
             }
         }
-        held.settle(&mut found, &neighbours);
-        Ok(Place { camera: found, neighbours })
+        held.settle(&mut found, &view_graph);
+        Ok(Place { camera: found, view_graph })
     }
 
     /// The size of the frames that hang together.
-    fn size(&self, frames: &[usize], neighbours: &Neighbours) -> ImageSize {
-        let first = neighbours.group.first().and_then(|place| frames.get(*place));
+    fn size(&self, frames: &[usize], view_graph: &ViewGraph) -> ImageSize {
+        let first = view_graph.indices.first().and_then(|place| frames.get(*place));
         first.map_or(ImageSize::new(0, 0), |index| self.document.frames[*index].image_size)
     }
 }

@@ -1,7 +1,7 @@
 //! Where a camera stands by a few clicks: tied frames are turned to each other already, so that two landmarks, in one frame or in
 //! two, leave only its place and heading open, and determine them.
 
-use super::pose::RigPose;
+use super::pose::PanoramaPose;
 use crate::document::{Click, Frames, Target};
 use crate::field::{FieldModel, LandmarkId};
 use crate::geometry::{Angle, ImagePoint, Vec2, Vec3};
@@ -43,14 +43,14 @@ impl GroundClick {
 }
 
 /// The places that pairs of clicks name on a field, in a group's frames turned as stated; the pair farthest apart first.
-pub(super) fn poses(turns: &Turns, clicks: &[GroundClick], field: &FieldModel) -> Vec<RigPose> {
+pub(super) fn poses(turns: &Turns, clicks: &[GroundClick], field: &FieldModel) -> Vec<PanoramaPose> {
     let sight = |click: &GroundClick| {
         let ray = turns.camera(click.frame).world_direction_from_image(click.image).ok()?.try_normalize(0.0)?;
         let at_m = field.landmark_in_world(field.landmark(click.landmark.as_str())?);
         (ray.z < -LEAST_FALL).then(|| (ray.xy() / -ray.z, at_m.xy()))
     };
     let sights: Vec<(Vec2, Vec2)> = clicks.iter().filter_map(sight).collect();
-    let mut found: Vec<(f64, RigPose)> = Vec::new();
+    let mut found: Vec<(f64, PanoramaPose)> = Vec::new();
     for (index, one) in sights.iter().enumerate() {
         for other in &sights[index + 1..] {
             found.extend(pose_of(one, other).map(|pose| ((other.1 - one.1).norm(), pose)));
@@ -61,7 +61,7 @@ pub(super) fn poses(turns: &Turns, clicks: &[GroundClick], field: &FieldModel) -
 }
 
 /// The place from which two rays of an upright rig meet the ground at two points; rays as where they come to 1 m below.
-fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Option<RigPose> {
+fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Option<PanoramaPose> {
     let (between_rays, between) = (other_ray - ray, other_at - at);
     if between.norm() < LEAST_APART_M {
         return None;
@@ -72,8 +72,8 @@ fn pose_of((ray, at): &(Vec2, Vec2), (other_ray, other_at): &(Vec2, Vec2)) -> Op
     }
     let angle = |of: Vec2| of.y.atan2(of.x);
     let heading = Angle::from_radians(angle(between_rays) - angle(between));
-    let turned = RigPose::upright(Vec3::zeros(), heading).world_from_rig * Vec3::new(ray.x, ray.y, -1.0);
-    Some(RigPose::upright(Vec3::new(at.x, at.y, 0.0) - height_m * turned, heading))
+    let turned = PanoramaPose::upright(Vec3::zeros(), heading).world_from_panorama * Vec3::new(ray.x, ray.y, -1.0);
+    Some(PanoramaPose::upright(Vec3::new(at.x, at.y, 0.0) - height_m * turned, heading))
 }
 
 #[cfg(test)]
@@ -92,7 +92,7 @@ mod tests {
             image_size: ImageSize::new(1920, 1080),
             residual_px: 0.5,
         };
-        let truth = RigPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
+        let truth = PanoramaPose::upright(Vec3::new(12.0, -58.0, 9.0), Angle::from_degrees(-7.0));
         // Landmarks lie where the rays of clicks meet the ground.
         let mut field = builtin("soccer").unwrap().model(&BTreeMap::new(), 0.0).unwrap();
         let mut clicked = |place: usize, frame: usize, x: f64, y: f64| {
@@ -106,7 +106,7 @@ mod tests {
         let found = poses(&turns, &[one.clone(), other], &field);
         let [pose] = found.as_slice() else { panic!("{found:?}") };
         assert!((pose.position_m - truth.position_m).norm() < 1e-9, "{pose:?}");
-        assert!((pose.world_from_rig - truth.world_from_rig).norm() < 1e-9, "{pose:?}");
+        assert!((pose.world_from_panorama - truth.world_from_panorama).norm() < 1e-9, "{pose:?}");
         // One point twice says nothing, nor does a point above the horizon.
         let sky = GroundClick { image: ImagePoint::new(900.0, -4000.0), ..one.clone() };
         assert_eq!(poses(&turns, &[one.clone(), one, sky], &field), []);

@@ -1,7 +1,7 @@
 //! What speaks for and against a base that was found from frames alone.
 
 use super::Doubt;
-use super::joint::{FramePaint, Joint};
+use super::joint::{FramePaint, JointAdjustment};
 use crate::camera::PtzCamera;
 use crate::field::FieldModel;
 use crate::geometry::{ImagePoint, ImageSize};
@@ -53,7 +53,7 @@ impl UnclickedEvidence {
     }
 
     /// What speaks against it.
-    pub(super) fn doubts(&self, joint: &Joint) -> Vec<Doubt> {
+    pub(super) fn doubts(&self, joint: &JointAdjustment) -> Vec<Doubt> {
         const MIN_EXPLAINED: f64 = 0.6;
         const MIN_VISIBLE: f64 = 0.6;
         const MIN_LINES: usize = 5;
@@ -87,7 +87,11 @@ impl UnclickedEvidence {
 }
 
 /// What speaks for a base adjusted to the paint of frames.
-pub(super) fn of(joint: &Joint, paint: &[FramePaint], strokes: &[Strokes]) -> UnclickedEvidence {
+pub(super) fn measure_evidence(
+    joint: &JointAdjustment,
+    paint: &[FramePaint],
+    strokes: &[Strokes],
+) -> UnclickedEvidence {
     let field = &joint.field;
     let frames: Vec<usize> = (0..strokes.len()).filter(|frame| joint.ptz[*frame].is_some()).collect();
     let counts: Vec<Counts> = frames

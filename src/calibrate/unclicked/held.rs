@@ -1,7 +1,7 @@
 //! Frames whose base is found, held by their neighbours and by the paint of their own pictures; those that stay uncertain are
 //! not answered.
 
-use super::candidates::Neighbours;
+use super::candidates::ViewGraph;
 use super::{UnclickedCamera, UnclickedFrame};
 use crate::camera::{CameraBase, PanTilt, PtzCamera};
 use crate::geometry::{ImageSize, Mat3, Vec3};
@@ -31,30 +31,30 @@ pub(super) struct Held {
 
 impl Held {
     /// Of a base, by what is known of its frames; none where that leaves one of them open.
-    pub fn of(base: &CameraBase, neighbours: &Neighbours, holds: &[Hold], size: ImageSize) -> Option<Self> {
-        let start = filled(&neighbours.ptz, &neighbours.turns, &neighbours.ties)?;
-        let frames = hold_frames(base, &start, &neighbours.ties, holds, size)?;
+    pub fn of(base: &CameraBase, view_graph: &ViewGraph, holds: &[Hold], size: ImageSize) -> Option<Self> {
+        let start = filled(&view_graph.ptz, &view_graph.ptz_by_matches, &view_graph.matches)?;
+        let frames = hold_frames(base, &start, &view_graph.matches, holds, size)?;
         Some(Self { base: *base, size, frames })
     }
 
     /// The frames by their places in the document, uncertain ones included.
-    pub fn frames(&self, neighbours: &Neighbours, looked_at: &[usize]) -> Vec<UnclickedFrame> {
+    pub fn frames(&self, view_graph: &ViewGraph, looked_at: &[usize]) -> Vec<UnclickedFrame> {
         let of_frame = |(place, held): (&usize, &HeldFrame)| {
             let index = *looked_at.get(*place)?;
             Some(UnclickedFrame { index, ptz: held.ptz, uncertainty: self.uncertainty(held), snapped: None })
         };
-        neighbours.group.iter().zip(&self.frames).filter_map(of_frame).collect()
+        view_graph.indices.iter().zip(&self.frames).filter_map(of_frame).collect()
     }
 
     /// Holds all frames by what was snapped; what the neighbours contradict is let go, and frames that stay uncertain go.
-    pub fn settle(&self, found: &mut UnclickedCamera, neighbours: &Neighbours) {
+    pub fn settle(&self, found: &mut UnclickedCamera, view_graph: &ViewGraph) {
         let mut holds: Vec<Hold> = Vec::new();
         for (frame, of_found) in found.frames.iter().enumerate() {
             let own = of_found.snapped.as_ref().and_then(|snapped| self.hold(frame, snapped));
-            let by_all = || neighbours.holds.iter().find(|hold| hold.frame == frame).copied();
+            let by_all = || view_graph.paint_priors.iter().find(|hold| hold.frame == frame).copied();
             holds.extend(own.or_else(by_all));
         }
-        let Some(held) = Self::of(&self.base, neighbours, &holds, self.size) else { return };
+        let Some(held) = Self::of(&self.base, view_graph, &holds, self.size) else { return };
         let px = self.size.scale_from_1920();
         for (of_found, held_frame) in found.frames.iter_mut().zip(&held.frames) {
             of_found.ptz = held_frame.ptz;
@@ -63,7 +63,7 @@ impl Held {
             let agrees = |snapped: &Snapped| overlays_apart_px(&camera, snapped.ptz, self.size) <= APART_PX * px;
             of_found.snapped = of_found.snapped.take().filter(agrees);
         }
-        found.paint = held.paint(neighbours);
+        found.paint = held.paint(view_graph);
         found.frames.retain(|frame| {
             let certain = |known: &Uncertainty| self.corner_px(frame, known) <= CERTAIN_PX * px;
             frame.uncertainty.as_ref().is_some_and(certain)
@@ -71,10 +71,10 @@ impl Held {
     }
 
     /// Where paint stays, thinned.
-    fn paint(&self, neighbours: &Neighbours) -> Vec<PanTilt> {
+    fn paint(&self, view_graph: &ViewGraph) -> Vec<PanTilt> {
         const CELL_DEG: f64 = 0.04;
         let mut of_cell: BTreeMap<(i64, i64), PanTilt> = BTreeMap::new();
-        for (held, places) in self.frames.iter().zip(&neighbours.paint) {
+        for (held, places) in self.frames.iter().zip(&view_graph.paint) {
             let camera = PtzCamera::new(self.base, held.ptz);
             for ray in places.iter().filter_map(|at| camera.ray_from_image(*at).ok()) {
                 let cell = [ray.pan, ray.tilt].map(|angle| (angle.degrees() / CELL_DEG).floor() as i64);

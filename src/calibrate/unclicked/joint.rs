@@ -1,8 +1,8 @@
 //! The base and every frame's camera adjusted to the paint of all frames together.
 
+use super::field_prior::FieldPrior;
 use super::pitch_map::{OnLine, PitchMap};
-use super::pose::share_of_angles;
-use super::venue::Venue;
+use super::pose::angular_scale;
 use crate::calibrate::base_on_paint::{ALONE_SIGMA_M, as_paint_alone_gives};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
@@ -44,8 +44,8 @@ const HOLD_SIGMAS: f64 = 2.0;
 /// Paint of a frame, px.
 pub(super) type FramePaint = Vec<ImagePoint>;
 
-/// A base adjusted to paint.
-pub(super) struct Joint {
+/// A base and its frames, adjusted jointly to paint.
+pub(super) struct JointAdjustment {
     pub base: CameraBase,
     /// With the crown, and the size where that was fitted.
     pub field: FieldModel,
@@ -60,7 +60,7 @@ pub(super) struct Joint {
     scale: f64,
 }
 
-impl Joint {
+impl JointAdjustment {
     /// The median distance of paint from its line, px at 1920 px width; infinite without any.
     pub fn residual_px(&self) -> f64 {
         let frames = self.ptz.iter().zip(&self.taken);
@@ -117,31 +117,46 @@ fn holds(base: &CameraBase, ptz: &[Option<Ptz>], taken: &[FrameClicks]) -> Vec<H
     ptz.iter().zip(taken).enumerate().filter_map(of_frame).collect()
 }
 
-impl Joint {
+impl JointAdjustment {
     /// What the paint of each frame says of its camera.
-    pub fn holds(&self) -> Vec<Hold> {
+    pub fn paint_priors(&self) -> Vec<Hold> {
         holds(&self.base, &self.ptz, &self.taken)
     }
 }
 
-/// Adjusts a base and its frames to paint, from a start on a field; with a venue whose size is open, the field's size too. None
-/// where too few frames show paint near the lines.
-pub(super) fn joint(
-    start_field: &FieldModel,
-    sized: Option<&Venue>,
-    paint: &[FramePaint],
-    start: &CameraBase,
-    (ptz, ties): (&[Option<Ptz>], &[Tie]),
-    size: ImageSize,
-) -> Option<Joint> {
+/// Where a joint adjustment begins.
+pub(super) struct JointStart {
+    pub field: FieldModel,
+    pub base: CameraBase,
+    /// Of each frame; frames without one take no part.
+    pub ptz: Vec<Option<Ptz>>,
+}
+
+/// What the frames of a joint adjustment show.
+pub(super) struct FrameObservations<'a> {
+    /// Of each frame.
+    pub paint: &'a [FramePaint],
+    /// Pairwise matches, by frame.
+    pub matches: &'a [Tie],
+    pub image_size: ImageSize,
+}
+
+/// Adjusts a base and the cameras of its frames to paint; with a size prior, the field's size too. None if too few frames show paint
+/// near the lines.
+pub(super) fn adjust_jointly(
+    start: &JointStart,
+    size_prior: Option<&FieldPrior>,
+    observed: &FrameObservations<'_>,
+) -> Option<JointAdjustment> {
+    let FrameObservations { paint, matches, image_size: size } = *observed;
     let scale = size.scale_from_1920();
-    let mut field = start_field.clone();
-    let mut map = PitchMap::of(&field);
-    let mut base = *start;
-    let mut ptz = ptz.to_vec();
+    let mut field = start.field.clone();
+    let mut map = PitchMap::with_grid(&field);
+    let mut base = start.base;
+    let mut ptz = start.ptz.clone();
     let (mut taken, mut sizes) = (Vec::new(), Vec::new());
     // From low cameras the lines lie too near to each other for the first rounds, and the start is the nearer.
-    let widest_px = share_of_angles(start.position_m.z) * REACH_PX[0];
+    let widest_px = angular_scale(start.base.position_m.z) * REACH_PX[0];
     for (round, reach_px) in REACH_PX.into_iter().enumerate().skip_while(|(_, reach_px)| *reach_px > widest_px) {
         let near = |(paint, ptz): (&FramePaint, &Option<Ptz>)| {
             let camera = ptz.map(|ptz| PtzCamera::new(base, ptz));
@@ -161,12 +176,14 @@ pub(super) fn joint(
         taken = on_field(taken, &crowned);
         field = crowned;
         if HELD_AFTER.contains(&round) {
-            ptz = held_by_ties(&base, &ptz, &taken, ties, size);
+            ptz = held_by_ties(&base, &ptz, &taken, matches, size);
         }
-        let Some(venue) = sized.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
-        let Some(fitted) = venue.fitted(&field, &taken, &base, &ptz, &model, (size.width, &options)) else { continue };
+        let Some(prior) = size_prior.filter(|_| SIZE_AFTER.contains(&round)) else { continue };
+        let Some(fitted) = prior.fit_size(&field, &taken, &base, &ptz, &model, (size.width, &options)) else {
+            continue;
+        };
         (field, sizes) = fitted;
-        map = PitchMap::of(&field);
+        map = PitchMap::with_grid(&field);
     }
     let parts = apart(base.position_m, &ptz, |ptz| {
         let (model, options) = (model(CrownModel::Fixed(field.crown_m)), options(Loss::Cauchy { c: 1.5 }));
@@ -179,7 +196,7 @@ pub(super) fn joint(
     base.sigma = FittedSize::base_sigma(base.sigma, &sizes);
     as_paint_alone_gives(&mut sizes);
     let parts_m = parts.map_or(f64::INFINITY, |apart_m| apart_m.norm());
-    Some(Joint { base, field, sizes, ptz, parts_m, taken, scale })
+    Some(JointAdjustment { base, field, sizes, ptz, parts_m, taken, scale })
 }
 
 /// How far the positions lie apart that halves of the frames give, along each axis, m; of frames too few for that twice the 1-σ that

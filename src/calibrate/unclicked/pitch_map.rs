@@ -155,7 +155,8 @@ impl View {
 }
 
 impl PitchMap {
-    pub fn of(field: &FieldModel) -> Self {
+    /// With a grid of nearest curves, for many look-ups.
+    pub fn with_grid(field: &FieldModel) -> Self {
         let (half_length_m, half_width_m) = (field.length_m / 2.0 + BEYOND_M, field.width_m / 2.0 + BEYOND_M);
         let columns = (2.0 * half_length_m / CELL_M).ceil() as usize;
         let rows = (2.0 * half_width_m / CELL_M).ceil() as usize;
@@ -164,14 +165,14 @@ impl PitchMap {
             let y = (cell / columns) as f64 * CELL_M + CELL_M / 2.0 - half_width_m;
             Vec3::new(x, y, 0.0)
         };
-        let mut map = Self::of_few(field);
+        let mut map = Self::without_grid(field);
         let near = (0..columns * rows).map(|cell| nearest_of(&map.curves, place(cell))).collect();
         map.grid = Some(Grid { half_length_m, half_width_m, columns, rows, near });
         map
     }
 
-    /// The same for a field that is asked about fewer places than the map would have cells: the curves are asked each time.
-    pub fn of_few(field: &FieldModel) -> Self {
+    /// Without a grid, for fewer look-ups than the grid would have cells: each goes through all curves.
+    pub fn without_grid(field: &FieldModel) -> Self {
         let painted = field.lines.iter().enumerate().filter(|(_, line)| line.painted);
         let curves: Vec<(usize, Curve)> = painted.map(|(number, line)| (number, line.paint_centre)).collect();
         let endless = curves.iter().map(|(_, curve)| Endless::of(curve)).collect();
@@ -309,7 +310,7 @@ mod tests {
     use std::collections::BTreeMap;
 
     fn map(crown_m: f64) -> PitchMap {
-        PitchMap::of(&builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap())
+        PitchMap::with_grid(&builtin("soccer").unwrap().model(&BTreeMap::new(), crown_m).unwrap())
     }
 
     #[test]

@@ -1,13 +1,13 @@
 //! A place where a camera may stand, from a candidate to the answer.
 
-use super::candidates::{Candidate, Neighbours};
+use super::candidates::{Candidate, ViewGraph};
 use super::refined::Refined;
 use super::{UnclickedCamera, UnclickedFrame};
 
-/// A camera where it may stand, and how its frames hold each other there.
+/// A camera where it may stand, with the view graph of its frames there.
 pub(super) struct Place {
     pub camera: UnclickedCamera,
-    pub neighbours: Neighbours,
+    pub view_graph: ViewGraph,
 }
 
 impl Place {
@@ -17,15 +17,15 @@ impl Place {
         let pointed = pointed
             .filter_map(|(&index, ptz)| Some(UnclickedFrame { index, ptz: (*ptz)?, uncertainty: None, snapped: None }));
         let pointed = pointed.collect();
-        let Candidate { base, field, sizes, evidence, neighbours, .. } = candidate;
-        let is_other = |place: &usize| neighbours.group.binary_search(place).is_err();
+        let Candidate { base, field, sizes, evidence, view_graph, .. } = candidate;
+        let is_other = |place: &usize| view_graph.indices.binary_search(place).is_err();
         let others = (0..frames.len()).filter(is_other).map(|place| frames[place]).collect();
         let camera = UnclickedCamera { base, field, sizes, frames: pointed, others, paint: Vec::new(), evidence };
-        Self { camera, neighbours }
+        Self { camera, view_graph }
     }
 
     /// As it was adjusted once more.
     pub fn refined(self, refined: Refined, frames: &[usize]) -> Self {
-        Self { neighbours: refined.neighbours(self.neighbours, frames), camera: refined.camera(self.camera) }
+        Self { view_graph: refined.view_graph(self.view_graph, frames), camera: refined.camera(self.camera) }
     }
 }

@@ -1,5 +1,6 @@
 //! How far a search without clicks has come, in steps that a person understands.
 
+use super::UnclickedError;
 use crate::geometry::thousands;
 use std::fmt;
 use std::ops::ControlFlow;
@@ -59,6 +60,14 @@ pub enum UnclickedProgress {
 
 /// Told how far a search has come; may end it.
 pub type WatchUnclicked<'a> = &'a (dyn Fn(UnclickedProgress) -> ControlFlow<()> + Sync);
+
+/// Reports progress.
+///
+/// # Errors
+/// [`UnclickedError::Stopped`] if the receiver ends the search.
+pub(super) fn report(watch: WatchUnclicked<'_>, progress: UnclickedProgress) -> Result<(), UnclickedError> {
+    if watch(progress).is_break() { Err(UnclickedError::Stopped) } else { Ok(()) }
+}
 
 impl UnclickedProgress {
     /// How much of the present step is done, 0 to 1.

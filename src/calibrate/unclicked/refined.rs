@@ -1,7 +1,7 @@
 //! A base that was found without clicks, adjusted once more to the paint that its frames' own pictures show: the strokes that it
 //! was found by are coarser than what can be read there once it is known where to look.
 
-use super::candidates::Neighbours;
+use super::candidates::ViewGraph;
 use super::error::Stop;
 use super::traces::PictureOfFrame;
 use super::{UnclickedCamera, UnclickedError, UnclickedProgress, WatchUnclicked, record_found};
@@ -67,16 +67,16 @@ impl Refined {
         self.estimated.estimate.base.position_m
     }
 
-    /// How the frames hold each other around the new base. `looked_at` are their places in the document.
-    pub fn neighbours(&self, neighbours: Neighbours, looked_at: &[usize]) -> Neighbours {
+    /// The view graph around the new base. `looked_at` has the index in the document of each sampled frame.
+    pub fn view_graph(&self, view_graph: ViewGraph, looked_at: &[usize]) -> ViewGraph {
         let of_place = |frame: usize| {
-            let index = looked_at.get(*neighbours.group.get(frame)?)?;
+            let index = looked_at.get(*view_graph.indices.get(frame)?)?;
             self.ptz.get(index).copied()
         };
-        let ptz = (0..neighbours.ptz.len()).map(of_place).collect();
+        let ptz = (0..view_graph.ptz.len()).map(of_place).collect();
         let moved = |hold: &Hold| Some(Hold { ptz: of_place(hold.frame)?, ..*hold });
-        let holds = neighbours.holds.iter().filter_map(moved).collect();
-        Neighbours { ptz, holds, ..neighbours }
+        let paint_priors = view_graph.paint_priors.iter().filter_map(moved).collect();
+        ViewGraph { ptz, paint_priors, ..view_graph }
     }
 
     /// The camera with the new base.

@@ -1,7 +1,7 @@
 //! Where a camera may stand: many places tried, the best fitted.
 
 use super::pitch_map::{PitchMap, Scatter, View};
-use super::pose::{RigPose, fitted, share_of_angles};
+use super::pose::{PanoramaPose, angular_scale, fit_pose};
 use crate::geometry::rotation::{from_rotation_vector, nearest_rotation};
 use crate::geometry::{Angle, Vec2, Vec3};
 use crate::paint::SeenGround;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-/// What is known of the paint: directions in the rig's frame, and where ground was seen.
+/// What is known of the paint: directions in `panorama`, and where ground was seen.
 pub(super) struct Panorama {
     /// Spread over the sphere.
     pub directions: Vec<Vec3>,
@@ -93,7 +93,7 @@ impl Panorama {
 /// A place with what speaks for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hypothesis {
-    pub pose: RigPose,
+    pub pose: PanoramaPose,
     /// Which of the fields.
     pub field: usize,
     /// The share of the paint that the field's lines explain.
@@ -187,7 +187,7 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
     };
     let explained = |index: usize, asked: &[BelowHorizon]| {
         let (position_m, heading) = place(index);
-        explained_upright(&RigPose::upright(position_m, heading), asked, map)
+        explained_upright(&PanoramaPose::upright(position_m, heading), asked, map)
     };
     let best_first = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
     let mut scored: Vec<(f64, usize)> = (0..PLACES).map(|index| (0.0, index)).collect();
@@ -217,18 +217,18 @@ fn on_one_field(panorama: &Panorama, (field, map): (usize, &PitchMap), of: usize
     let mut looked: Vec<Hypothesis> = chosen
         .par_iter()
         .map(|(position_m, heading)| {
-            let pose = RigPose::upright(*position_m, *heading);
+            let pose = PanoramaPose::upright(*position_m, *heading);
             let explained = explained_roughly(&pose, &panorama.directions, map, 1.0);
             Hypothesis { pose, field, explained, visible: visible(&pose, panorama, map, 1.0, WIDE_DEG) }
         })
         .collect();
     sort(&mut looked);
     looked.truncate(FITTED);
-    let fitted = |hypothesis: &Hypothesis| {
+    let fit = |hypothesis: &Hypothesis| {
         let pose = climbed(hypothesis.pose, &few, panorama, map);
-        judged(fitted(pose, &panorama.directions, map), panorama, (field, map))
+        score_pose(fit_pose(pose, &panorama.directions, map), panorama, (field, map))
     };
-    looked.par_iter().map(fitted).collect()
+    looked.par_iter().map(fit).collect()
 }
 
 pub(super) fn sort(hypotheses: &mut [Hypothesis]) {
@@ -239,12 +239,12 @@ pub(super) fn sort(hypotheses: &mut [Hypothesis]) {
 const PAINTED_DEG: f64 = 0.3;
 
 /// What speaks for a fitted place.
-pub(super) fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
+pub(super) fn score_pose(pose: PanoramaPose, panorama: &Panorama, (field, map): (usize, &PitchMap)) -> Hypothesis {
     const WITHIN_DEG: f64 = 0.25;
-    let within = share_of_angles(pose.position_m.z) * WITHIN_DEG.to_radians();
+    let within = angular_scale(pose.position_m.z) * WITHIN_DEG.to_radians();
     let explains = |direction: &&Vec3| {
         let line = pose.line_at(**direction, map);
-        line.is_some_and(|line| line.passed_by(pose.position_m, pose.world_from_rig * **direction) < within)
+        line.is_some_and(|line| line.passed_by(pose.position_m, pose.world_from_panorama * **direction) < within)
     };
     let explained =
         panorama.directions.iter().filter(explains).count() as f64 / panorama.directions.len().max(1) as f64;
@@ -252,12 +252,12 @@ pub(super) fn judged(pose: RigPose, panorama: &Panorama, (field, map): (usize, &
         pose,
         field,
         explained,
-        visible: visible(&pose, panorama, map, 1.0, PAINTED_DEG * share_of_angles(pose.position_m.z)),
+        visible: visible(&pose, panorama, map, 1.0, PAINTED_DEG * angular_scale(pose.position_m.z)),
     }
 }
 
 /// The share of the paint that lies near a line, more the nearer; at the first look (1) paint may lie farther off than later.
-fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap, share_of_scatter: f64) -> f64 {
+fn explained_roughly(pose: &PanoramaPose, directions: &[Vec3], map: &PitchMap, share_of_scatter: f64) -> f64 {
     let near = |direction: &Vec3| -> f64 {
         let Some(ground) = map.ground_roughly(|z_m| pose.at_height(*direction, z_m)) else { return 0.0 };
         nearness(ground, View::of(ground, pose.position_m), map, share_of_scatter)
@@ -265,7 +265,7 @@ fn explained_roughly(pose: &RigPose, directions: &[Vec3], map: &PitchMap, share_
     directions.iter().map(near).sum::<f64>() / directions.len().max(1) as f64
 }
 
-/// A direction (`rig`) below the horizon of a camera whose pan axis is upright.
+/// A direction (`panorama`) below the horizon of a camera whose pan axis is upright.
 struct BelowHorizon {
     /// Over the ground, per metre of the camera's height.
     over_ground: Vec2,
@@ -281,8 +281,8 @@ impl BelowHorizon {
 
 /// [`explained_roughly`] at the first look, not divided by the number of directions, for a pose whose pan axis is upright: most of
 /// the time of a search passes here.
-fn explained_upright(pose: &RigPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
-    let turn = pose.world_from_rig.fixed_view::<2, 2>(0, 0).into_owned();
+fn explained_upright(pose: &PanoramaPose, directions: &[BelowHorizon], map: &PitchMap) -> f64 {
+    let turn = pose.world_from_panorama.fixed_view::<2, 2>(0, 0).into_owned();
     let eye_m = pose.position_m;
     let near = |direction: &BelowHorizon| -> f64 {
         let per_m = turn * direction.over_ground;
@@ -311,18 +311,18 @@ fn nearness(ground: Vec3, view: View, map: &PitchMap, share_of_scatter: f64) -> 
 
 /// A pose moved to where paint and lines belong together the most: places and headings that are tried lie too far apart for a low
 /// camera, and its pan axis leans.
-fn climbed(start: RigPose, directions: &[Vec3], panorama: &Panorama, map: &PitchMap) -> RigPose {
+fn climbed(start: PanoramaPose, directions: &[Vec3], panorama: &Panorama, map: &PitchMap) -> PanoramaPose {
     /// Of the distance between the places that are tried, and of the scatter, round by round.
     const ROUNDS: [(f64, f64); 5] = [(0.5, 1.0), (0.35, 0.7), (0.2, 0.4), (0.1, 0.2), (0.05, 0.1)];
     /// Of the lean that is tried, degrees.
     const LEAN_DEG: f64 = 1.0;
     const SPACING_M: f64 = 3.0;
-    let moved = |from: &RigPose, way: usize, step: f64| {
+    let moved = |from: &PanoramaPose, way: usize, step: f64| {
         let turned = |axis: Vec3, angle_deg: f64| {
-            let turned = from_rotation_vector(axis * angle_deg.to_radians()) * from.world_from_rig;
-            RigPose { world_from_rig: nearest_rotation(&turned), ..*from }
+            let turned = from_rotation_vector(axis * angle_deg.to_radians()) * from.world_from_panorama;
+            PanoramaPose { world_from_panorama: nearest_rotation(&turned), ..*from }
         };
-        let shifted = |by: Vec3| RigPose { position_m: from.position_m + by, ..*from };
+        let shifted = |by: Vec3| PanoramaPose { position_m: from.position_m + by, ..*from };
         match way {
             0 => shifted(Vec3::x() * (step * X_M.step)),
             1 => shifted(Vec3::y() * (step * Y_M.step)),
@@ -334,8 +334,8 @@ fn climbed(start: RigPose, directions: &[Vec3], panorama: &Panorama, map: &Pitch
     };
     let mut pose = start;
     for (step, scatter) in ROUNDS {
-        let score = |pose: &RigPose| {
-            let within_deg = (WIDE_DEG * scatter).max(PAINTED_DEG * share_of_angles(pose.position_m.z));
+        let score = |pose: &PanoramaPose| {
+            let within_deg = (WIDE_DEG * scatter).max(PAINTED_DEG * angular_scale(pose.position_m.z));
             explained_roughly(pose, directions, map, scatter) * visible(pose, panorama, map, SPACING_M, within_deg)
         };
         let mut best = score(&pose);
@@ -353,10 +353,10 @@ fn climbed(start: RigPose, directions: &[Vec3], panorama: &Panorama, map: &Pitch
 }
 
 /// The share of the lines that lie where ground was seen and near paint; weighted by how long they seem.
-fn visible(pose: &RigPose, panorama: &Panorama, map: &PitchMap, spacing_m: f64, within_deg: f64) -> f64 {
+fn visible(pose: &PanoramaPose, panorama: &Panorama, map: &PitchMap, spacing_m: f64, within_deg: f64) -> f64 {
     let (mut all, mut seen) = (0.0, 0.0);
     for sample in map.samples(spacing_m) {
-        let Some(direction) = pose.direction_in_rig(sample.at) else { continue };
+        let Some(direction) = pose.direction_in_panorama(sample.at) else { continue };
         if !panorama.seen.holds(direction) {
             continue;
         }

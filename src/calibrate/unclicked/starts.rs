@@ -3,18 +3,18 @@
 use super::clicked::{GroundClick, poses};
 use super::error::Stop;
 use super::joint::FramePaint;
+use super::matched_frames::MatchedFrames;
 use super::pitch_map::PitchMap;
-use super::pose::fitted;
-use super::search::{Hypothesis, PLACES, Panorama, judged, search, sort};
-use super::tied::TiedFrames;
-use super::turn_levels::TurnLevels;
+use super::pose::fit_pose;
+use super::rotations_by_focal_scale::RotationsByFocalScale;
+use super::search::{Hypothesis, PLACES, Panorama, score_pose, search, sort};
 use super::{Abstention, UnclickedError, UnclickedProgress, WatchUnclicked};
 use crate::field::FieldModel;
 use crate::track::Turns;
 use std::ops::RangeInclusive;
 
 /// How much longer or shorter than the ties say the focal lengths may be, in per cent: rotations leave their common scale uncertain,
-/// and boards that scroll under a picture put all ties off together. Neighbours are as near as a search needs.
+/// and boards that scroll under a picture put all ties off together. Neighbouring values are as near as a search needs.
 const FOCAL_PERCENT: [u32; 15] = [67, 71, 75, 79, 83, 88, 94, 100, 106, 113, 120, 127, 135, 143, 150];
 
 /// Of these the first to be tried.
@@ -32,37 +32,40 @@ const PAIRS: usize = 6;
 /// Places of one focal scale that may be adjusted.
 const OF_SCALE: usize = 3;
 
-/// A place from which everything is adjusted.
-pub(super) struct Start {
+/// A hypothesis of the search at one focal scale, with what the frames show at that scale.
+pub(super) struct ScaledHypothesis {
     pub hypothesis: Hypothesis,
     /// The logarithm of the focal scale.
     pub log_scale: f64,
-    pub turns: Turns,
+    pub rotations: Turns,
+    /// Persistent paint of each frame.
     pub paint: Vec<FramePaint>,
 }
 
-/// The best places of a search for tied frames on one of several fields, the most likely first.
-pub(super) fn searched(
-    tied: &TiedFrames,
+/// Searches the poses of the panorama on several fields without any click; the most likely first.
+pub(super) fn search_hypotheses(
+    tied: &MatchedFrames,
     maps: &[PitchMap],
     watch: WatchUnclicked<'_>,
-) -> Result<(Vec<Start>, TurnLevels), Stop> {
+) -> Result<(Vec<ScaledHypothesis>, RotationsByFocalScale), Stop> {
     begun(tied, &FIRST_FOCAL_PERCENT, PLACES * maps.len(), watch, |_, panorama| search(panorama, maps))
 }
 
-/// The best of the places that clicks name, on one of several fields with their maps, the most likely first.
-pub(super) fn named(
-    tied: &TiedFrames,
+/// The poses that pairs of clicks determine, on several fields with their maps; the most likely first.
+pub(super) fn hypotheses_from_clicks(
+    tied: &MatchedFrames,
     fields: &[FieldModel],
     maps: &[PitchMap],
     clicks: &[GroundClick],
     watch: WatchUnclicked<'_>,
-) -> Result<(Vec<Start>, TurnLevels), Stop> {
+) -> Result<(Vec<ScaledHypothesis>, RotationsByFocalScale), Stop> {
     begun(tied, &FINE_FOCAL_PERCENT, fields.len(), watch, |turns, panorama| {
         let mut found = Vec::new();
         for (field, map) in maps.iter().enumerate() {
             let poses = poses(turns, clicks, &fields[field]).into_iter().take(PAIRS);
-            found.extend(poses.map(|pose| judged(fitted(pose, &panorama.directions, map), panorama, (field, map))));
+            found.extend(
+                poses.map(|pose| score_pose(fit_pose(pose, &panorama.directions, map), panorama, (field, map))),
+            );
         }
         sort(&mut found);
         found
@@ -72,13 +75,13 @@ pub(super) fn named(
 /// The best places for frames with focal lengths of each of some shares of what their ties say, and of the neighbours of the share that
 /// has the best place of all.
 fn begun(
-    tied: &TiedFrames,
+    tied: &MatchedFrames,
     focal_percent: &[u32],
     places: usize,
     watch: WatchUnclicked<'_>,
     of_turns: impl Fn(&Turns, &Panorama) -> Vec<Hypothesis>,
-) -> Result<(Vec<Start>, TurnLevels), Stop> {
-    let (mut starts, mut levels): (Vec<Start>, Vec<(u32, Turns)>) = (Vec::new(), Vec::new());
+) -> Result<(Vec<ScaledHypothesis>, RotationsByFocalScale), Stop> {
+    let (mut starts, mut levels): (Vec<ScaledHypothesis>, Vec<(u32, Turns)>) = (Vec::new(), Vec::new());
     let mut percents = focal_percent.to_vec();
     let mut best: Option<(f64, u32)> = None;
     let mut refused = None;
@@ -109,19 +112,24 @@ fn begun(
         return Err(why.into());
     }
     starts.sort_by(|a, b| b.hypothesis.score().total_cmp(&a.hypothesis.score()));
-    Ok((starts, TurnLevels::new(levels)))
+    Ok((starts, RotationsByFocalScale::new(levels)))
 }
 
 /// The best places for frames with focal lengths of a share of what their ties say, the most likely first, and how the frames turn.
 fn of_scale(
-    tied: &TiedFrames,
+    tied: &MatchedFrames,
     percent: u32,
     of_turns: impl Fn(&Turns, &Panorama) -> Vec<Hypothesis>,
-) -> Result<(Vec<Start>, Turns), Abstention> {
-    let turns = tied.turns(percent).map_err(Abstention::NotTurning)?;
-    let gathered = tied.gathered(&turns)?;
+) -> Result<(Vec<ScaledHypothesis>, Turns), Abstention> {
+    let turns = tied.relative_rotations(percent).map_err(Abstention::NotTurning)?;
+    let gathered = tied.gather_paint(&turns)?;
     let log_scale = (f64::from(percent) / 100.0).ln();
-    let start = |hypothesis| Start { hypothesis, log_scale, turns: turns.clone(), paint: gathered.of_frames.clone() };
+    let start = |hypothesis| ScaledHypothesis {
+        hypothesis,
+        log_scale,
+        rotations: turns.clone(),
+        paint: gathered.of_frames.clone(),
+    };
     let found = of_turns(&turns, &gathered.panorama).into_iter().take(OF_SCALE).map(start).collect();
     Ok((found, turns))
 }

@@ -1,6 +1,6 @@
 //! The normal equations of a clip: three numbers a frame, two a point; the points are eliminated (Schur complement).
 
-use super::envelope::{Envelope, Factor};
+use super::envelope::{CholeskyFactor, Envelope};
 use crate::geometry::{Mat3, Vec2, Vec3};
 use crate::solve::{Equations, Loss, NO_VALUE_SIGMAS};
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
@@ -89,7 +89,7 @@ impl ClipEquations {
     }
 
     /// The frames' equations without the points: a factor and the gradient.
-    fn reduced(&self, damping: f64) -> Option<(Factor, Vec<Vec3>)> {
+    fn reduced(&self, damping: f64) -> Option<(CholeskyFactor, Vec<Vec3>)> {
         let mut matrix = Envelope::zeros(&self.first);
         let mut gradient: Vec<Vec3> = self.anchors.iter().map(|(_, gradient)| *gradient).collect();
         for (row, (block, _)) in self.anchors.iter().enumerate() {
@@ -115,12 +115,12 @@ impl ClipEquations {
                 }
             }
         }
-        Some((matrix.factored()?, gradient))
+        Some((matrix.cholesky()?, gradient))
     }
 
     /// The covariance of each frame's (pan rad, tilt rad, log of the focal length); none where something is left open.
     pub fn covariances(&self) -> Option<Vec<Mat3>> {
-        Some(self.reduced(0.0)?.0.inverse_diagonal_blocks())
+        Some(self.reduced(0.0)?.0.diagonal_blocks_of_inverse())
     }
 }
 

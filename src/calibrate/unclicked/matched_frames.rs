@@ -1,4 +1,4 @@
-//! Frames of one camera, tied by what they show together.
+//! Frames of one camera, matched pairwise.
 
 use super::error::Stop;
 use super::joint::FramePaint;
@@ -11,13 +11,13 @@ use crate::paint::{PersistentPoint, SeenGround, Strokes, persistent_paint};
 use crate::track::{Tie, TrackError, TurnOptions, Turns, adjust_turns, groups, tie_frames};
 use std::sync::Arc;
 
-/// The largest group of frames that hang together, numbered among themselves.
-pub(super) struct TiedFrames {
-    /// Their places among the frames looked at.
-    pub group: Vec<usize>,
+/// The largest group of frames that pairwise matches connect, numbered within the group.
+pub(super) struct MatchedFrames {
+    /// Their indices among the sampled frames.
+    pub indices: Vec<usize>,
     /// Of their pictures.
     pub size: ImageSize,
-    pub ties: Arc<Vec<Tie>>,
+    pub matches: Arc<Vec<Tie>>,
     pub strokes: Vec<Strokes>,
 }
 
@@ -28,12 +28,12 @@ pub(super) struct GatheredPaint {
     pub of_frames: Vec<FramePaint>,
 }
 
-impl TiedFrames {
+impl MatchedFrames {
     /// Of frames that were looked at.
     ///
     /// # Errors
     /// Too few hang together, the search was stopped, or OpenCV is missing or refused.
-    pub fn of(frames: &[FrameTraces], watch: WatchUnclicked<'_>) -> Result<Self, Stop> {
+    pub fn from_traces(frames: &[FrameTraces], watch: WatchUnclicked<'_>) -> Result<Self, Stop> {
         let features: Vec<Features> = frames.iter().map(|frame| frame.features.clone()).collect();
         let pairs = frames.len() * frames.len().saturating_sub(1) / 2;
         let ties = tie_frames(&features, &|done, of| watch(UnclickedProgress::Tying { done, of }))
@@ -47,17 +47,17 @@ impl TiedFrames {
         let inside = |tie: &Tie| Some(Tie { first: place(tie.first)?, second: place(tie.second)?, ..tie.clone() });
         let strokes = group.iter().map(|frame| frames[*frame].strokes.clone()).collect();
         let ties = Arc::new(ties.iter().filter_map(inside).collect());
-        Ok(Self { group, size, ties, strokes })
+        Ok(Self { indices: group, size, matches: ties, strokes })
     }
 
     /// How the frames are turned, with focal lengths of so many per cent of what the ties say.
-    pub fn turns(&self, focal_percent: u32) -> Result<Turns, TrackError> {
+    pub fn relative_rotations(&self, focal_percent: u32) -> Result<Turns, TrackError> {
         let options = TurnOptions { focal_scale: f64::from(focal_percent) / 100.0, ..TurnOptions::default() };
-        adjust_turns(self.group.len(), &self.ties, self.size, &options)
+        adjust_turns(self.indices.len(), &self.matches, self.size, &options)
     }
 
     /// The paint of the frames turned as stated.
-    pub fn gathered(&self, turns: &Turns) -> Result<GatheredPaint, Abstention> {
+    pub fn gather_paint(&self, turns: &Turns) -> Result<GatheredPaint, Abstention> {
         /// Directions of paint without which nothing can be found.
         const LEAST: usize = 150;
         let frames: Vec<_> =

@@ -12,7 +12,7 @@ const INDEPENDENT_MATCHES: f64 = 200.0;
 const SIGMA: [f64; 2] = [0.003, 0.1];
 
 /// Frames turned at several focal scales.
-pub(super) struct TurnLevels {
+pub(super) struct RotationsByFocalScale {
     /// Ascending, each with the logarithm of its scale.
     levels: Vec<(f64, Turns)>,
 }
@@ -32,7 +32,7 @@ impl FocalScale {
     }
 }
 
-impl TurnLevels {
+impl RotationsByFocalScale {
     /// Of turns, each with its scale in per cent of what the ties say.
     pub fn new(levels: impl IntoIterator<Item = (u32, Turns)>) -> Self {
         let of_level = |(percent, turns): (u32, Turns)| ((f64::from(percent) / 100.0).ln(), turns);
@@ -68,7 +68,7 @@ impl TurnLevels {
     }
 
     /// What the ties say of the scale: where the frames fit each other best, and how much worse they do beside it.
-    pub fn scale_by_ties(&self) -> FocalScale {
+    pub fn focal_scale_from_matches(&self) -> FocalScale {
         let [least, most] = SIGMA;
         let unknown = FocalScale::unknown(0.0);
         let best = (0..self.levels.len()).min_by(|a, b| {
@@ -106,7 +106,7 @@ mod tests {
 
     #[test]
     fn between_two_scales_everything_is_between() {
-        let levels = TurnLevels::new([turns(100, 0.3), turns(110, 0.4), turns(90, 0.5)]);
+        let levels = RotationsByFocalScale::new([turns(100, 0.3), turns(110, 0.4), turns(90, 0.5)]);
         let between = levels.at(f64::midpoint(1.0_f64.ln(), 1.1_f64.ln())).unwrap();
         assert!((between.ptz[0].focal_px - 1000.0 * 1.1_f64.sqrt()).abs() < 1e-9);
         assert!((between.ptz[1].pan.degrees() - f64::midpoint(20.0, 20.0 / 1.1)).abs() < 1e-9);
@@ -114,7 +114,7 @@ mod tests {
         let there = levels.at(0.0).unwrap();
         assert!((there.ptz[0].focal_px - 1000.0).abs() < 1e-9 && (there.residual_px - 0.3).abs() < 1e-12, "{there:?}");
         assert_eq!(levels.at(-3.0).unwrap(), turns(90, 0.5).1, "no farther than what was adjusted");
-        assert!(TurnLevels::new([]).at(0.0).is_none());
+        assert!(RotationsByFocalScale::new([]).at(0.0).is_none());
     }
 
     #[test]
@@ -125,15 +125,17 @@ mod tests {
                 let off = (f64::from(percent) / 100.0).ln() - 1.02_f64.ln();
                 (0.09 + steepness * off * off).sqrt()
             };
-            TurnLevels::new([88, 94, 100, 106, 113].map(|percent| turns(percent, residual_px(percent)))).scale_by_ties()
+            RotationsByFocalScale::new([88, 94, 100, 106, 113].map(|percent| turns(percent, residual_px(percent))))
+                .focal_scale_from_matches()
         };
         let (sure, doubtful) = (fitting(100.0), fitting(1.0));
         assert!((sure.log_scale - 1.02_f64.ln()).abs() < 1e-6, "{sure:?}");
         assert!((doubtful.log_scale - 1.02_f64.ln()).abs() < 1e-6, "{doubtful:?}");
         assert!(sure.sigma < doubtful.sigma && doubtful.sigma <= SIGMA[1], "{sure:?}, {doubtful:?}");
-        let flat = TurnLevels::new([94, 100, 106].map(|percent| turns(percent, 0.3))).scale_by_ties();
+        let flat =
+            RotationsByFocalScale::new([94, 100, 106].map(|percent| turns(percent, 0.3))).focal_scale_from_matches();
         assert_eq!(flat, FocalScale::unknown(0.0));
-        let two = TurnLevels::new([turns(100, 0.3), turns(106, 0.5)]).scale_by_ties();
+        let two = RotationsByFocalScale::new([turns(100, 0.3), turns(106, 0.5)]).focal_scale_from_matches();
         assert_eq!(two.sigma, SIGMA[1], "two scales say nothing");
     }
 }

@@ -1,4 +1,4 @@
-//! The field that a camera is looked for on: of known size, or of one that the rules leave open.
+//! What is known beforehand of the field: its size, or the sizes that the rules allow.
 
 use crate::calibrate::size_fit::OpenSize;
 use crate::camera::{CameraBase, Ptz};
@@ -16,14 +16,16 @@ const LEVEL_SHARE: f64 = 0.125;
 const STEP_M: f64 = 2.5;
 
 /// A length of a field that the rules leave open, m.
+#[allow(clippy::struct_field_names, reason = "each name ends with its unit")]
 pub(super) struct OpenLength {
     pub value_m: f64,
-    /// What is assumed, and its 1-σ.
-    pub assumed: (f64, f64),
+    /// What is assumed beforehand, and its 1-σ, m.
+    pub assumed_m: f64,
+    pub sigma_m: f64,
 }
 
-/// A field, and how its size may differ.
-pub(super) struct Venue {
+/// The field that a camera is searched on, and how its size may differ.
+pub(super) struct FieldPrior {
     /// As the document has it, crowned where it does not say.
     pub assumed: FieldModel,
     /// None where the rules leave no choice of its size.
@@ -32,9 +34,9 @@ pub(super) struct Venue {
     pub is_known: bool,
 }
 
-impl Venue {
+impl FieldPrior {
     /// The field of a document's camera. Its size is open where the document only assumes it.
-    pub fn of(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
+    pub fn from_document(document: DocumentAt<'_>, camera: &CameraId) -> Result<Self, FieldError> {
         let spec = document.field_of_camera(camera);
         let mut assumed = document.model_of(spec)?;
         // Low cameras see how far away a line is by their height above the ground: where it is crowned, usually as much as this.
@@ -47,7 +49,7 @@ impl Venue {
     }
 
     /// The size as assumed, then others around it.
-    pub fn levels(&self) -> Vec<FieldModel> {
+    pub fn search_fields(&self) -> Vec<FieldModel> {
         let mut levels = vec![self.assumed.clone()];
         if let Some(open) = self.open.as_ref().filter(|_| !self.is_known) {
             let corners = (0..1_usize << open.params.len()).filter_map(|corner| {
@@ -63,7 +65,7 @@ impl Venue {
     }
 
     /// Fields a little longer, shorter, wider and narrower than one, within the rules.
-    pub fn beside(&self, field: &FieldModel) -> Vec<FieldModel> {
+    pub fn neighbouring_sizes(&self, field: &FieldModel) -> Vec<FieldModel> {
         let Some(open) = &self.open else { return Vec::new() };
         let params = open.params_of(field);
         let here: Vec<f64> = params.iter().map(|param| param.assumed_m).collect();
@@ -78,32 +80,33 @@ impl Venue {
     }
 
     /// The lengths that are open, those of `field` being their values.
-    pub fn lengths(&self, field: &FieldModel) -> Vec<OpenLength> {
+    pub fn open_lengths(&self, field: &FieldModel) -> Vec<OpenLength> {
         let Some(open) = &self.open else { return Vec::new() };
         let of = |(here, param): (SizeParam, &SizeParam)| OpenLength {
             value_m: here.assumed_m,
-            assumed: (param.assumed_m, param.sigma_m),
+            assumed_m: param.assumed_m,
+            sigma_m: param.sigma_m,
         };
         open.params_of(field).into_iter().zip(&open.params).map(of).collect()
     }
 
     /// The field of these lengths, in their order, as far as the rules allow.
-    pub fn of_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
+    pub fn with_lengths(&self, values_m: &[f64]) -> Option<FieldModel> {
         self.open.as_ref()?.sized(values_m)
     }
 
     /// Whether another size is possible.
-    pub const fn is_open(&self) -> bool {
+    pub const fn allows_other_sizes(&self) -> bool {
         self.open.is_some()
     }
 
     /// Whether another size is possible and the document does not know its own.
-    pub const fn is_size_free(&self) -> bool {
-        self.is_open() && !self.is_known
+    pub const fn is_size_unknown(&self) -> bool {
+        self.allows_other_sizes() && !self.is_known
     }
 
     /// The size that paint asks for, from a base and frames adjusted to it at another; and the field of that size.
-    pub fn fitted(
+    pub fn fit_size(
         &self,
         field: &FieldModel,
         taken: &[FrameClicks],
