@@ -4,14 +4,14 @@
 //! the clicks are adjusted together, and once more with what that has found. Lens and crown are chosen by paint that they
 //! have not seen.
 
+use super::follow_base::forget_certainty;
 use super::on_paint::{OnPaint, OnPaintErrors, PaintSeen};
 use super::paint::{record_snapped, snap_frame};
 use super::solve_frames::is_by_clicks;
 use super::{BaseEstimationError, BaseProblem, EstimatedBase, observations};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::document::{CameraId, Document, DocumentAt, Frame, FramePtz};
+use crate::document::{CameraId, Document, DocumentAt, Frame, FramePtz, FrameStatus};
 use crate::field::FieldModel;
-use crate::geometry::Vec3;
 use crate::media::Picture;
 use crate::paint::{GroundPicture, PaintPlace, SnapOptions, paint_places, snap};
 use crate::solve::Observation;
@@ -20,7 +20,7 @@ use crate::solve::base::{
     adjust_base, estimate_base_on_paint, held_out_on_paint,
 };
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use thiserror::Error;
 
@@ -79,15 +79,21 @@ pub struct BaseOnPaint {
 pub type PictureOf<'a> = &'a mut dyn FnMut(&Frame) -> Option<Picture>;
 
 impl BaseOnPaint {
-    /// Pulls the frames that gave the base onto their paint with it and writes them; how many could be. The document has the base
-    /// already, and its frames are solved from their clicks: a frame that cannot be pulled stays so; without clicks it gets the
-    /// camera of the adjustment.
-    pub fn write_frames(&self, document: &mut Document, field: &FieldModel, pictures: PictureOf<'_>) -> usize {
-        let (pulled, snapped) = self.pulled(document, field, pictures);
+    /// Pulls all frames of the camera onto their paint with the new base and writes them; how many could be. The document has the base
+    /// already, and its frames are solved from their clicks: a frame that cannot be pulled stays so; without clicks it gets the camera
+    /// of the adjustment, or where it took no part in that the one that leaves its lines where they were in `before`.
+    pub fn write_frames(
+        &self,
+        document: &mut Document,
+        before: &Document,
+        field: &FieldModel,
+        pictures: PictureOf<'_>,
+    ) -> PulledFrames {
+        let (pulled, counts) = self.pull(document, before, field, pictures);
         for (index, frame) in pulled {
             *document.frames[index] = frame;
         }
-        snapped
+        counts
     }
 
     /// The estimate together with the frames pulled onto their paint: to be written where the pictures are not at hand. `document`
@@ -103,33 +109,67 @@ impl BaseOnPaint {
         let mut solved = document.document.clone();
         self.estimated.write_to(&mut solved, document.folder)?;
         let field = solved.at(document.folder).model_of(solved.field_of_camera(&self.estimated.camera))?;
-        let (pulled, _) = self.pulled(&solved, &field, pictures);
+        let (pulled, _) = self.pull(&solved, document.document, &field, pictures);
         let pulled = pulled.into_iter().map(|(_, frame)| frame).collect();
         Ok(EstimatedBase { on_paint: Some(Arc::new(OnPaint { seen: self.seen, pulled })), ..self.estimated })
     }
 
-    /// The frames that the paint or the adjustment changes, by their places, and how many of them the paint does.
-    fn pulled(&self, document: &Document, field: &FieldModel, pictures: PictureOf<'_>) -> (Vec<(usize, Frame)>, usize) {
+    /// The frames that the paint or the new base changes, by their indices. Every solved frame of the camera is one of them, however few
+    /// of them the base was found from.
+    fn pull(
+        &self,
+        document: &Document,
+        before: &Document,
+        field: &FieldModel,
+        pictures: PictureOf<'_>,
+    ) -> (Vec<(usize, Frame)>, PulledFrames) {
         let estimate = &self.estimated.estimate;
-        let (mut frames, mut snapped) = (Vec::new(), 0);
-        for (&index, fit) in self.estimated.frames.iter().zip(&estimate.frames) {
-            let (Some(frame), Some(fit)) = (document.frames.get(index), fit) else { continue };
-            let mut adjusted = Frame::clone(frame);
-            let lens = Some(estimate.base.distortion.radial_at(fit.ptz.focal_px)).filter(|lens| !lens.is_none());
-            adjusted.ptz = Some(FramePtz::new(fit.ptz, lens));
-            let picture = pictures(&adjusted);
-            let options = SnapOptions::default();
-            let pulled = picture.and_then(|picture| snap_frame(document, &adjusted, field, &picture, &options).ok());
-            if let Some((base, pulled)) = pulled {
-                record_snapped(&mut adjusted, &base, &pulled);
-                snapped += 1;
-            } else if is_by_clicks(frame) {
+        let fits: BTreeMap<usize, Ptz> = self
+            .estimated
+            .frames
+            .iter()
+            .zip(&estimate.frames)
+            .filter_map(|(index, fit)| Some((*index, fit.as_ref()?.ptz)))
+            .collect();
+        let is_of_camera = |frame: &Frame| {
+            frame.camera == self.estimated.camera && frame.ptz.is_some() && frame.status != FrameStatus::Rejected
+        };
+        let (mut frames, mut counts) = (Vec::new(), PulledFrames::default());
+        let mut carried_over = document.clone();
+        for index in (0..document.frames.len()).filter(|index| is_of_camera(&document.frames[*index])) {
+            let frame = &document.frames[index];
+            let by_clicks = is_by_clicks(frame);
+            if let Some(ptz) = fits.get(&index) {
+                let lens = Some(estimate.base.distortion.radial_at(ptz.focal_px)).filter(|lens| !lens.is_none());
+                carried_over.frames[index].ptz = Some(FramePtz::new(*ptz, lens));
+            } else if !by_clicks {
+                carried_over.refit(index, before);
+                forget_certainty(&mut carried_over.frames[index]);
+            }
+            counts.solved += 1;
+            let mut pulled = Frame::clone(&carried_over.frames[index]);
+            let picture = pictures(&pulled);
+            let snapped = picture
+                .and_then(|picture| snap_frame(&carried_over, &pulled, field, &picture, &SnapOptions::default()).ok());
+            if let Some((base, snapped)) = snapped {
+                record_snapped(&mut pulled, &base, &snapped);
+                counts.on_paint += 1;
+            } else if by_clicks {
                 continue;
             }
-            frames.push((index, adjusted));
+            frames.push((index, pulled));
         }
-        (frames, snapped)
+        (frames, counts)
     }
+}
+
+/// What came of a camera's frames when they were pulled onto their paint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PulledFrames {
+    /// Frames with a camera.
+    pub solved: usize,
+    /// Those of them that lie on their paint now.
+    pub on_paint: usize,
 }
 
 /// Estimates the base of a camera from clicks and paint; with `size` the field's length and width as well.
@@ -169,10 +209,14 @@ pub fn estimate_on_paint(
     let from = (&start.base, start.ptz.as_slice());
     let mut estimate =
         estimate_base_on_paint(&clicks, &seen.painted, from, options, watch).map_err(BaseEstimationError::from)?;
-    let apart_m = first.by_clicks.then(|| estimate.base.position_m - first.base.position_m);
-    let least_m = apart_m.map_or(Vec3::repeat(ALONE_SIGMA_M), |apart| apart.abs() * 0.5);
-    estimate.base.sigma.position_m = estimate.base.sigma.position_m.sup(&least_m);
-    estimate.base.sigma = FittedSize::base_sigma(estimate.base.sigma, &sizes);
+    let sigma = estimate.base.sigma;
+    estimate.base.sigma = if first.by_clicks {
+        // What both have in common errs by about half of what they differ by.
+        let half = sigma.following_position((estimate.base.position_m - first.base.position_m) * 0.5);
+        sigma.covering(&(half * half.transpose()))
+    } else {
+        sigma.with_position_error_of(ALONE_SIGMA_M)
+    };
     // The first base is judged by the same paint, on the field that it was found with.
     let as_first: Vec<FrameClicks> = seen.painted.iter().map(|frame| on_field(frame, &first_field)).collect();
     let as_first = CameraClicks { field: &first_field, frames: &as_first, ..clicks };

@@ -1,6 +1,7 @@
 //! What becomes of frames whose camera has moved, where no clicks say it.
 
-use crate::document::{Camera, CameraId, Document, Frame, FrameStatus};
+use super::paint::LINE_CHECK;
+use crate::document::{Camera, CameraId, Document, Frame, FrameStatus, SolutionSource};
 use std::collections::BTreeSet;
 
 /// The frames, ascending, whose camera has another base than in `before`, or that another camera has now.
@@ -23,18 +24,26 @@ pub(crate) fn moved_frames(before: &Document, now: &Document) -> Vec<usize> {
     frames
 }
 
+/// Lets all frames whose cameras have moved since `before` follow them; how many proposals were withdrawn.
+pub(crate) fn follow_bases(document: &mut Document, before: &Document) -> usize {
+    let moved = moved_frames(before, document);
+    moved.into_iter().filter(|index| document.follow_base(*index, before)).count()
+}
+
 impl Document {
-    /// Lets a frame follow its camera, which was elsewhere in `before`: what was proposed for the old place is withdrawn, and
-    /// accepted lines stay on the picture where they were. True where a proposal was withdrawn.
+    /// Lets a frame follow its camera, which was elsewhere in `before`. What the forest or tracking proposed for the old place is
+    /// withdrawn, because they propose again; other lines stay on the picture where they were, with nothing said of how certain that
+    /// is. True where a proposal was withdrawn. Cameras from clicks, and those that were found with the new base, are not touched.
     pub(crate) fn follow_base(&mut self, index: usize, before: &Self) -> bool {
         let Some(frame) = self.frames.get(index) else { return false };
-        if frame.status == FrameStatus::Reference {
-            if frame.is_suggestion() {
-                self.refit(index, before);
-            }
-        } else if frame.is_suggestion() {
+        let is_of_old_base = before.frames.get(index).is_some_and(|known| known.ptz == frame.ptz);
+        if is_of_old_base && frame.is_suggestion() && frame.status != FrameStatus::Reference {
             withdraw(&mut self.frames[index]);
             return true;
+        }
+        if is_of_old_base && follows_picture(frame) {
+            self.refit(index, before);
+            forget_certainty(&mut self.frames[index]);
         }
         // A later correction must not start from what was proposed for the old place.
         if keeps_proposal(&self.frames[index])
@@ -44,6 +53,21 @@ impl Document {
         }
         false
     }
+}
+
+/// Whether a frame's camera came from its picture and not from clicks, which are solved again, or from numbers that a person typed.
+fn follows_picture(frame: &Frame) -> bool {
+    use SolutionSource::{Forest, Import, Markings, Tracking};
+    let source = frame.solution.as_ref().and_then(|solution| solution.source);
+    frame.ptz.is_some() && matches!(source, Some(Forest | Tracking | Markings | Import))
+}
+
+/// Forgets how certain a camera was and what the paint said about it: both were found with the old base.
+pub(super) fn forget_certainty(frame: &mut Frame) {
+    let Some(solution) = &mut frame.solution else { return };
+    (solution.covariance, solution.own_covariance, solution.worst_corner_sigma_px) = (None, None, None);
+    (solution.confidence, solution.line_check, solution.rms_px, solution.samples) = (None, None, None, None);
+    solution.warnings.retain(|warning| warning.code != LINE_CHECK);
 }
 
 /// Takes back what was proposed for a frame.

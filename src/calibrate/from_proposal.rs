@@ -6,8 +6,8 @@
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{ENOUGH_EQUATIONS, Proposed};
 use crate::geometry::{Angle, ImageSize};
-use crate::solve::{Observation, PtzPrior, SolveContext, Uncertainty};
-use nalgebra::Matrix3x6;
+use crate::solve::{Observation, PtzPrior, SolveContext, Uncertainty, covariance_in_radians};
+use nalgebra::SMatrix;
 
 /// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this 1-σ.
 const FREE: Angle = Angle::from_degrees(3.0);
@@ -27,7 +27,7 @@ pub(super) fn inform(context: &mut SolveContext, base: &CameraBase, proposed: &P
             sigma_pan: FREE,
             sigma_tilt: FREE,
             sigma_focal_share: FOCAL_SHARE,
-            by_base: Matrix3x6::zeros(),
+            by_base: SMatrix::zeros(),
         }));
     }
 }
@@ -40,7 +40,8 @@ fn stated_prior(
     used: &[&Observation],
     image_size: ImageSize,
 ) -> Option<PtzPrior> {
-    let stated = Uncertainty::of_stored(camera, &proposed.covariance?, image_size)?;
+    let own = covariance_in_radians(&proposed.own_covariance?);
+    let stated = Uncertainty::of_known(camera, own, image_size).ok()?;
     let (mut off, mut expected, mut noise) = (0.0, 0.0, 0.0);
     for observation in used {
         let here = observation.shape.jacobian(camera, observation.image)?;
@@ -144,6 +145,7 @@ mod tests {
         let before_px = stated.worst_corner_sigma_px(&proposed, SIZE);
         let solution = document.frames[0].solution.as_mut().unwrap();
         solution.covariance = Some(stated.ptz_covariance_deg());
+        solution.own_covariance = Some(stated.own_covariance_deg());
         let at = proposed.image_from_world(field.landmark_in_world(field.landmark("centre_mark").unwrap())).unwrap();
         document.frames[0].clicks.push(Click::landmark("centre_mark".into(), ImagePoint::new(at.x + off_px, at.y)));
         let one = calibrate(&document, &FrameLookup::of(&document), &document.frames[0], &field, 0).unwrap();

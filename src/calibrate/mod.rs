@@ -16,6 +16,7 @@ mod frame_lookup;
 mod from_proposal;
 mod gold;
 mod on_paint;
+mod own_covariance;
 mod own_noise;
 mod paint;
 mod refit;
@@ -29,7 +30,7 @@ mod which_camera;
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};
-pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, PictureOf, estimate_on_paint};
+pub use base_on_paint::{BaseOnPaint, BaseOnPaintError, PictureOf, PulledFrames, estimate_on_paint};
 pub(crate) use base_readiness::{BaseReadiness, LANDMARKS_ALONE, WIDE_FRAMES, next_for_base};
 pub use better_camera::{BetterCamera, better_camera};
 pub use bulk::{
@@ -44,12 +45,13 @@ pub use clip::{
 };
 pub(crate) use clip::{is_anchor, record_tracked_frame};
 pub use disagreement::{Disagreement, Disagreements, disagreements};
-pub(crate) use follow_base::moved_frames;
+pub(crate) use follow_base::{follow_bases, moved_frames};
 pub use found_camera::FoundCamera;
 pub use frame_lookup::FrameLookup;
 pub(crate) use gold::can_choose_gold;
 pub use gold::choose_gold;
 pub use on_paint::{OnPaint, OnPaintErrors, PaintSeen};
+pub(crate) use own_covariance::own_covariance;
 pub use own_noise::{ENOUGH_REPEATS, LandmarkNoise, OwnNoise, RepeatOffset};
 pub use paint::{
     FindFrameError, OnPaintError, SnapFrameError, camera_on_paint, check_frame, find_frame, record_found_by_paint,

@@ -200,6 +200,7 @@ pub fn record_snapped(frame: &mut Frame, base: &CameraBase, snapped: &Snapped) {
     drop_paint_warnings(&mut solution);
     frame.solution = Some(Solution {
         covariance: Some(snapped.uncertainty.ptz_covariance_deg()),
+        own_covariance: Some(snapped.uncertainty.own_covariance_deg()),
         rms_px: Some(snapped.rms_px),
         worst_corner_sigma_px: Some(snapped.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
         source: Some(SolutionSource::Markings),

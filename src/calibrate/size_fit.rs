@@ -33,8 +33,7 @@ impl BaseProblem {
         let sizes = self.fit_size(document, &self.clicks, (&found.estimate.base, &ptz), model)?;
         let mut sized = document.document.clone();
         sized.set_field_size(&self.camera, &sizes);
-        let mut found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
-        found.estimate.base.sigma = FittedSize::base_sigma(found.estimate.base.sigma, &sizes);
+        let found = Self::of(sized.at(document.folder), &self.camera)?.estimate_watched(&sized, options, watch)?;
         Ok(EstimatedBase { sizes, ..found })
     }
 
@@ -128,9 +127,20 @@ impl Document {
     }
 }
 
+/// A position that goes with an unseen length by less is not worth a word, m.
+const WORTH_SAYING_M: f64 = 0.2;
+
 /// A fitted size in words: "length 103.40 ± 0.08 m (105 m assumed)".
 #[must_use]
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
-    format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m)
+    let mut text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
+    let along_m = size.position_sigma_m;
+    if along_m.norm() > WORTH_SAYING_M {
+        let (x, y, z) = (along_m.x, along_m.y, along_m.z);
+        text += &format!(
+            "; where the field's middle lies, and so the camera's position, goes with it by ({x:.1}, {y:.1}, {z:.1}) m"
+        );
+    }
+    text
 }

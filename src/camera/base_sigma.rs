@@ -1,13 +1,35 @@
-//! How well a base is known, and how the errors of its parameters go together.
+//! How well what all frames of a camera share is known, and how its errors go together.
+//!
+//! Position, rotation, lens, crown of the pitch and principal point are found in one adjustment, and their errors make up for each
+//! other: a camera that is taken to stand too far off is taken to look too steeply as well, and its pictures hardly show either. So the
+//! errors have one joint covariance, and it is only ever changed as a whole. Raising the σ of one number and leaving its correlations
+//! adds what used to cancel.
 
-use crate::geometry::Vec3;
-use nalgebra::{Matrix5, Matrix6};
+use crate::geometry::{Vec2, Vec3};
+use nalgebra::{DMatrix, Matrix3, SMatrix, SVector};
 use serde::Serialize;
+
+/// How many numbers the frames of a camera share: position along `world` x, y, z (m), rotation about `world` x and y (rad), k₁ at the
+/// curve's focal length, its slope per 1000 px, the height of the pitch's crown (m), the principal point (px). This is the order of
+/// every matrix and vector of them. Rotation about z is the pan gauge and no error.
+pub const SHARED_PARAMETERS: usize = 10;
+
+/// A covariance of the shared parameters.
+pub type SharedCovariance = SMatrix<f64, SHARED_PARAMETERS, SHARED_PARAMETERS>;
+
+/// One error of the shared parameters.
+pub type SharedError = SVector<f64, SHARED_PARAMETERS>;
+
+/// How the shared parameters enter a projection: the same with rotation about z behind the two others, as [`BaseSigma::root`] has them.
+pub(crate) const SHARED_COLUMNS: usize = SHARED_PARAMETERS + 1;
+
+/// The column of the rotation about z among them.
+const GAUGE: usize = 5;
 
 /// A correlation matrix may be off by this much: rounded digits.
 const ROUNDING: f64 = 1e-3;
 
-/// Prior 1-σ of a base; zero means exactly known.
+/// 1-σ of what all frames of a camera share; zero means exactly known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct BaseSigma {
     /// Of the position, along world x, y, z, m.
@@ -15,24 +37,33 @@ pub struct BaseSigma {
     /// Of the base rotation, about world x, y, z (z is the pan gauge), rad.
     #[serde(rename = "rotation_rad")]
     pub rotation: Vec3,
-    /// How these errors go together: a camera that is taken to stand too far off is taken to look too steeply as well, and its
-    /// pictures hardly show either.
+    /// Of k₁ at the focal length at which the lens's curve has its value.
+    pub k1: f64,
+    /// Of the change of k₁ per 1000 px of focal length.
+    pub k1_per_1000_px: f64,
+    /// Of the height of the pitch's crown, m.
+    pub crown_m: f64,
+    /// The width of the pitch that is crowned, m; needed where `crown_m` is not zero.
+    pub crown_width_m: f64,
+    /// Of the principal point, px.
+    pub principal_point_px: Vec2,
+    /// How these errors go together.
     pub correlation: BaseCorrelation,
 }
 
-/// The correlations between the errors of a base's position (along world x, y, z) and rotation (about world x, y); about z
-/// it is the pan gauge and goes with nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-#[serde(transparent)]
+/// The correlations between the errors of the shared parameters, in the order of [`SHARED_PARAMETERS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BaseCorrelation {
     /// Below the diagonal, row by row.
-    below_diagonal: [f64; 10],
+    below_diagonal: [f64; BELOW_DIAGONAL],
 }
 
+const BELOW_DIAGONAL: usize = SHARED_PARAMETERS * (SHARED_PARAMETERS - 1) / 2;
+
 impl BaseSigma {
-    /// From the covariance of position (m) and rotation about world x and y (rad).
+    /// From a joint covariance of the shared parameters; `crown_width_m` is the width of the pitch whose crown is among them.
     #[must_use]
-    pub fn of_covariance(covariance: &Matrix5<f64>) -> Self {
+    pub fn from_covariance(covariance: &SharedCovariance, crown_width_m: f64) -> Self {
         let deviation = covariance.diagonal().map(|variance| variance.max(0.0).sqrt());
         let share = |row: usize, column: usize| {
             let share = covariance[(row, column)] / (deviation[row] * deviation[column]);
@@ -41,73 +72,217 @@ impl BaseSigma {
         Self {
             position_m: deviation.fixed_rows::<3>(0).into_owned(),
             rotation: Vec3::new(deviation[3], deviation[4], 0.0),
+            k1: deviation[5],
+            k1_per_1000_px: deviation[6],
+            crown_m: deviation[7],
+            crown_width_m,
+            principal_point_px: deviation.fixed_rows::<2>(8).into_owned(),
             correlation: BaseCorrelation { below_diagonal: below_diagonal(share) },
         }
     }
 
-    /// The same with one more error of the position, which goes with no other: 1-σ along `world` x, y, z, m.
+    /// The joint covariance of the shared parameters.
     #[must_use]
-    pub fn with_error_along(self, position_m: Vec3) -> Self {
-        let correlation = self.correlation.matrix();
-        let sigma = |row: usize| if row < 3 { self.position_m[row] } else { self.rotation[row - 3] };
-        let error = |row: usize| if row < 3 { position_m[row] } else { 0.0 };
-        let covariance = Matrix5::from_fn(|row, column| {
-            correlation[(row, column)] * sigma(row) * sigma(column) + error(row) * error(column)
-        });
-        Self { rotation: self.rotation, ..Self::of_covariance(&covariance) }
+    pub fn covariance(&self) -> SharedCovariance {
+        let (deviation, correlation) = (self.deviations(), self.correlation.matrix());
+        SharedCovariance::from_fn(|row, column| {
+            let (one, other) = (deviation[row], deviation[column]);
+            // What is not known at all is infinite where it counts, and goes with nothing.
+            if row == column {
+                one * one
+            } else if one.is_finite() && other.is_finite() {
+                correlation[(row, column)] * one * other
+            } else {
+                0.0
+            }
+        })
     }
 
-    /// A matrix L: L Lᵀ is the covariance of position (m) and of rotation as a vector in `world` (rad).
+    /// 1-σ of each shared parameter.
+    fn deviations(&self) -> SharedError {
+        let Self { position_m, rotation, k1, k1_per_1000_px, crown_m, principal_point_px, .. } = self;
+        let lens = [*k1, *k1_per_1000_px, *crown_m, principal_point_px.x, principal_point_px.y];
+        let values = position_m.iter().copied().chain([rotation.x, rotation.y]).chain(lens);
+        SharedError::from_iterator(values)
+    }
+
+    /// Whether lens, crown and principal point are taken as exact.
     #[must_use]
-    pub fn root(&self) -> Matrix6<f64> {
-        let correlation = self.correlation.matrix();
-        let mut root = Matrix6::identity();
-        for column in 0..5 {
-            let known = |row: usize, root: &Matrix6<f64>| -> f64 {
-                (0..column).map(|before| root[(row, before)] * root[(column, before)]).sum()
-            };
-            // Parameters that are known to go together leave nothing of their own: no division by it.
-            let own = correlation[(column, column)] - known(column, &root);
-            root[(column, column)] = own.max(0.0).sqrt();
-            for row in column + 1..5 {
-                let shared = correlation[(row, column)] - known(row, &root);
-                root[(row, column)] = if own > 1e-12 { shared / own.sqrt() } else { 0.0 };
+    pub fn is_of_pose_alone(&self) -> bool {
+        self.deviations().iter().skip(GAUGE).all(|deviation| *deviation == 0.0)
+    }
+
+    /// The same with one more error, which goes with no other.
+    #[must_use]
+    pub fn with_error(&self, error: &SharedError) -> Self {
+        self.with_covariance(self.covariance() + error * error.transpose())
+    }
+
+    /// The same with another covariance.
+    fn with_covariance(&self, covariance: SharedCovariance) -> Self {
+        let mut changed = Self::from_covariance(&covariance, self.crown_width_m);
+        changed.rotation.z = self.rotation.z;
+        changed
+    }
+
+    /// The error of all shared parameters that is most likely beside an error of the position (m): rotation and lens follow the
+    /// position as they are correlated with it. Only the position's own where it is exactly known.
+    #[must_use]
+    pub fn following_position(&self, error_m: Vec3) -> SharedError {
+        let covariance = self.covariance();
+        let of_position: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let mut error = of_position
+            .try_inverse()
+            .filter(|inverse| inverse.iter().all(|value| value.is_finite()))
+            .map_or_else(SharedError::zeros, |inverse| covariance.fixed_columns::<3>(0) * (inverse * error_m));
+        error.fixed_rows_mut::<3>(0).copy_from(&error_m);
+        error
+    }
+
+    /// The same with a position that is known no better than to `least_m` along the direction in which it is known worst, everything
+    /// else following: what errs alike in all frames errs where the frames hold it least.
+    #[must_use]
+    pub fn with_position_error_of(&self, least_m: f64) -> Self {
+        let of_position: Matrix3<f64> = self.covariance().fixed_view::<3, 3>(0, 0).into_owned();
+        if !of_position.iter().all(|value| value.is_finite()) {
+            return *self;
+        }
+        let eigen = of_position.symmetric_eigen();
+        let weakest = eigen.eigenvalues.imax();
+        let missing = least_m * least_m - eigen.eigenvalues[weakest];
+        if missing <= 0.0 {
+            return *self;
+        }
+        let along_m: Vec3 = eigen.eigenvectors.column(weakest) * missing.sqrt();
+        self.with_error(&self.following_position(along_m))
+    }
+
+    /// The smallest covariance that is at least this one and at least `other` in every direction: each direction that `other` makes
+    /// worse is raised to it, with all correlations. `other` counts among the parameters that are uncertain here.
+    #[must_use]
+    pub fn covering(&self, other: &SharedCovariance) -> Self {
+        let mut covariance = self.covariance();
+        let uncertain: Vec<usize> = (0..SHARED_PARAMETERS).filter(|at| covariance[(*at, *at)] > 0.0).collect();
+        let part = |of: &SharedCovariance| {
+            DMatrix::from_fn(uncertain.len(), uncertain.len(), |row, column| of[(uncertain[row], uncertain[column])])
+        };
+        let (own, other) = (part(&covariance), part(other));
+        let raised = raise_to(&own, &other).unwrap_or_else(|| &own + &other);
+        for (row, &to_row) in uncertain.iter().enumerate() {
+            for (column, &to_column) in uncertain.iter().enumerate() {
+                covariance[(to_row, to_column)] = raised[(row, column)];
             }
         }
-        for (row, sigma) in self.position_m.iter().chain(self.rotation.iter()).enumerate() {
-            // What is not known at all is infinite where it counts, and nowhere else.
-            root.row_mut(row).iter_mut().filter(|entry| **entry != 0.0).for_each(|entry| *entry *= sigma);
+        self.with_covariance(covariance)
+    }
+
+    /// A lower triangular matrix L: L Lᵀ is the covariance of position (m), rotation as a vector in `world` (rad), k₁, its slope, crown
+    /// (m) and principal point (px).
+    #[must_use]
+    pub(crate) fn root(&self) -> SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS> {
+        let (correlation, deviation) = (self.correlation.matrix(), self.deviations());
+        let mut root = SMatrix::<f64, SHARED_COLUMNS, SHARED_COLUMNS>::zeros();
+        // Cholesky's factor of the correlations. Parameters that are known to go together leave nothing of their own: no division by it.
+        for column in 0..SHARED_PARAMETERS {
+            let by_earlier = |row: usize, root: &SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>| -> f64 {
+                (0..column).map(|before| root[(place(row), place(before))] * root[(place(column), place(before))]).sum()
+            };
+            let own = correlation[(column, column)] - by_earlier(column, &root);
+            root[(place(column), place(column))] = own.max(0.0).sqrt();
+            for row in column + 1..SHARED_PARAMETERS {
+                let shared = correlation[(row, column)] - by_earlier(row, &root);
+                root[(place(row), place(column))] = if own > 1e-12 { shared / own.sqrt() } else { 0.0 };
+            }
         }
+        for (row, sigma) in deviation.iter().enumerate() {
+            // What is not known at all is infinite where it counts, and nowhere else.
+            root.row_mut(place(row)).iter_mut().filter(|entry| **entry != 0.0).for_each(|entry| *entry *= sigma);
+        }
+        root[(GAUGE, GAUGE)] = self.rotation.z;
         root
+    }
+}
+
+/// Where a shared parameter stands in [`BaseSigma::root`].
+const fn place(parameter: usize) -> usize {
+    if parameter < GAUGE { parameter } else { parameter + 1 }
+}
+
+/// The smallest covariance that is at least `own` and at least `other` in every direction: in the coordinates in which `own` is the
+/// identity, each eigenvalue of `other` above 1 takes the place of that 1. None where `own` has no Cholesky factor.
+fn raise_to(own: &DMatrix<f64>, other: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    // In units of each parameter's own σ, so that metres, radians and px do not spoil the factorisation.
+    let sigmas = own.diagonal().map(f64::sqrt);
+    let scale = DMatrix::from_diagonal(&sigmas.map(f64::recip));
+    let factor = (&scale * own * &scale).cholesky()?.l();
+    let inverse = factor.clone().try_inverse()? * &scale;
+    let eigen = (&inverse * other * inverse.transpose()).symmetric_eigen();
+    let mut raised = own.clone();
+    let back = DMatrix::from_diagonal(&sigmas) * factor * &eigen.eigenvectors;
+    for (column, value) in eigen.eigenvalues.iter().enumerate().filter(|(_, value)| **value > 1.0) {
+        raised += back.column(column) * back.column(column).transpose() * (value - 1.0);
+    }
+    raised.iter().all(|value| value.is_finite()).then_some(raised)
+}
+
+impl Default for BaseCorrelation {
+    fn default() -> Self {
+        Self::NONE
     }
 }
 
 impl BaseCorrelation {
     /// Errors that have nothing to do with each other.
-    pub const NONE: Self = Self { below_diagonal: [0.0; 10] };
+    pub const NONE: Self = Self { below_diagonal: [0.0; BELOW_DIAGONAL] };
 
-    /// From a correlation matrix of position x, y, z and rotation about x, y; none where it is no such matrix: not symmetric, with
-    /// another diagonal than ones, or of errors that no numbers can have together.
+    /// From the rows of a correlation matrix of the shared parameters, or of the first five of them: position x, y, z and rotation
+    /// about x, y. None where it is no such matrix: not symmetric, with another diagonal than ones, or of errors that no numbers can
+    /// have together.
     #[must_use]
-    pub fn new(matrix: &Matrix5<f64>) -> Option<Self> {
-        let of_errors = Self { below_diagonal: below_diagonal(|row, column| matrix[(row, column)]) };
-        let is_one = (of_errors.matrix() - matrix).iter().all(|off| off.abs() <= ROUNDING);
+    pub fn from_rows(rows: &[Vec<f64>]) -> Option<Self> {
+        let size = rows.len();
+        if !(size == GAUGE || size == SHARED_PARAMETERS) || rows.iter().any(|row| row.len() != size) {
+            return None;
+        }
+        let at = |row: usize, column: usize| {
+            let inside = row < size && column < size;
+            if inside { rows[row][column] } else { f64::from(u8::from(row == column)) }
+        };
+        let of_errors = Self { below_diagonal: below_diagonal(at) };
+        let stated = SharedCovariance::from_fn(at);
+        let is_one = (of_errors.matrix() - stated).iter().all(|off| off.abs() <= ROUNDING);
         let can_be = is_one && of_errors.matrix().symmetric_eigenvalues().min() >= -ROUNDING;
         can_be.then_some(of_errors)
     }
 
+    /// The rows of the whole matrix; of the first five parameters where the others go with nothing.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Vec<f64>> {
+        let matrix = self.matrix();
+        let of_pose = GAUGE * (GAUGE - 1) / 2;
+        let is_of_pose_alone = self.below_diagonal.iter().skip(of_pose).all(|share| *share == 0.0);
+        let size = if is_of_pose_alone { GAUGE } else { SHARED_PARAMETERS };
+        (0..size).map(|row| (0..size).map(|column| matrix[(row, column)]).collect()).collect()
+    }
+
     /// The whole matrix.
     #[must_use]
-    pub fn matrix(&self) -> Matrix5<f64> {
-        Matrix5::from_fn(|row, column| {
+    pub fn matrix(&self) -> SharedCovariance {
+        SharedCovariance::from_fn(|row, column| {
             let (later, earlier) = (row.max(column), row.min(column));
             if row == column { 1.0 } else { self.below_diagonal[later * (later - 1) / 2 + earlier] }
         })
     }
 }
 
-fn below_diagonal(at: impl Fn(usize, usize) -> f64) -> [f64; 10] {
-    let mut places = (1..5).flat_map(|row| (0..row).map(move |column| (row, column)));
+impl Serialize for BaseCorrelation {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.rows().serialize(serializer)
+    }
+}
+
+fn below_diagonal(at: impl Fn(usize, usize) -> f64) -> [f64; BELOW_DIAGONAL] {
+    let mut places = (1..SHARED_PARAMETERS).flat_map(|row| (0..row).map(move |column| (row, column)));
     std::array::from_fn(|_| places.next().map_or(0.0, |(row, column)| at(row, column)))
 }
 
@@ -115,66 +290,132 @@ fn below_diagonal(at: impl Fn(usize, usize) -> f64) -> [f64; 10] {
 mod tests {
     use super::*;
 
-    fn covariance() -> Matrix5<f64> {
-        let mixed = Matrix5::from_fn(|row, column| ((3 * row + 5 * column) % 7) as f64 - 2.5);
-        let scale = Matrix5::from_diagonal(&nalgebra::Vector5::new(0.1, 0.3, 0.2, 1e-3, 2e-3));
-        scale * mixed * mixed.transpose() * scale
+    const WIDTH_M: f64 = 68.0;
+
+    fn covariance() -> SharedCovariance {
+        let mixed = SharedCovariance::from_fn(|row, column| ((3 * row + 5 * column + row * column) % 11) as f64 - 4.5);
+        let sigmas = SharedError::from_row_slice(&[0.1, 0.3, 0.2, 1e-3, 2e-3, 0.03, 0.05, 0.04, 12.0, 9.0]);
+        let scale = SharedCovariance::from_diagonal(&sigmas);
+        scale * (mixed * mixed.transpose() + SharedCovariance::identity()) * scale
     }
 
-    #[test]
-    fn a_covariance_comes_back_from_its_root() {
-        let covariance = covariance();
-        let sigma = BaseSigma::of_covariance(&covariance);
-        let again = sigma.root() * sigma.root().transpose();
-        for (row, column) in (0..5).flat_map(|row| (0..5).map(move |column| (row, column))) {
-            let scale = (covariance[(row, row)] * covariance[(column, column)]).sqrt();
-            assert!((again[(row, column)] - covariance[(row, column)]).abs() < 1e-12 * scale, "{row} {column}");
+    /// The root without the column of the gauge, times its transpose.
+    fn from_root(sigma: &BaseSigma) -> SharedCovariance {
+        let whole = sigma.root() * sigma.root().transpose();
+        SharedCovariance::from_fn(|row, column| whole[(place(row), place(column))])
+    }
+
+    fn assert_alike(found: &SharedCovariance, expected: &SharedCovariance, what: &str) {
+        for (row, column) in (0..SHARED_PARAMETERS).flat_map(|row| (0..SHARED_PARAMETERS).map(move |it| (row, it))) {
+            let scale = (expected[(row, row)] * expected[(column, column)]).sqrt();
+            let off = (found[(row, column)] - expected[(row, column)]).abs();
+            assert!(off < 1e-9 * scale, "{what} {row} {column}: {off} of {scale}");
         }
-        assert_eq!(again.row(5).amax(), 0.0, "the pan gauge is exact");
     }
 
     #[test]
-    fn one_more_error_of_the_position_adds_its_covariance() {
-        let along = Vec3::new(0.6, -0.2, 0.0);
-        let sigma = BaseSigma::of_covariance(&covariance()).with_error_along(along);
-        let mut expected = covariance();
-        let mut position = expected.fixed_view_mut::<3, 3>(0, 0);
-        position += along * along.transpose();
-        let root = sigma.root().fixed_view::<5, 5>(0, 0).into_owned();
-        assert!((root * root.transpose() - expected).amax() < 1e-12);
-        let unknown = BaseSigma::of_covariance(&Matrix5::from_diagonal_element(f64::INFINITY)).with_error_along(along);
+    fn a_covariance_comes_back_from_its_sigmas_and_from_its_root() {
+        let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
+        assert_alike(&sigma.covariance(), &covariance(), "sigmas");
+        assert_alike(&from_root(&sigma), &covariance(), "root");
+        assert_eq!(sigma.root().row(GAUGE).amax(), 0.0, "the pan gauge is exact");
+    }
+
+    #[test]
+    fn one_more_error_adds_its_covariance() {
+        let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
+        let mut error = SharedError::zeros();
+        (error[0], error[1], error[6]) = (0.6, -0.2, 0.1);
+        assert_alike(&sigma.with_error(&error).covariance(), &(covariance() + error * error.transpose()), "error");
+        let unknown = SharedCovariance::from_diagonal_element(f64::INFINITY);
+        let unknown = BaseSigma::from_covariance(&unknown, WIDTH_M).with_error(&error);
         assert_eq!(unknown.position_m.x, f64::INFINITY);
     }
 
     #[test]
+    fn rotation_and_lens_follow_an_error_of_the_position_as_they_go_with_it() {
+        // One cause for all parameters: whoever knows the position's error knows the others'.
+        let cause = SharedError::from_row_slice(&[0.1, 0.4, -0.2, 1e-3, 2e-4, 0.02, 0.01, 0.03, 5.0, -3.0]);
+        let noise = SharedCovariance::from_diagonal(&cause.map(|by| (1e-4 * by).powi(2)));
+        let sigma = BaseSigma::from_covariance(&(cause * cause.transpose() + noise), WIDTH_M);
+        let following = sigma.following_position(Vec3::new(0.2, 0.8, -0.4));
+        for (found, by) in following.iter().zip(&cause) {
+            assert!((found - 2.0 * by).abs() < 1e-3 * by.abs(), "{following}");
+        }
+        let exact = BaseSigma::default().following_position(Vec3::x());
+        assert_eq!((exact[0], exact.norm()), (1.0, 1.0));
+    }
+
+    #[test]
+    fn the_position_is_made_uncertain_where_it_is_least_held_and_nowhere_else() {
+        let cause = SharedError::from_row_slice(&[0.0, 0.1, 0.0, 2e-3, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+        let rest = SharedError::from_row_slice(&[1e-3, 1e-3, 1e-3, 1e-6, 1e-5, 0.01, 0.01, 0.01, 1.0, 1.0]);
+        let covariance = cause * cause.transpose() + SharedCovariance::from_diagonal(&rest.component_mul(&rest));
+        let sigma = BaseSigma::from_covariance(&covariance, WIDTH_M);
+        let wider = sigma.with_position_error_of(0.3);
+        assert!((wider.position_m.y - 0.3).abs() < 1e-6 && wider.position_m.x < 2e-3, "{wider:?}");
+        // The view hardly changes: the rotation goes along.
+        assert!((wider.rotation.x / wider.position_m.y - 0.02).abs() < 1e-4, "{wider:?}");
+        assert!(wider.correlation.matrix()[(3, 1)] > 0.999, "{wider:?}");
+        assert_eq!(sigma.with_position_error_of(0.05), sigma);
+    }
+
+    #[test]
+    fn what_covers_two_covariances_is_at_least_each_and_no_more_than_their_sum() {
+        let sigma = BaseSigma::from_covariance(&covariance(), WIDTH_M);
+        assert_alike(&sigma.covering(&(covariance() * 0.9)).covariance(), &covariance(), "smaller");
+        assert_alike(&sigma.covering(&(covariance() * 4.0)).covariance(), &(covariance() * 4.0), "larger");
+        let error = SharedError::from_row_slice(&[0.9, 0.4, -0.2, 1e-3, 2e-2, 0.2, 0.01, 0.03, 50.0, -3.0]);
+        let other = error * error.transpose();
+        let covering = sigma.covering(&other).covariance();
+        let direction = covariance().try_inverse().unwrap() * error;
+        let along = |of: &SharedCovariance| direction.dot(&(of * direction));
+        assert!((along(&covering) / along(&other) - 1.0).abs() < 1e-6, "{} {}", along(&covering), along(&other));
+        let sum = covariance() + other;
+        assert!(covering.diagonal().iter().zip(&sum.diagonal()).all(|(covering, sum)| covering <= sum));
+    }
+
+    #[test]
+    fn a_parameter_that_is_exact_stays_exact() {
+        let mut covariance = covariance();
+        covariance.row_mut(7).fill(0.0);
+        covariance.column_mut(7).fill(0.0);
+        let sigma = BaseSigma::from_covariance(&covariance, WIDTH_M).covering(&(covariance * 9.0));
+        assert_eq!(sigma.crown_m, 0.0);
+        assert!((sigma.k1 - 3.0 * covariance[(5, 5)].sqrt()).abs() < 1e-9);
+    }
+
+    #[test]
     fn errors_of_one_cause_have_a_root() {
-        let one = nalgebra::Vector5::new(1.0, 2.0, 3.0, 0.1, -0.2);
-        let covariance = one * one.transpose();
-        let root = BaseSigma::of_covariance(&covariance).root().fixed_view::<5, 5>(0, 0).into_owned();
-        assert!((root * root.transpose() - covariance).amax() < 1e-12);
-        assert!(root.columns(1, 4).amax() < 1e-6, "{root}");
+        let one = SharedError::from_row_slice(&[1.0, 2.0, 3.0, 0.1, -0.2, 0.3, 0.1, 0.2, 5.0, -7.0]);
+        let sigma = BaseSigma::from_covariance(&(one * one.transpose()), WIDTH_M);
+        let found = from_root(&sigma);
+        assert!((found - one * one.transpose()).amax() < 1e-9, "{found}");
     }
 
     #[test]
     fn what_is_not_known_at_all_goes_with_nothing() {
-        let sigma = BaseSigma::of_covariance(&Matrix5::from_diagonal_element(f64::INFINITY));
+        let sigma = BaseSigma::from_covariance(&SharedCovariance::from_diagonal_element(f64::INFINITY), WIDTH_M);
         assert_eq!((sigma.position_m.x, sigma.correlation), (f64::INFINITY, BaseCorrelation::NONE));
-        assert_eq!(BaseSigma::default().root(), Matrix6::identity().scale(0.0));
+        assert_eq!(BaseSigma::default().root().amax(), 0.0);
     }
 
     #[test]
     fn only_correlation_matrices_are_taken() {
-        let right = BaseSigma::of_covariance(&covariance()).correlation;
-        assert_eq!(BaseCorrelation::new(&right.matrix()), Some(right));
-        assert_eq!(BaseCorrelation::new(&Matrix5::identity()), Some(BaseCorrelation::NONE));
-        let mut lopsided = Matrix5::identity();
-        lopsided[(0, 1)] = 0.5;
-        let mut impossible = Matrix5::identity();
-        for (row, column, value) in [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)] {
-            (impossible[(row, column)], impossible[(column, row)]) = (value, value);
-        }
-        for wrong in [Matrix5::identity() * 2.0, lopsided, impossible, Matrix5::from_element(f64::NAN)] {
-            assert_eq!(BaseCorrelation::new(&wrong), None, "{wrong}");
+        let right = BaseSigma::from_covariance(&covariance(), WIDTH_M).correlation;
+        assert_eq!(BaseCorrelation::from_rows(&right.rows()), Some(right));
+        let unit: Vec<Vec<f64>> = BaseCorrelation::NONE.rows();
+        assert_eq!((unit.len(), BaseCorrelation::from_rows(&unit)), (5, Some(BaseCorrelation::NONE)));
+        let changed = |changes: &[(usize, usize, f64)]| {
+            let mut rows = unit.clone();
+            changes.iter().for_each(|(row, column, value)| rows[*row][*column] = *value);
+            rows
+        };
+        let lopsided = changed(&[(0, 1, 0.5)]);
+        let impossible = changed(&[(0, 1, 0.9), (1, 0, 0.9), (1, 2, 0.9), (2, 1, 0.9), (0, 2, -0.9), (2, 0, -0.9)]);
+        let no_ones = changed(&[(2, 2, 2.0)]);
+        for wrong in [lopsided, impossible, no_ones, changed(&[(1, 1, f64::NAN)]), unit[..4].to_vec(), Vec::new()] {
+            assert_eq!(BaseCorrelation::from_rows(&wrong), None, "{wrong:?}");
         }
     }
 }

@@ -12,7 +12,8 @@ mod projection;
 mod ray;
 
 pub use base::{BaseAngles, CameraBase};
-pub use base_sigma::{BaseCorrelation, BaseSigma};
+pub(crate) use base_sigma::SHARED_COLUMNS;
+pub use base_sigma::{BaseCorrelation, BaseSigma, SHARED_PARAMETERS, SharedCovariance, SharedError};
 pub(crate) use distortion::undistort;
 pub use distortion::{FocalCurve, Radial, UndistortError};
 pub use jacobian::{DirectionJacobian, ProjectionJacobian};

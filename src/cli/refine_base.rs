@@ -5,7 +5,7 @@ use super::document::{DocumentArg, DocumentOutput, Loaded};
 use super::messages::Messages;
 use crate::calibrate::{
     BaseEstimationError, BaseOnPaint, BaseProblem, EstimatedBase, SolveOutcome, describe_mirrored, describe_size,
-    estimate_on_paint, solve_document,
+    estimate_on_paint, follow_bases, solve_document,
 };
 use crate::document::{CameraId, Document, DocumentAt, Frame};
 use crate::media::{FrameReader, Picture};
@@ -30,8 +30,8 @@ pub struct RefineBaseArgs {
     /// How much higher the middle of the pitch is than its touchlines, m; auto finds it where that is worth it.
     #[arg(long, value_name = "auto|METRES", default_value = "auto", value_parser = crown, allow_negative_numbers = true)]
     crown: Crown,
-    /// Also find the principal point (unstable with few frames).
-    #[arg(long)]
+    /// Whether the principal point is found as well; a prior holds it near the middle where the frames do not show it.
+    #[arg(long, value_name = "true|false", num_args = 0..=1, require_equals = true, default_value_t = true, default_missing_value = "true")]
     principal_point: bool,
     /// Also find the field's length and width, within what the rules allow (unstable with few frames).
     #[arg(long)]
@@ -142,12 +142,17 @@ pub fn refine_base(args: &RefineBaseArgs, messages: Messages) -> anyhow::Result<
         report_on_paint(found, messages);
         let field = document.field_of_camera(&found.estimated.camera);
         let field = document.at(location.folder()).model_of(field)?;
-        let snapped = found.write_frames(&mut document, &field, &mut |frame| pictures.read(frame));
+        let pulled = found.write_frames(&mut document, &before, &field, &mut |frame| pictures.read(frame));
         messages.note(&format!(
-            "{}: {snapped} of {} frames pulled onto their painted lines",
+            "{}: {} of {} frames pulled onto their painted lines",
             found.estimated.camera.as_str(),
-            found.estimated.frames.len()
+            pulled.on_paint,
+            pulled.solved
         ));
+    }
+    let withdrawn = follow_bases(&mut document, &before);
+    if withdrawn > 0 {
+        messages.note(&format!("{withdrawn} proposals for the base before are withdrawn: relocalize or track again"));
     }
     failed += pictures.unreadable.len();
     for estimate in &estimates {

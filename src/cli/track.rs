@@ -128,6 +128,12 @@ pub fn carry(
                     tracked.sigma_px,
                     tracked.widened
                 ));
+                if tracked.kept > 0 {
+                    messages.note(&format!(
+                        "{name}: {} frames keep the camera that they had: their painted lines speak more for it",
+                        tracked.kept
+                    ));
+                }
                 for stop in &tracked.stops {
                     let why = format!("only {} of {} points agree with one turn and zoom", stop.agreeing, stop.seen);
                     messages.frame_failed(&stop.picture, &format!("not carried on to this frame: {why}"));

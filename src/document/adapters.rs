@@ -12,8 +12,7 @@
 
 use crate::camera::BaseCorrelation;
 use crate::geometry::rotation::{ROTATION_TOLERANCE, distance_from_rotation};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
-use nalgebra::Matrix5;
+use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 use serde::de::Error as _;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -227,6 +226,20 @@ pub(super) mod optional_vector {
     }
 }
 
+/// `[x, y]`, or absent.
+pub(super) mod optional_pair {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(pair: &Option<Vec2>, serializer: S) -> Result<S::Ok, S::Error> {
+        pair.iter().try_for_each(|pair| finite::<S>(pair.as_slice()))?;
+        pair.map(|pair| [pair.x, pair.y]).serialize(serializer)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Vec2>, D::Error> {
+        Ok(Option::<[f64; 2]>::deserialize(deserializer)?.map(Vec2::from))
+    }
+}
+
 fn rows(matrix: &Mat3) -> [[f64; 3]; 3] {
     std::array::from_fn(|row| std::array::from_fn(|column| matrix[(row, column)]))
 }
@@ -256,20 +269,19 @@ pub(super) mod optional_correlation {
     use super::*;
 
     pub fn serialize<S: Serializer>(value: &Option<BaseCorrelation>, serializer: S) -> Result<S::Ok, S::Error> {
-        let matrix = value.as_ref().map(BaseCorrelation::matrix);
-        if let Some(matrix) = &matrix {
-            finite::<S>(matrix.as_slice())?;
+        let rows = value.as_ref().map(BaseCorrelation::rows);
+        for row in rows.iter().flatten() {
+            finite::<S>(row)?;
         }
-        // Symmetric: its columns are its rows.
-        matrix.map(<[[f64; 5]; 5]>::from).serialize(serializer)
+        rows.serialize(serializer)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<BaseCorrelation>, D::Error> {
-        let Some(rows) = Option::<[[f64; 5]; 5]>::deserialize(deserializer)? else { return Ok(None) };
-        let correlation = BaseCorrelation::new(&Matrix5::from_fn(|row, column| rows[row][column]));
-        let wrong = "no correlation matrix: 5 × 5 of position x, y, z and rotation about x, y, symmetric, ones on its diagonal, \
-                     no negative eigenvalue; leave it out if it is not known";
-        correlation.map(Some).ok_or_else(|| D::Error::custom(wrong))
+        let Some(rows) = Option::<Vec<Vec<f64>>>::deserialize(deserializer)? else { return Ok(None) };
+        let wrong = "no correlation matrix: 5 × 5 of position x, y, z and rotation about x, y, or 10 × 10 with k1, its slope, crown and \
+                     principal point x, y behind them; symmetric, ones on its diagonal, no negative eigenvalue; leave it out if it \
+                     is not known";
+        BaseCorrelation::from_rows(&rows).map(Some).ok_or_else(|| D::Error::custom(wrong))
     }
 }
 

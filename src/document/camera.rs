@@ -3,7 +3,7 @@
 use super::{CameraId, Extra, FieldSpec, Frame, RangedMask, adapters};
 use crate::camera::{BaseCorrelation, BaseSigma, CameraBase, FocalCurve, PtzCamera};
 use crate::geometry::rotation::{distance_from_rotation, nearest_rotation};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec3};
+use crate::geometry::{ImagePoint, ImageSize, Mat3, PixelBox, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
 /// A matrix nearer to a rotation than this is taken as it is.
@@ -138,8 +138,29 @@ pub struct CameraSigma {
     #[cfg_attr(feature = "schema", schemars(with = "[f64; 3]"))]
     #[serde(default, with = "adapters::vector")]
     pub rotation_deg: Vec3,
-    /// How the errors of position x, y, z and rotation about x, y go together: their correlation matrix; none: not at all.
-    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 5]; 5]>"))]
+    /// Of k₁ at `at_focal_px` of the lens.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    pub k1: f64,
+    /// Of the change of k₁ per 1000 px of focal length.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    pub k1_per_1000_px: f64,
+    /// Of the height of the pitch's crown, m.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    pub crown_m: f64,
+    /// The width of the pitch that is crowned, m.
+    #[cfg_attr(feature = "schema", schemars(with = "f64"))]
+    #[serde(default, with = "adapters::number", skip_serializing_if = "is_zero")]
+    pub crown_width_m: f64,
+    /// Of the principal point, px.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[f64; 2]>"))]
+    #[serde(default, with = "adapters::optional_pair", skip_serializing_if = "Option::is_none")]
+    pub principal_point_px: Option<Vec2>,
+    /// How the errors of position x, y, z, rotation about x, y, and behind them those of k₁, its slope, crown and principal point x, y
+    /// go together: their correlation matrix, 5 × 5 where only position and rotation do, else 10 × 10; none: not at all.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Vec<Vec<f64>>>"))]
     #[serde(default, with = "adapters::optional_correlation", skip_serializing_if = "Option::is_none")]
     pub correlation: Option<BaseCorrelation>,
     /// Unknown keys.
@@ -147,11 +168,21 @@ pub struct CameraSigma {
     pub extra: Extra,
 }
 
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes fields by reference")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
 impl From<&BaseSigma> for CameraSigma {
     fn from(sigma: &BaseSigma) -> Self {
         Self {
             position_m: sigma.position_m,
             rotation_deg: sigma.rotation.map(f64::to_degrees),
+            k1: sigma.k1,
+            k1_per_1000_px: sigma.k1_per_1000_px,
+            crown_m: sigma.crown_m,
+            crown_width_m: sigma.crown_width_m,
+            principal_point_px: Some(sigma.principal_point_px).filter(|sigma_px| *sigma_px != Vec2::zeros()),
             correlation: Some(sigma.correlation).filter(|correlation| *correlation != BaseCorrelation::NONE),
             extra: Extra::new(),
         }
@@ -163,6 +194,11 @@ impl From<&CameraSigma> for BaseSigma {
         Self {
             position_m: sigma.position_m,
             rotation: sigma.rotation_deg.map(f64::to_radians),
+            k1: sigma.k1,
+            k1_per_1000_px: sigma.k1_per_1000_px,
+            crown_m: sigma.crown_m,
+            crown_width_m: sigma.crown_width_m,
+            principal_point_px: sigma.principal_point_px.unwrap_or_default(),
             correlation: sigma.correlation.unwrap_or_default(),
         }
     }

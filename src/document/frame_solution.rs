@@ -33,6 +33,7 @@ impl Frame {
         let extra = self.solution.take().map(|solution| solution.extra).unwrap_or_default();
         self.solution = Some(Solution {
             covariance: Some(solved.covariance),
+            own_covariance: Some(solved.uncertainty.own_covariance_deg()),
             rms_px: solved.residuals_are_evidence().then_some(solved.rms_px),
             worst_corner_sigma_px: Some(solved.worst_corner_sigma_px),
             source: Some(source),
@@ -67,17 +68,28 @@ impl Frame {
         }
         let is_proposed = self.is_suggestion() || self.is_snapped() && !self.clicks_decide();
         let (source, ptz) = (solution.source?, self.ptz.clone().filter(|_| is_proposed)?);
-        let (covariance, worst_corner_sigma_px) = (solution.covariance, solution.worst_corner_sigma_px);
-        Some(Proposed { ptz, source, confidence: solution.confidence, covariance, worst_corner_sigma_px })
+        Some(Proposed {
+            ptz,
+            source,
+            confidence: solution.confidence,
+            covariance: solution.covariance,
+            own_covariance: solution.own_covariance,
+            worst_corner_sigma_px: solution.worst_corner_sigma_px,
+        })
     }
 
     /// Whether a person corrected a proposal and no click is left of it: then the proposal holds again. True if it does now.
     pub fn restore_proposed(&mut self) -> bool {
         let Some(proposed) = self.solution.as_mut().and_then(|solution| solution.proposed.take()) else { return false };
-        let Proposed { ptz, source, confidence, covariance, worst_corner_sigma_px } = proposed;
-        self.ptz = Some(ptz);
-        let source = Some(source);
-        self.solution = Some(Solution { covariance, worst_corner_sigma_px, source, confidence, ..Solution::default() });
+        self.ptz = Some(proposed.ptz);
+        self.solution = Some(Solution {
+            covariance: proposed.covariance,
+            own_covariance: proposed.own_covariance,
+            worst_corner_sigma_px: proposed.worst_corner_sigma_px,
+            source: Some(proposed.source),
+            confidence: proposed.confidence,
+            ..Solution::default()
+        });
         true
     }
 }

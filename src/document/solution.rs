@@ -70,6 +70,11 @@ pub struct Solution {
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
     #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Mat3>,
+    /// The same by the frame's own evidence alone (clicks, paint, features, points), with the camera's base taken as exact. The total
+    /// is computed from it, never the reverse; documents written before it was kept lack it.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
+    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    pub own_covariance: Option<Mat3>,
     /// Root mean square of the residuals, px; none where the clicks leave nothing to compare.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]
@@ -129,6 +134,10 @@ pub struct Proposed {
     #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
     #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
     pub covariance: Option<Mat3>,
+    /// The same with the camera's base taken as exact.
+    #[cfg_attr(feature = "schema", schemars(with = "Option<[[f64; 3]; 3]>"))]
+    #[serde(default, with = "adapters::optional_matrix", skip_serializing_if = "Option::is_none")]
+    pub own_covariance: Option<Mat3>,
     /// 1-σ of its overlay at the worst corner of the picture, px.
     #[cfg_attr(feature = "schema", schemars(with = "Option<f64>"))]
     #[serde(default, with = "adapters::optional_number", skip_serializing_if = "Option::is_none")]

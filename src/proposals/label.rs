@@ -1,14 +1,13 @@
 //! How well the camera of a reference is known, if its base is exact.
 
-use crate::calibrate::observations;
+use crate::calibrate::{observations, own_covariance};
 use crate::camera::PtzCamera;
 use crate::document::{Frame, SolutionSource};
 use crate::field::FieldModel;
-use crate::relocalize::{Label, Misfit, usual_label};
+use crate::relocalize::{Label, Misfit};
 use crate::solve::{ClickResidual, Observation, Uncertainty};
 
-/// What is known of a reference's camera by its clicks; by the stored covariance where it was not solved from clicks; else as four
-/// clicks tell it.
+/// What is known of a reference's camera by its clicks; by what is stored of its own evidence where it was not solved from clicks.
 pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCamera) -> Label {
     let source = frame.solution.as_ref().and_then(|solution| solution.source);
     let by_clicks = || {
@@ -17,17 +16,10 @@ pub(super) fn label_of(frame: &Frame, field: Option<&FieldModel>, camera: &PtzCa
         let uncertainty = Uncertainty::of(camera, &used, None).ok()?;
         Some(Label { covariance: uncertainty.clicks, misfit: misfit(camera, &used, &uncertainty) })
     };
-    // What the base's uncertainty adds is the same for all references, and told apart.
-    let stored = || {
-        let covariance = frame.solution.as_ref()?.covariance?;
-        let covariance = Uncertainty::of_stored(camera, &covariance, frame.image_size)?.clicks;
-        Some(Label { covariance, misfit: None })
-    };
-    let known = match source {
-        None | Some(SolutionSource::Clicks | SolutionSource::Import) => by_clicks().or_else(stored),
-        Some(_) => stored().or_else(by_clicks),
-    };
-    known.unwrap_or_else(|| Label { covariance: usual_label(camera, frame.image_size), misfit: None })
+    let is_by_clicks = matches!(source, None | Some(SolutionSource::Clicks | SolutionSource::Import));
+    let known = if is_by_clicks { by_clicks() } else { None };
+    // What the base's uncertainty adds is the same for all references, and added elsewhere.
+    known.unwrap_or_else(|| Label { covariance: own_covariance(frame, camera, field), misfit: None })
 }
 
 /// How well the clicks of a label fit its camera; none where the camera does not show one of them.

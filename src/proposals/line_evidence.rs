@@ -139,6 +139,7 @@ fn on_paint(answer: &Answer, base: &CameraBase, snapped: &Snapped, image_size: I
     Answer {
         ptz: FramePtz::new(snapped.ptz, Some(camera.lens()).filter(|lens| !lens.is_none())),
         covariance: snapped.uncertainty.ptz_covariance_deg(),
+        own_covariance: snapped.uncertainty.own_covariance_deg(),
         rms_px: snapped.rms_px,
         worst_corner_sigma_px,
         evidence,
@@ -225,6 +226,7 @@ mod tests {
         Answer {
             ptz: FramePtz::new(Ptz::from_degrees(0.0, -10.0, 2000.0), None),
             covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
             rms_px: 1.0,
             worst_corner_sigma_px: 1.0,
             confidence: evidence.confidence(),

@@ -32,6 +32,8 @@ pub struct Answer {
     pub ptz: FramePtz,
     /// Covariance of (pan deg, tilt deg, focal px).
     pub covariance: Mat3,
+    /// The same with the base taken as exact.
+    pub own_covariance: Mat3,
     /// Root mean square of the agreeing features' distances, px.
     pub rms_px: f64,
     /// 1-σ of the overlay at the worst corner of the picture, px.
@@ -108,6 +110,7 @@ impl Answer {
         Self {
             ptz: FramePtz::new(crate::camera::Ptz::from_degrees(pan_deg, -9.0, 900.0), None),
             covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
             rms_px: 1.0,
             worst_corner_sigma_px: 2.0,
             confidence,
@@ -158,6 +161,7 @@ impl Proposal {
             Ok(answer) => {
                 let solution = Solution {
                     covariance: Some(answer.covariance),
+                    own_covariance: Some(answer.own_covariance),
                     rms_px: Some(answer.rms_px),
                     worst_corner_sigma_px: Some(answer.worst_corner_sigma_px),
                     confidence: Some(answer.confidence),

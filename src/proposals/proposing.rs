@@ -37,6 +37,7 @@ fn answer(pose: &Pose, base: &CameraBase, image_size: ImageSize) -> Answer {
     Answer {
         ptz: FramePtz::new(pose.ptz, lens),
         covariance: pose.covariance,
+        own_covariance: pose.own_covariance,
         rms_px: pose.rms_px,
         worst_corner_sigma_px: pose.worst_corner_sigma_px,
         confidence: pose.confidence,

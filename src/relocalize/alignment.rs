@@ -165,7 +165,7 @@ impl Tie {
         let by_turn = Mat3::from_diagonal(
             &Vec3::new(axis / other.tilt.radians().cos(), axis, focal_px).map(|sigma| sigma * sigma),
         );
-        let covariance = covariance_in_radians(&told.covariance) + by_turn;
+        let covariance = covariance_in_radians(&told.own_covariance) + by_turn;
         Some(Self { places, off, moved: moved_by_label(&other, &one), covariance })
     }
 

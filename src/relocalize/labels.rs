@@ -16,8 +16,8 @@
 use super::nearest_references::nearest;
 use super::{RayMatches, SeenRange};
 use crate::camera::{CameraBase, Ptz, PtzCamera};
-use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use crate::solve::{Observation, Uncertainty};
+use crate::geometry::{ImagePoint, ImageSize, Mat3};
+use crate::solve::covariance_of_four_points;
 
 /// References that an answer may rest on: those nearest to it.
 const NEAREST: usize = 12;
@@ -72,26 +72,15 @@ pub(super) fn moved_by_label(answer: &Ptz, reference: &Ptz) -> Mat3 {
 }
 
 /// The covariance of (pan rad, tilt rad, focal px) of a camera that four clicks tell, well apart; wherever its base stands.
-pub fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
-    let reference = PtzCamera::new(reference.base().at_origin(), reference.ptz());
-    let sigma_px = CLICK_PX * image_size.scale_from_1920();
-    let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
-    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
-    let clicks: Vec<Observation> = (0..)
-        .zip(corners)
-        .filter_map(|(click, (x, y))| {
-            let at = image_size.centre().moved(Vec2::new(x, y).component_mul(&quarter));
-            let ray: Vec3 = reference.ray_from_image(at).ok()?.direction();
-            Some(Observation::of_point(ray, at, sigma_px, click))
-        })
-        .collect();
-    Uncertainty::of(&reference, &clicks, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+fn usual_label(reference: &PtzCamera, image_size: ImageSize) -> Mat3 {
+    covariance_of_four_points(reference, image_size, CLICK_PX * image_size.scale_from_1920())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::camera::PanTilt;
+    use crate::geometry::Vec3;
     use crate::relocalize::{Pose, PoseOptions, RayCandidate, pose_from_candidates};
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);

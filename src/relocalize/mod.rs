@@ -30,7 +30,7 @@ pub use forest::{
     Forest, ForestFileError, PredictOptions, RayCandidate, Samples, Search, SplitRule, Stopped, TrainOptions,
     TrainProgress, train, train_without,
 };
-pub(crate) use labels::usual_label;
+
 pub use matches::RayMatches;
 pub use model::{CameraForest, FOREST_VERSION, ForestModel, SeenRange};
 pub use not_found::NotFound;

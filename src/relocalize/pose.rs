@@ -24,6 +24,9 @@ pub struct Pose {
     /// stated by labels and base as well.
     #[serde(serialize_with = "crate::geometry::rows")]
     pub covariance: Mat3,
+    /// The same with the base taken as exact.
+    #[serde(serialize_with = "crate::geometry::rows")]
+    pub own_covariance: Mat3,
     /// 1-σ of the overlay at the worst corner of the picture, px, by the same.
     pub worst_corner_sigma_px: f64,
     /// The same by the features alone.
@@ -72,11 +75,12 @@ impl Pose {
         image_size: ImageSize,
         seen: &SeenRange,
     ) -> Self {
-        let by_features = covariance_in_radians(&self.covariance);
+        let by_features = covariance_in_radians(&self.own_covariance);
         let by_labels = label_covariance((&self.ptz, &self.inliers), matches, base, image_size, seen);
         let camera = PtzCamera::new(*base, self.ptz);
         if let Ok(uncertainty) = Uncertainty::of_known(&camera, by_features + by_labels, image_size) {
             self.covariance = uncertainty.ptz_covariance_deg();
+            self.own_covariance = uncertainty.own_covariance_deg();
             self.worst_corner_sigma_px = uncertainty.worst_corner_sigma_px(&camera, image_size);
             let exact_base = uncertainty.with_exact_base();
             self.labelled_sigma_px = exact_base.worst_corner_sigma_px(&camera, image_size);
@@ -155,6 +159,7 @@ pub fn pose_from_candidates(
     let mut pose = Pose {
         ptz,
         covariance: uncertainty.ptz_covariance_deg(),
+        own_covariance: uncertainty.own_covariance_deg(),
         worst_corner_sigma_px,
         features_sigma_px: worst_corner_sigma_px,
         labelled_sigma_px: worst_corner_sigma_px,

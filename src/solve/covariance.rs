@@ -13,9 +13,10 @@
 //! instead of 3–6), so it is not done.
 
 use super::{Observation, PtzPrior, SolveError};
-use crate::camera::PtzCamera;
+use crate::camera::{PtzCamera, SHARED_COLUMNS};
+use crate::field::Crown;
 use crate::geometry::{ImagePoint, ImageSize, Mat3, Vec2, Vec3};
-use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, Matrix3x6, Matrix6};
+use nalgebra::{Matrix2, Matrix2x3, SMatrix};
 
 /// Normal equations worse conditioned than this, in (rad, rad, log f), leave a direction open.
 const MAX_CONDITION: f64 = 1e12;
@@ -28,10 +29,11 @@ const FAR_M: f64 = 1e5;
 pub struct Uncertainty {
     /// σ² A Aᵀ: the clicks' part, in (pan rad, tilt rad, focal px).
     pub clicks: Mat3,
-    /// K: how the solution follows an error of the base (position in m, then a rotation vector in `world`, rad).
-    pub by_base: Matrix3x6<f64>,
-    /// L: L Lᵀ is the covariance of the base in the same six coordinates.
-    pub base_root: Matrix6<f64>,
+    /// K: how the solution follows an error of the base: position (m), a rotation vector in `world` (rad), k₁, its slope per 1000 px,
+    /// crown (m), principal point (px).
+    pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
+    /// L: L Lᵀ is the covariance of the base in the same coordinates.
+    pub base_root: SMatrix<f64, SHARED_COLUMNS, SHARED_COLUMNS>,
 }
 
 impl Uncertainty {
@@ -41,14 +43,14 @@ impl Uncertainty {
     /// [`SolveError::Undetermined`] if they leave a direction open.
     pub fn of(camera: &PtzCamera, observations: &[Observation], prior: Option<&PtzPrior>) -> Result<Self, SolveError> {
         let mut information = Mat3::zeros();
-        let mut cross = Matrix3x6::zeros();
+        let mut cross = SMatrix::zeros();
         if let Some(prior) = prior {
             information += prior.information(camera.ptz().focal_px);
             cross += information * prior.by_base;
         }
         for observation in observations {
             if let Some(here) = observation.shape.jacobian(camera, observation.image) {
-                add(&mut information, &mut cross, &here.by_ptz, &here.by_base, observation.sigma_px.powi(-2));
+                add(&mut information, &mut cross, &here.by_ptz, &here.by_shared(camera), observation.sigma_px.powi(-2));
             }
         }
         let inverse = invert_information(&information, camera.ptz().focal_px)?;
@@ -62,21 +64,12 @@ impl Uncertainty {
     /// # Errors
     /// [`SolveError::Undetermined`] if the picture shows too little.
     pub fn of_known(camera: &PtzCamera, covariance: Mat3, image_size: ImageSize) -> Result<Self, SolveError> {
-        let (mut information, mut cross) = (Mat3::zeros(), Matrix3x6::zeros());
+        let (mut information, mut cross) = (Mat3::zeros(), SMatrix::zeros());
         for point in all_over(camera, image_size) {
             add(&mut information, &mut cross, &point.by_ptz, &point.by_base, 1.0);
         }
         let by_base = invert_information(&information, camera.ptz().focal_px)? * cross;
         Ok(Self { clicks: covariance, by_base, base_root: camera.base().sigma.root() })
-    }
-
-    /// The same from a covariance of (pan deg, tilt deg, focal px) as documents hold it, the base's part included; none where
-    /// less is left without that part than nothing.
-    #[must_use]
-    pub fn of_stored(camera: &PtzCamera, covariance_deg: &Mat3, image_size: ImageSize) -> Option<Self> {
-        let by_base = Self::of_known(camera, Mat3::zeros(), image_size).ok()?;
-        let clicks = covariance_in_radians(covariance_deg) - by_base.ptz_covariance();
-        clicks.cholesky().is_some().then_some(Self { clicks, ..by_base })
     }
 
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
@@ -89,19 +82,24 @@ impl Uncertainty {
     /// Covariance of (pan deg, tilt deg, focal px), as documents hold it.
     #[must_use]
     pub fn ptz_covariance_deg(&self) -> Mat3 {
-        let degree = 1f64.to_degrees();
-        let scale = Mat3::from_diagonal(&Vec3::new(degree, degree, 1.0));
-        scale * self.ptz_covariance() * scale
+        covariance_in_degrees(&self.ptz_covariance())
+    }
+
+    /// The same by the frame's own evidence alone, the base taken as exact. Documents keep it beside the total, because the base's
+    /// part cannot be subtracted again: the difference of two nearly equal matrices is seldom a covariance.
+    #[must_use]
+    pub fn own_covariance_deg(&self) -> Mat3 {
+        covariance_in_degrees(&self.clicks)
     }
 
     /// What the base's uncertainty adds to the expectation of χ² over the observations that took part.
     pub(crate) fn base_misfit(&self, camera: &PtzCamera, observations: &[Observation]) -> f64 {
-        if self.base_root == Matrix6::zeros() {
+        if self.base_root.iter().all(|entry| *entry == 0.0) {
             return 0.0;
         }
         let share = |observation: &Observation| {
             let here = observation.shape.jacobian(camera, observation.image)?;
-            let squares = ((here.by_base - here.by_ptz * self.by_base) * self.base_root).norm_squared();
+            let squares = ((here.by_shared(camera) - here.by_ptz * self.by_base) * self.base_root).norm_squared();
             Some(squares / (observation.sigma_px * observation.sigma_px))
         };
         observations.iter().filter_map(share).sum()
@@ -163,13 +161,13 @@ impl Uncertainty {
             let covariance = by_ptz[0] * clicks[0] + by_ptz[1] * clicks[1] + by_ptz[2] * clicks[2];
             variances += covariance.component_mul(by);
         }
-        let by_base: [Vec2; 6] = std::array::from_fn(|column| {
+        let by_base: [Vec2; SHARED_COLUMNS] = std::array::from_fn(|column| {
             let follows = self.by_base.fixed_view::<3, 1>(0, column);
             point.by_base.column(column) - (by_ptz[0] * follows[0] + by_ptz[1] * follows[1] + by_ptz[2] * follows[2])
         });
-        for column in 0..6 {
+        for column in 0..SHARED_COLUMNS {
             // Nothing stands above the diagonal.
-            let rows = (column..6).map(|row| by_base[row] * self.base_root[(row, column)]);
+            let rows = (column..SHARED_COLUMNS).map(|row| by_base[row] * self.base_root[(row, column)]);
             let moved = rows.fold(Vec2::zeros(), |sum, by_row| sum + by_row);
             variances += moved.component_mul(&moved);
         }
@@ -177,14 +175,14 @@ impl Uncertainty {
     }
 
     /// How the overlay at a point moves with the base, the solution following, for one sigma of each independent cause, px.
-    fn by_base_in_sigmas(&self, point: &OverlayPoint) -> Matrix2x6<f64> {
+    fn by_base_in_sigmas(&self, point: &OverlayPoint) -> SMatrix<f64, 2, SHARED_COLUMNS> {
         (point.by_base - point.by_ptz * self.by_base) * self.base_root
     }
 
     /// The same where the base is exact.
     #[must_use]
     pub fn with_exact_base(self) -> Self {
-        Self { base_root: Matrix6::zeros(), ..self }
+        Self { base_root: SMatrix::zeros(), ..self }
     }
 
     /// The same with one more landmark click, of noise `sigma_px`, at a pixel: what a click there would give. None where the
@@ -229,14 +227,16 @@ impl CornerSigma {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OverlayPoint {
     by_ptz: Matrix2x3<f64>,
-    by_base: Matrix2x6<f64>,
+    by_base: SMatrix<f64, 2, SHARED_COLUMNS>,
 }
 
 impl OverlayPoint {
     /// At a world point; none where it has no image.
     fn at_world(camera: &PtzCamera, point_in_world: Vec3) -> Option<Self> {
         let here = camera.image_from_world_jacobian(point_in_world).ok()?;
-        Some(Self { by_ptz: here.by_ptz, by_base: here.by_base })
+        let by_image = Matrix2::identity();
+        let by_base = by_shared(camera, &here.by_base, here.by_k1, &here.by_world, &by_image, point_in_world);
+        Some(Self { by_ptz: here.by_ptz, by_base })
     }
 
     /// At what a pixel shows.
@@ -245,11 +245,64 @@ impl OverlayPoint {
     }
 }
 
+/// How a projected point moves with everything that frames share, in the order of [`crate::camera::BaseSigma::root`]: given its
+/// derivatives by the base's pose, by k₁, by the world point and by a shift of the picture.
+pub(super) fn by_shared(
+    camera: &PtzCamera,
+    by_pose: &SMatrix<f64, 2, 6>,
+    by_k1: Vec2,
+    by_world: &Matrix2x3<f64>,
+    by_image: &Matrix2<f64>,
+    point_in_world: Vec3,
+) -> SMatrix<f64, 2, SHARED_COLUMNS> {
+    let base = camera.base();
+    let mut by = SMatrix::<f64, 2, SHARED_COLUMNS>::zeros();
+    by.fixed_columns_mut::<6>(0).copy_from(by_pose);
+    if base.sigma.is_of_pose_alone() {
+        return by;
+    }
+    let kilo_px = (camera.ptz().focal_px - base.distortion.at_focal_px) / 1000.0;
+    by.set_column(6, &by_k1);
+    by.set_column(7, &(by_k1 * kilo_px));
+    if base.sigma.crown_m > 0.0 {
+        // A higher crown lowers the ground beside the middle.
+        let crown = Crown { height_m: 0.0, width_m: base.sigma.crown_width_m };
+        by.set_column(8, &(by_world.column(2) * -crown.drop_share(point_in_world.y)));
+    }
+    by.fixed_columns_mut::<2>(9).copy_from(by_image);
+    by
+}
+
 /// A covariance of (pan deg, tilt deg, focal px), as documents hold it, in (pan rad, tilt rad, focal px).
 pub(crate) fn covariance_in_radians(covariance_deg: &Mat3) -> Mat3 {
     let radian = 1f64.to_radians();
     let scale = Mat3::from_diagonal(&Vec3::new(radian, radian, 1.0));
     scale * covariance_deg * scale
+}
+
+/// The covariance of (pan rad, tilt rad, focal px) of a camera that is known by four points half-way to the picture's corners, each
+/// to `sigma_px`; the base taken as exact. Zero for a lens that has no rays there.
+pub(crate) fn covariance_of_four_points(camera: &PtzCamera, image_size: ImageSize, sigma_px: f64) -> Mat3 {
+    // Seen from the origin, a ray is a point at unit distance.
+    let camera = PtzCamera::new(camera.base().at_origin(), camera.ptz());
+    let quarter = Vec2::new(f64::from(image_size.width), f64::from(image_size.height)) / 4.0;
+    let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
+    let points: Vec<Observation> = (0..)
+        .zip(corners)
+        .filter_map(|(number, (x, y))| {
+            let at = image_size.centre().moved(Vec2::new(x, y).component_mul(&quarter));
+            let ray = camera.ray_from_image(at).ok()?.direction();
+            Some(Observation::of_point(ray, at, sigma_px, number))
+        })
+        .collect();
+    Uncertainty::of(&camera, &points, None).map_or_else(|_| Mat3::zeros(), |uncertainty| uncertainty.clicks)
+}
+
+/// The reverse of [`covariance_in_radians`].
+fn covariance_in_degrees(covariance: &Mat3) -> Mat3 {
+    let degree = 1f64.to_degrees();
+    let scale = Mat3::from_diagonal(&Vec3::new(degree, degree, 1.0));
+    scale * covariance * scale
 }
 
 /// Points all over a picture, those on the ground near by if there are any: that is where clicks are.
@@ -295,9 +348,9 @@ fn shown_at(camera: &PtzCamera, pixel: ImagePoint) -> Option<Vec3> {
 /// Adds the rows of one click to Jᵀ W J and Jᵀ W `J_b`.
 fn add(
     information: &mut Mat3,
-    cross: &mut Matrix3x6<f64>,
+    cross: &mut SMatrix<f64, 3, SHARED_COLUMNS>,
     by_ptz: &Matrix2x3<f64>,
-    by_base: &Matrix2x6<f64>,
+    by_base: &SMatrix<f64, 2, SHARED_COLUMNS>,
     weight: f64,
 ) {
     let weighted = by_ptz.transpose() * weight;
@@ -321,17 +374,24 @@ fn invert_information(information: &Mat3, focal_px: f64) -> Result<Mat3, SolveEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{BaseSigma, CameraBase, Ptz};
+    use crate::camera::{BaseSigma, CameraBase, Ptz, SHARED_PARAMETERS, SharedCovariance, SharedError};
     use crate::solve::fixtures::base;
-    use nalgebra::Matrix5;
 
     const SIZE: ImageSize = ImageSize::new(1920, 1080);
 
     /// Errors of which most go together.
-    fn together() -> Matrix5<f64> {
-        let mixed = Matrix5::from_fn(|row, column| if row == column { 0.3 } else { (row as f64 - 1.7) * 0.4 });
-        let scale = Matrix5::from_diagonal(&nalgebra::Vector5::new(0.1, 0.4, 0.2, 2e-3, 1e-3));
+    fn together() -> SharedCovariance {
+        let mixed = SharedCovariance::from_fn(|row, column| if row == column { 0.3 } else { (row as f64 - 1.7) * 0.4 });
+        let sigmas = [0.1, 0.4, 0.2, 2e-3, 1e-3, 0.02, 0.05, 0.04, 12.0, 9.0];
+        let scale = SharedCovariance::from_diagonal(&SharedError::from_row_slice(&sigmas));
         scale * mixed * mixed.transpose() * scale
+    }
+
+    /// The columns of the shared parameters, without that of the pan gauge.
+    fn without_gauge<const ROWS: usize>(
+        columns: &SMatrix<f64, ROWS, SHARED_COLUMNS>,
+    ) -> SMatrix<f64, ROWS, SHARED_PARAMETERS> {
+        SMatrix::from_fn(|row, column| columns[(row, if column < 5 { column } else { column + 1 })])
     }
 
     fn uncertainty(sigma: BaseSigma) -> (PtzCamera, Uncertainty) {
@@ -343,17 +403,17 @@ mod tests {
     #[test]
     fn errors_of_the_base_go_together_in_the_overlay() {
         let covariance = together();
-        let (camera, known) = uncertainty(BaseSigma::of_covariance(&covariance));
+        let (camera, known) = uncertainty(BaseSigma::from_covariance(&covariance, 68.0));
         for pixel in [ImagePoint::new(40.0, 1000.0), ImagePoint::new(960.0, 540.0), ImagePoint::new(1900.0, 600.0)] {
             let point = OverlayPoint::at_pixel(&camera, pixel).unwrap();
-            let moves = (point.by_base - point.by_ptz * known.by_base).fixed_columns::<5>(0).into_owned();
+            let moves = without_gauge(&(point.by_base - point.by_ptz * known.by_base));
             let expected = moves * covariance * moves.transpose();
             let overlay = known.overlay_at(&camera, pixel).unwrap();
             assert!((overlay - expected).amax() < 1e-9 * expected.amax(), "{overlay} {expected}");
             let sigma_px = known.overlay_sigma_px(&camera, pixel).unwrap();
             assert!((sigma_px.powi(2) - expected.trace()).abs() < 1e-9 * expected.trace(), "{sigma_px}");
         }
-        let by_base = known.by_base.fixed_columns::<5>(0).into_owned();
+        let by_base = without_gauge(&known.by_base);
         let expected = by_base * covariance * by_base.transpose();
         assert!((known.ptz_covariance() - expected).amax() < 1e-9 * expected.amax());
         assert_eq!(known.with_exact_base().ptz_covariance(), Mat3::zeros());
@@ -368,11 +428,11 @@ mod tests {
             ..BaseSigma::default()
         });
         let [less, more] = [-0.95, 0.95].map(|share| {
-            let mut covariance = Matrix5::zeros();
+            let mut covariance = SharedCovariance::zeros();
             (covariance[(1, 1)], covariance[(3, 3)]) = (0.4_f64.powi(2), 1.6e-3_f64.powi(2));
             covariance[(1, 3)] = share * 0.4 * 1.6e-3;
             covariance[(3, 1)] = covariance[(1, 3)];
-            uncertainty(BaseSigma::of_covariance(&covariance)).1.worst_corner_sigma_px(&camera, SIZE)
+            uncertainty(BaseSigma::from_covariance(&covariance, 68.0)).1.worst_corner_sigma_px(&camera, SIZE)
         });
         let alone = alone.worst_corner_sigma_px(&camera, SIZE);
         assert!(less.min(more) < alone && alone < less.max(more), "{less} {alone} {more}");

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
-use nalgebra::{Matrix2, Matrix3x6};
+use nalgebra::{Matrix2, SMatrix};
 
 /// Candidates nearer to each other than this (see [`camera_distance`]) are one.
 const SAME_CAMERA: f64 = 1e-4;
@@ -183,7 +183,7 @@ fn candidates(base: &CameraBase, used: &[Observation], context: &SolveContext) -
 /// A prior that holds the focal length and leaves pan and tilt free.
 fn focal_held(ptz: Ptz) -> PtzPrior {
     let free = Angle::from_degrees(1e6);
-    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9, by_base: Matrix3x6::zeros() }
+    PtzPrior { ptz, sigma_pan: free, sigma_tilt: free, sigma_focal_share: 1e-9, by_base: SMatrix::zeros() }
 }
 
 /// A camera with how well it fits; none if it is no camera that stands upright.

@@ -37,8 +37,8 @@ mod warning;
 mod world_curve;
 
 pub use context::SolveContext;
-pub(crate) use covariance::covariance_in_radians;
 pub use covariance::{CornerSigma, Uncertainty};
+pub(crate) use covariance::{covariance_in_radians, covariance_of_four_points};
 pub(crate) use dense::DenseEquations;
 pub use error::{ObservationError, SolveError};
 pub use frame::solve_frame;

@@ -2,10 +2,10 @@
 
 use super::Loss;
 use super::residual::{Linearised, Residual};
-use crate::camera::{Ptz, PtzCamera};
+use crate::camera::{Ptz, PtzCamera, SHARED_COLUMNS};
 use crate::field::FieldElement;
 use crate::geometry::{Angle, Mat3, Vec3};
-use nalgebra::{Matrix3x6, SMatrix};
+use nalgebra::SMatrix;
 
 /// Pan, tilt and focal length known beforehand, each with its 1-σ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,7 +22,7 @@ pub struct PtzPrior {
     /// with that base.
     ///
     /// [`Uncertainty::by_base`]: super::Uncertainty::by_base
-    pub by_base: Matrix3x6<f64>,
+    pub by_base: SMatrix<f64, 3, SHARED_COLUMNS>,
 }
 
 impl PtzPrior {

@@ -170,7 +170,7 @@ mod tests {
             sigma_pan: Angle::from_degrees(3.0),
             sigma_tilt: Angle::from_degrees(2.0),
             sigma_focal_share: 0.02,
-            by_base: nalgebra::Matrix3x6::zeros(),
+            by_base: nalgebra::SMatrix::zeros(),
         };
         assert_derivatives(&prior, stepped, "prior");
     }

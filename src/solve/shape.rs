@@ -4,11 +4,12 @@
 //! the same kind of residual.
 
 use super::WorldCurve;
+use super::covariance::by_shared;
 use super::line::nearest_point;
-use crate::camera::PtzCamera;
+use crate::camera::{PtzCamera, SHARED_COLUMNS};
 use crate::field::{Crown, FieldElement, FieldModel, Symmetry};
 use crate::geometry::{ImagePoint, Vec2, Vec3};
-use nalgebra::{Matrix2, Matrix2x3, Matrix2x6};
+use nalgebra::{Matrix2, Matrix2x3, Matrix2x6, SMatrix};
 
 /// What a click shows, in `world`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,6 +42,13 @@ pub(crate) struct ShapeJacobian {
     pub nearest_in_world: Vec3,
     /// The curve's parameter there; 0 for a point.
     pub parameter: f64,
+}
+
+impl ShapeJacobian {
+    /// By everything that frames share.
+    pub fn by_shared(&self, camera: &PtzCamera) -> SMatrix<f64, 2, SHARED_COLUMNS> {
+        by_shared(camera, &self.by_base, self.by_k1, &self.by_world, &self.by_image, self.nearest_in_world)
+    }
 }
 
 impl ObservedShape {

@@ -40,7 +40,7 @@ fn real_bases_from_halves_agree_within_what_they_state() {
             whole.base.position_m.as_slice(),
             whole.base.sigma.position_m.as_slice(),
             independent.as_slice(),
-            score.position_spread_m.as_slice(),
+            score.spread.diagonal().map(f64::sqrt).fixed_rows::<3>(0).as_slice(),
             (whole.base.position_m - fitted).as_slice()
         );
         let kept = |keep: &dyn Fn(usize, &Observation) -> bool| -> Vec<FrameClicks> {

@@ -37,21 +37,28 @@ fn the_first_version_opens_forever() {
 
 #[test]
 fn a_base_keeps_how_its_errors_go_together() {
-    use touchline::camera::{BaseCorrelation, BaseSigma};
+    use touchline::camera::{BaseCorrelation, BaseSigma, SharedCovariance};
     let mut document = document_from_bytes(SAMPLE.as_bytes()).unwrap();
     let base = document.cameras[0].base().unwrap();
     assert_eq!(base.sigma.correlation, BaseCorrelation::NONE, "older documents say nothing of it");
-    let mixed = nalgebra::Matrix5::from_fn(|row, column| 0.1 + ((2 * row + 3 * column) % 5) as f64);
-    let sigma = BaseSigma::of_covariance(&(mixed * mixed.transpose() * 1e-4));
-    document.cameras[0].set_base(&touchline::camera::CameraBase { sigma, ..base });
-    let text = document_to_string(&document).unwrap();
-    let again = document_from_bytes(text.as_bytes()).unwrap().cameras[0].base().unwrap();
-    assert_eq!(again.sigma.correlation, sigma.correlation);
+    let mixed = SharedCovariance::from_fn(|row, column| 0.1 + ((2 * row + 3 * column + row * column) % 7) as f64);
+    let of_all = mixed * mixed.transpose() * 1e-4;
+    let mut of_pose = SharedCovariance::zeros();
+    of_pose.fixed_view_mut::<5, 5>(0, 0).copy_from(&of_all.fixed_view::<5, 5>(0, 0));
+    for (covariance, size) in [(of_pose, 5), (of_all, 10)] {
+        let sigma = BaseSigma::from_covariance(&covariance, 68.0);
+        document.cameras[0].set_base(&touchline::camera::CameraBase { sigma, ..base });
+        let text = document_to_string(&document).unwrap();
+        assert_eq!(value(&text)["cameras"][0]["sigma"]["correlation"].as_array().unwrap().len(), size);
+        let again = document_from_bytes(text.as_bytes()).unwrap().cameras[0].base().unwrap();
+        assert_eq!(again.sigma.correlation, sigma.correlation);
+        assert!((again.sigma.covariance() - covariance).amax() < 1e-12 * covariance.amax());
 
-    let mut wrong = value(&text);
-    wrong["cameras"][0]["sigma"]["correlation"][0][1] = 2.0.into();
-    let error = document_from_bytes(wrong.to_string().as_bytes()).unwrap_err().to_string();
-    assert!(error.contains("no correlation matrix") && error.contains("leave it out"), "{error}");
+        let mut wrong = value(&text);
+        wrong["cameras"][0]["sigma"]["correlation"][0][1] = 2.0.into();
+        let error = document_from_bytes(wrong.to_string().as_bytes()).unwrap_err().to_string();
+        assert!(error.contains("no correlation matrix") && error.contains("leave it out"), "{error}");
+    }
 }
 
 #[test]

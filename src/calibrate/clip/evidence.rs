@@ -93,7 +93,7 @@ impl ClipEvidence {
 }
 
 /// About how far apart two cameras' pictures are, px: in the middle, or at the left and right border.
-fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
+pub(super) fn apart_px(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     let across = other.pan.turn_from(one.pan).radians() * one.tilt.radians().cos();
     let turned_px = across.hypot((other.tilt - one.tilt).radians()) * one.focal_px;
     let zoomed_px = 0.5 * f64::from(size.width) * (other.focal_px / one.focal_px).ln().abs();

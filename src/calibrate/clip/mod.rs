@@ -1,10 +1,13 @@
 //! A clip of a document: cameras carried from the frames that are known to all others, adjusted together.
 
 mod anchors;
+mod certainty;
 mod error;
 mod evidence;
+mod fit;
 mod frames;
 mod paint;
+mod pictures;
 mod record;
 mod track;
 

@@ -1,9 +1,9 @@
 //! The painted lines of a clip's frames as further anchors.
 
+use super::pictures::MaskedPicture;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, PixelBox};
-use crate::media::Picture;
+use crate::geometry::ImageSize;
 use crate::paint::{GroundPicture, LineVerdict, SnapOptions, check_lines, snap};
 use crate::track::{Anchor, AnchorSource};
 
@@ -21,11 +21,18 @@ pub(super) enum Painted {
 /// Paint is looked for this near to where the points put it, px at 1920 px width.
 const REACH_PX: f64 = 16.0;
 
-/// The unevenness of paint stays: frames that show the same lines err by the same. Together they say no more than one of them, so
-/// each counts for less by as many as show what it shows.
+/// Frames that show the same err by the same where one source speaks for them: the unevenness of paint stays, and all answers of a
+/// forest repeat the errors of the references that they were read off. Together they say no more than one of them, so each counts for
+/// less by as many as show what it shows. What people clicked errs by itself in each frame.
 pub(super) fn share_alike(anchors: &mut [Anchor], size: ImageSize) {
-    let cameras: Vec<Ptz> = anchors.iter().map(|anchor| anchor.ptz).collect();
-    for anchor in anchors {
+    for source in [AnchorSource::Paint, AnchorSource::Proposal] {
+        share_alike_of(source, anchors, size);
+    }
+}
+
+fn share_alike_of(source: AnchorSource, anchors: &mut [Anchor], size: ImageSize) {
+    let cameras: Vec<Ptz> = anchors.iter().filter(|it| it.by == source).map(|anchor| anchor.ptz).collect();
+    for anchor in anchors.iter_mut().filter(|anchor| anchor.by == source) {
         let alike: f64 = cameras.iter().map(|other| overlap(anchor.ptz, *other, size)).sum();
         anchor.covariance *= alike.max(1.0);
     }
@@ -40,24 +47,25 @@ fn overlap(one: Ptz, other: Ptz, size: ImageSize) -> f64 {
     shares[0] * shares[1] * (1.0 - zoom).max(0.0)
 }
 
-/// What the paint of a frame's picture says.
-pub(super) fn painted(
-    picture: &Picture,
-    masks: &[PixelBox],
-    field: &FieldModel,
-    base: &CameraBase,
-    (frame, ptz): (usize, Ptz),
-) -> Painted {
-    let ground = GroundPicture::new(picture, masks);
-    let options = SnapOptions { reach_px: REACH_PX, ..SnapOptions::default() };
-    if let Ok(snapped) = snap(&ground, field, base, ptz, &[], &options) {
-        return Painted::Snapped(Anchor {
-            frame,
-            ptz: snapped.ptz,
-            covariance: snapped.uncertainty.clicks,
-            by: AnchorSource::Paint,
-        });
+impl Painted {
+    /// What the paint of a frame's picture says about a camera.
+    pub fn from_picture(
+        MaskedPicture { picture, masks }: &MaskedPicture,
+        field: &FieldModel,
+        base: &CameraBase,
+        (frame, ptz): (usize, Ptz),
+    ) -> Self {
+        let ground = GroundPicture::new(picture, masks);
+        let options = SnapOptions { reach_px: REACH_PX, ..SnapOptions::default() };
+        if let Ok(snapped) = snap(&ground, field, base, ptz, &[], &options) {
+            return Self::Snapped(Anchor {
+                frame,
+                ptz: snapped.ptz,
+                covariance: snapped.uncertainty.clicks,
+                by: AnchorSource::Paint,
+            });
+        }
+        let check = check_lines(&ground, field, &PtzCamera::new(*base, ptz));
+        if check.verdict() == LineVerdict::Contradicts { Self::Contradicts } else { Self::Open }
     }
-    let check = check_lines(&ground, field, &PtzCamera::new(*base, ptz));
-    if check.verdict() == LineVerdict::Contradicts { Painted::Contradicts } else { Painted::Open }
 }

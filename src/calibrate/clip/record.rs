@@ -50,6 +50,7 @@ pub(crate) fn record_tracked_frame(frame: &mut Frame, clip: &TrackedClip, tracke
     frame.status = FrameStatus::Suggested;
     let mut solution = Solution {
         covariance: Some(tracked.uncertainty.ptz_covariance_deg()),
+        own_covariance: Some(tracked.uncertainty.own_covariance_deg()),
         worst_corner_sigma_px: Some(tracked.uncertainty.worst_corner_sigma_px(&camera, frame.image_size)),
         source: Some(SolutionSource::Tracking),
         confidence: Some(tracked.confidence),

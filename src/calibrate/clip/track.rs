@@ -1,19 +1,20 @@
 //! Cameras of a clip's frames from those that are known: points followed, carried, adjusted, held to the paint, smoothed.
 
 use super::anchors::anchors;
+use super::certainty::{PaintVerdict, confidence, with_common};
 use super::error::TrackClipError;
-use super::evidence::{ClipEvidence, FollowedPictures};
+use super::evidence::ClipEvidence;
+use super::fit::{ClipFit, FittedClip};
 use super::frames::ClipFrames;
-use super::paint::{Painted, painted, share_alike};
+use super::pictures::ClipPictures;
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::document::{DocumentAt, FrameStatus};
 use crate::field::FieldModel;
-use crate::geometry::{ImageSize, Mat3, PixelBox, Vec3};
-use crate::media::{Picture, ReadFrames};
+use crate::media::ReadFrames;
 use crate::solve::Uncertainty;
 use crate::track::{
-    AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, PointFollower, PointTracks,
-    SmoothOptions, TrackError, Unsmoothed, adjust_clip, carry, smooth,
+    AdjustOptions, AdjustedClip, Anchor, Carried, CarryOptions, FollowOptions, Jitter, SmoothOptions, Unsmoothed,
+    carry, smooth,
 };
 use std::ops::ControlFlow;
 
@@ -26,7 +27,7 @@ pub struct TrackClipOptions {
     pub carry: CarryOptions,
     /// How all is adjusted.
     pub adjust: AdjustOptions,
-    /// Every so many frames are held to their painted lines; none of them at 0. 5 by default.
+    /// Every n-th frame is aligned to its painted lines; 0 turns this off. Default: 5.
     pub paint_every: usize,
     /// Whether the motion is smoothed. False by default.
     pub smooth: bool,
@@ -109,8 +110,10 @@ pub struct TrackedClip {
     pub frames: Vec<TrackedFrame>,
     /// Frames that people decided on; none unless the motion is smoothed.
     pub references: Vec<MovedReference>,
-    /// Frames of the document that nobody decided on and that were not reached, by their places.
+    /// Frames of the document that nobody decided on, that have no camera and that were not reached, by their places.
     pub missed: Vec<usize>,
+    /// How many frames keep the camera that they had, because their paint speaks more for it than for the one that was carried there.
+    pub kept: usize,
     /// Where carrying stopped.
     pub stops: Vec<ClipStop>,
     /// 1-σ of a followed point, px.
@@ -141,49 +144,24 @@ pub fn track_clip(
 ) -> Result<TrackedClip, TrackClipError> {
     let document = at.document;
     let camera = document.cameras.iter().find(|camera| camera.id == clip.camera);
-    let of_document = |place: usize| document.frames.get(place).map(|frame| &**frame);
-    let one = clip.frames.iter().find_map(|frame| of_document(frame.place?));
+    let frame_at = |place: usize| document.frames.get(place).map(|frame| &**frame);
+    let one = clip.frames.iter().find_map(|frame| frame_at(frame.place?));
     let (base, size) = camera
         .zip(one)
         .and_then(|(camera, frame)| Some((camera.base_for(frame)?, frame.image_size)))
         .ok_or_else(|| TrackClipError::NoBase { camera: clip.camera.to_string() })?;
-    let known = anchors(document, clip, &base);
+    let known = anchors(document, clip, field, &base);
     if known.is_empty() {
         return Err(TrackClipError::NothingKnown { frames: clip.frames.len() });
     }
-    let clip_pictures = ClipPictures { at, clip, size };
-    let tracks = clip_pictures.followed(reader, options.follow, evidence, watch)?;
+    let pictures = ClipPictures { at, clip, size };
+    let tracks = pictures.follow_points(reader, options.follow, evidence, watch)?;
     evidence.with_base(&base);
-    let mut anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
+    let anchors: Vec<Anchor> = known.iter().map(|(anchor, _)| *anchor).collect();
     let carried = carry(&base, &tracks, &anchors, &options.carry);
-    let adjust = |anchors: &[Anchor], watch: &mut dyn FnMut(ClipProgress) -> ControlFlow<()>| {
-        go_on(watch(ClipProgress::Adjusting))?;
-        let undetermined = TrackClipError::Undetermined { frames: clip.frames.len() };
-        adjust_clip(&base, &tracks, &carried, anchors, &options.adjust).ok_or(undetermined)
-    };
-    let mut adjusted = adjust(&anchors, watch)?;
-    let mut paint = vec![Paint::Silent; clip.frames.len()];
-    let mut painted = 0;
-    if options.paint_every > 0 {
-        let found = clip_pictures.painted(reader, &adjusted, (field, &base), options.paint_every, evidence, watch)?;
-        for (frame, found) in found {
-            let says = match found {
-                Painted::Snapped(anchor) => {
-                    anchors.push(anchor);
-                    Paint::Agrees
-                }
-                Painted::Contradicts => Paint::Contradicts,
-                Painted::Open => Paint::Silent,
-            };
-            // The frames up to the next one that is asked are like it.
-            paint[frame..].iter_mut().take(options.paint_every).for_each(|paint| *paint = says);
-        }
-        share_alike(&mut anchors[known.len()..], size);
-        painted = anchors.len() - known.len();
-        if painted > 0 {
-            adjusted = adjust(&anchors, watch)?;
-        }
-    }
+    let fit = ClipFit { base: &base, field, tracks: &tracks, carried: &carried, known: &anchors, pictures, options };
+    let FittedClip { adjusted, paint, painted, kept } = fit.adjust_to_paint(reader, evidence, watch)?;
+
     let raw: Vec<Option<Ptz>> = adjusted.frames.iter().map(|frame| frame.map(|frame| frame.ptz)).collect();
     let smoothed = if options.smooth { smoothed(at, clip, &adjusted) } else { raw.clone() };
     let mut tracked = TrackedClip {
@@ -191,6 +169,7 @@ pub fn track_clip(
         frames: Vec::new(),
         references: Vec::new(),
         missed: Vec::new(),
+        kept: 0,
         stops: stops(clip, &carried),
         sigma_px: adjusted.sigma_px,
         widened: adjusted.widened,
@@ -200,7 +179,7 @@ pub fn track_clip(
     };
     let certain = known.iter().map(|(_, confidence)| *confidence).fold(0.0, f64::max);
     for (frame, of_clip) in clip.frames.iter().enumerate() {
-        let Some((place, document_frame)) = of_clip.place.and_then(|place| Some((place, of_document(place)?))) else {
+        let Some((place, document_frame)) = of_clip.place.and_then(|place| Some((place, frame_at(place)?))) else {
             continue;
         };
         if !document_frame.is_open() {
@@ -212,84 +191,32 @@ pub fn track_clip(
             }));
             continue;
         }
-        let known = smoothed[frame].zip(adjusted.frames[frame]).and_then(|(ptz, adjusted)| {
+        let reached = smoothed[frame].zip(adjusted.frames[frame]).and_then(|(ptz, adjusted)| {
             let camera = PtzCamera::new(base, ptz);
             Some((camera, Uncertainty::of_known(&camera, with_common(adjusted.covariance, ptz, size), size).ok()?))
         });
-        let Some((camera, uncertainty)) = known else {
-            tracked.missed.push(place);
+        let Some((camera, uncertainty)) = reached else {
+            // A camera that it had before stays.
+            tracked.missed.extend(document_frame.ptz.is_none().then_some(place));
             continue;
         };
-        let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != Paint::Agrees);
+        let apart_px = carried.apart_px[frame].filter(|_| paint[frame] != PaintVerdict::Agrees);
+        let confidence = certain * confidence(&camera, &uncertainty, size, apart_px, paint[frame]);
+        if kept.contains(&frame) {
+            tracked.kept += 1;
+            continue;
+        }
         tracked.frames.push(TrackedFrame {
             place,
             ptz: camera.ptz(),
             raw: raw[frame].filter(|_| options.smooth),
             uncertainty,
-            confidence: certain * confidence(&camera, &uncertainty, size, apart_px, paint[frame]),
+            confidence,
             apart_px,
-            contradicted: paint[frame] == Paint::Contradicts,
+            contradicted: paint[frame] == PaintVerdict::Contradicts,
         });
     }
     Ok(tracked)
-}
-
-/// What the frames of a clip err by alike, 1-σ, as no further frame mends it: their lines are half a pixel thick far away. Pan and
-/// tilt in px at 1920 px width, the focal length as a share of it. A clip is one draw of it: of ten drawn clips held by exact cameras 90 %
-/// of the frames lie within their stated 68 %, of one held by a person's clicks 60 %.
-const COMMON_PX: f64 = 0.09;
-const COMMON_OF_FOCAL: f64 = 2.5e-4;
-
-/// The covariance (pan rad, tilt rad, focal length px) of a frame's camera with what all frames have in common.
-fn with_common(mut covariance: Mat3, ptz: Ptz, size: ImageSize) -> Mat3 {
-    let turn = COMMON_PX * size.scale_from_1920() / ptz.focal_px;
-    let common = Vec3::new(turn, turn, COMMON_OF_FOCAL * ptz.focal_px);
-    covariance += Mat3::from_diagonal(&common.component_mul(&common));
-    covariance
-}
-
-/// An overlay that is off by no more is right, px at 1920 px width.
-const RIGHT_PX: f64 = 10.0;
-
-/// No camera that nobody has looked at is more certain.
-const AT_MOST: f64 = 0.99;
-
-/// What is left of the certainty where the paint contradicts, or where both sides do.
-const CONTRADICTED: f64 = 0.3;
-
-/// How probable it is that a tracked camera's overlay is right: its error has a Rayleigh distribution.
-fn confidence(
-    camera: &PtzCamera,
-    uncertainty: &Uncertainty,
-    size: ImageSize,
-    apart_px: Option<f64>,
-    paint: Paint,
-) -> f64 {
-    let px = size.scale_from_1920();
-    // The root of the covariance's trace is √2 times the 1-σ of each coordinate.
-    // What the base leaves open is the same for all frames, and the known ones show it.
-    let uncertainty = uncertainty.with_exact_base();
-    let sigma_px = uncertainty.worst_corner_sigma_px(camera, size) / 2f64.sqrt();
-    let right = 1.0 - (-0.5 * (RIGHT_PX * px / sigma_px).powi(2)).exp();
-    let both_sides = apart_px.is_none_or(|apart_px| apart_px <= RIGHT_PX * px);
-    let is_contradicted = match paint {
-        Paint::Agrees => false,
-        Paint::Silent => !both_sides,
-        Paint::Contradicts => true,
-    };
-    right.min(AT_MOST) * if is_contradicted { CONTRADICTED } else { 1.0 }
-}
-
-/// What the painted lines say about a frame's camera.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Paint {
-    Agrees,
-    Silent,
-    Contradicts,
-}
-
-fn go_on(flow: ControlFlow<()>) -> Result<(), TrackClipError> {
-    if flow.is_break() { Err(TrackClipError::Stopped) } else { Ok(()) }
 }
 
 fn stops(clip: &ClipFrames, carried: &Carried) -> Vec<ClipStop> {
@@ -326,106 +253,4 @@ fn smoothed(at: DocumentAt<'_>, clip: &ClipFrames, adjusted: &AdjustedClip) -> V
         frame += stretch.len() + 1;
     }
     smoothed
-}
-
-/// The pictures of a clip.
-struct ClipPictures<'a> {
-    at: DocumentAt<'a>,
-    clip: &'a ClipFrames,
-    size: ImageSize,
-}
-
-impl ClipPictures<'_> {
-    fn read(&self, reader: &mut dyn ReadFrames, frame: usize) -> Result<Picture, TrackClipError> {
-        let source = &self.clip.frames[frame].source;
-        let picture = reader.read(source)?;
-        let (actual, expected) = (picture.size(), self.size);
-        if actual == expected {
-            return Ok(picture);
-        }
-        Err(TrackClipError::Size {
-            picture: source.to_string(),
-            actual: (actual.width, actual.height),
-            expected: (expected.width, expected.height),
-        })
-    }
-
-    /// What gives no points in a frame. One that the document leaves out has the masks of the frame before.
-    fn masks(&self, frame: usize) -> Vec<PixelBox> {
-        let before = self.clip.frames[..=frame].iter().rev().find_map(|frame| frame.place);
-        let of_document = before.and_then(|place| self.at.document.frames.get(place));
-        of_document.map(|frame| self.at.document.masks_of(frame)).unwrap_or_default()
-    }
-
-    /// The points of all pictures.
-    fn followed(
-        &self,
-        reader: &mut dyn ReadFrames,
-        options: FollowOptions,
-        evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
-    ) -> Result<PointTracks, TrackClipError> {
-        let pictures =
-            FollowedPictures { sources: self.clip.frames.iter().map(|frame| frame.source.clone()).collect(), options };
-        let masks: Vec<_> = (0..self.clip.frames.len()).map(|frame| self.masks(frame)).collect();
-        if let Some(tracks) = evidence.tracks(&pictures, &masks) {
-            return Ok(tracks);
-        }
-        let tracks = self.newly_followed(reader, options, &masks, watch)?;
-        evidence.begin(pictures, masks, tracks.clone());
-        Ok(tracks)
-    }
-
-    /// The points of all pictures, read one after the other; while one picture's are followed the next is read.
-    fn newly_followed(
-        &self,
-        reader: &mut dyn ReadFrames,
-        options: FollowOptions,
-        masks: &[Vec<PixelBox>],
-        watch: WatchClip<'_>,
-    ) -> Result<PointTracks, TrackClipError> {
-        let count = self.clip.frames.len();
-        let mut follower = PointFollower::new(self.size, options);
-        let mut next = (count > 0).then(|| self.read(reader, 0)).transpose()?;
-        for (frame, masks) in masks.iter().enumerate() {
-            go_on(watch(ClipProgress::Following(frame, count)))?;
-            let Some(picture) = next.take() else { break };
-            let mut ended: Result<usize, TrackError> = Ok(0);
-            let read = rayon::in_place_scope(|scope| {
-                scope.spawn(|_| ended = follower.add(&picture, masks));
-                (frame + 1 < count).then(|| self.read(reader, frame + 1)).transpose()
-            });
-            ended?;
-            next = read?;
-        }
-        Ok(follower.finished())
-    }
-
-    /// What the paint of every so many pictures says.
-    fn painted(
-        &self,
-        reader: &mut dyn ReadFrames,
-        adjusted: &AdjustedClip,
-        (field, base): (&FieldModel, &CameraBase),
-        every: usize,
-        evidence: &mut ClipEvidence,
-        watch: WatchClip<'_>,
-    ) -> Result<Vec<(usize, Painted)>, TrackClipError> {
-        let reached = adjusted.frames.iter().enumerate().filter_map(|(at, frame)| Some((at, (*frame)?.ptz)));
-        let asked: Vec<(usize, Ptz)> = reached.filter(|(at, _)| at % every == 0).collect();
-        let mut found = Vec::with_capacity(asked.len());
-        for (done, &(frame, ptz)) in asked.iter().enumerate() {
-            go_on(watch(ClipProgress::Painting(done, asked.len())))?;
-            let says = if let Some(says) = evidence.paint(frame, ptz, self.size) {
-                says
-            } else {
-                let picture = self.read(reader, frame)?;
-                let says = painted(&picture, &self.masks(frame), field, base, (frame, ptz));
-                evidence.keep_paint(frame, ptz, says.clone());
-                says
-            };
-            found.push((frame, says));
-        }
-        Ok(found)
-    }
 }

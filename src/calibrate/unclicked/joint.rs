@@ -191,15 +191,15 @@ pub(super) fn adjust_jointly(
         Some(part.base.position_m)
     });
     if let Some(apart_m) = parts {
-        base.sigma.position_m = base.sigma.position_m.sup(&(0.5 * apart_m)).map(|sigma_m| sigma_m.max(ALONE_SIGMA_M));
+        let half = base.sigma.following_position(0.5 * apart_m);
+        base.sigma = base.sigma.covering(&(half * half.transpose())).with_position_error_of(ALONE_SIGMA_M);
     }
-    base.sigma = FittedSize::base_sigma(base.sigma, &sizes);
     as_paint_alone_gives(&mut sizes);
     let parts_m = parts.map_or(f64::INFINITY, |apart_m| apart_m.norm());
     Some(JointAdjustment { base, field, sizes, ptz, parts_m, taken, scale })
 }
 
-/// How far the positions lie apart that halves of the frames give, along each axis, m; of frames too few for that twice the 1-σ that
+/// How far the positions lie apart that halves of the frames give, m; of frames too few for that twice the 1-σ that
 /// leaving one out at a time gives (jackknife: Efron, 1982). What is known from all frames scatters half as much. None where a part gives
 /// no position.
 fn apart(whole_m: Vec3, ptz: &[Option<Ptz>], position_m: impl Fn(&[Option<Ptz>]) -> Option<Vec3>) -> Option<Vec3> {
@@ -209,7 +209,7 @@ fn apart(whole_m: Vec3, ptz: &[Option<Ptz>], position_m: impl Fn(&[Option<Ptz>])
     };
     let [one, other] = [1, 0].map(|half| without(&|frame| frame % 2 == half));
     if let Some((one, other)) = one.zip(other) {
-        return Some((one - other).abs());
+        return Some(one - other);
     }
     let part: Vec<usize> = (0..ptz.len()).filter(|frame| ptz[*frame].is_some()).collect();
     let squares = part.iter().try_fold(Vec3::zeros(), |sum, left_out| {

@@ -31,6 +31,7 @@ pub fn record_found(document: &mut Document, camera: &CameraId, found: &Unclicke
         frame.solution = Some(Solution {
             source: Some(SolutionSource::Markings),
             covariance: known.map(Uncertainty::ptz_covariance_deg),
+            own_covariance: known.map(Uncertainty::own_covariance_deg),
             worst_corner_sigma_px: known.map(|known| known.worst_corner_sigma_px(&camera, frame.image_size)),
             ..Solution::default()
         });

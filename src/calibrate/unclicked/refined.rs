@@ -84,7 +84,8 @@ impl Refined {
         let Self { estimated: EstimatedBase { estimate, mut sizes, .. }, field, .. } = self;
         let mut base = estimate.base;
         let moved = base.position_m - found.base.position_m;
-        base.sigma.position_m = base.sigma.position_m.sup(&(OF_MOVE * moved.abs()));
+        let moved = base.sigma.following_position(OF_MOVE * moved);
+        base.sigma = base.sigma.covering(&(moved * moved.transpose()));
         for (size, before) in sizes.iter_mut().zip(&found.sizes) {
             size.assumed_m = before.assumed_m;
             size.sigma_m = size.sigma_m.max(OF_MOVE * (size.value_m - before.value_m).abs());

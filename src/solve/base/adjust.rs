@@ -5,9 +5,9 @@ use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE, Shared, free_parameters};
 use super::shared_prior::{Expected, SharedPrior};
 use super::{BaseModel, CameraClicks, CrownModel, FrameClicks, LensModel};
-use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz};
+use crate::camera::{BaseSigma, CameraBase, FocalCurve, Ptz, PtzCamera};
 use crate::field::{Crown, FieldModel};
-use crate::geometry::{Angle, Mat3};
+use crate::geometry::{Angle, Mat3, Vec2};
 use crate::solve::{Loss, Observation};
 
 /// What is known of a broadcast camera before its clicks are looked at: weak, and decisive only where the clicks are few.
@@ -28,16 +28,17 @@ pub struct BasePriors {
 }
 
 impl Default for BasePriors {
-    /// Measured: rolls of 0.1 to 0.4°, pitches of up to 1.6° and, by their painted lines, principal points 11, 32 and 42 px off the
-    /// middle on three matches; on nine, k₁ ≈ −0.02 + 0.21 (f − 2000) / 1000, crowns of 0.05 to 0.25 m.
+    /// Measured: rolls of 0.1 to 0.4°, pitches of up to 1.6°; crowns of 0.05 to 0.25 m on nine matches. On these, and on twenty lenses
+    /// that a World Cup's provider calibrated frame by frame, k₁ ≈ −0.02 … 0.20 at 2,000 px with a slope of 0.17 to 0.23 per 1,000 px in
+    /// all but three, and principal points up to 69 px off the middle.
     fn default() -> Self {
         Self {
             pitch: Angle::from_degrees(1.0),
             roll: Angle::from_degrees(0.4),
-            k1: (-0.02, 0.04),
-            k1_slope: (0.21, 0.1),
+            k1: (0.05, 0.10),
+            k1_slope: (0.21, 0.04),
             crown_m: (0.13, 0.07),
-            principal_point_px: 20.0,
+            principal_point_px: 40.0,
         }
     }
 }
@@ -96,10 +97,11 @@ pub fn adjust_base(
     let start_of = |(frame, ptz): (&FrameClicks, &Option<Ptz>)| ptz.filter(|_| frame.used().next().is_some());
     let start_ptz: Vec<Option<Ptz>> = frames.iter().zip(start_ptz).map(start_of).collect();
     let clicks = frames.iter().map(|frame| frame.used().map(on_ground).collect());
-    let (clicks, ptz) = clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
+    let (clicks, ptz): (_, Vec<Ptz>) =
+        clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.of_model(model, image_width_px),
+        priors: options.priors.of_model(model, image_width_px, mean_view(start, &ptz)),
         free: free_parameters(model),
         loss: options.loss,
     };
@@ -109,8 +111,7 @@ pub fn adjust_base(
     let covariance = bundle.covariance(&found, noise_scale);
     let BundleState { shared, ptz } = &found.state;
     let (mut base, added) = shared.base.in_pan_gauge();
-    // The position and the two angles that are no pan gauge come first.
-    base.sigma = BaseSigma::of_covariance(&covariance.fixed_view::<5, 5>(0, 0).into_owned());
+    base.sigma = BaseSigma::from_covariance(&covariance, shared.crown.width_m);
     let mut solved = ptz.iter().map(|ptz| Ptz { pan: (ptz.pan + added).wrapped(), ..*ptz });
     AdjustedBase {
         base,
@@ -148,12 +149,25 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
+/// The mean direction in which frames look, seen from above, unit, `world` x and y; across the field where they look all round.
+pub(super) fn mean_view(base: &CameraBase, ptz: &[Ptz]) -> Vec2 {
+    let ahead = |ptz: &Ptz| {
+        let forward = PtzCamera::new(*base, *ptz).cam_from_world().row(2).transpose();
+        forward.xy().try_normalize(1e-9).unwrap_or_default()
+    };
+    ptz.iter().map(ahead).sum::<Vec2>().try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0))
+}
+
 impl BasePriors {
     /// Those of the parameters that a model leaves free.
-    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32) -> Vec<SharedPrior> {
+    ///
+    /// Heads are levelled along and across the direction in which their operators look, whatever the field's axes are: `view` is the
+    /// mean direction of the frames, unit, `world` x and y.
+    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: Vec2) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
         let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
-        let mut found = vec![prior(Expected::Pitch, self.pitch.radians()), prior(Expected::Roll, self.roll.radians())];
+        let mut found =
+            vec![prior(Expected::Pitch(view), self.pitch.radians()), prior(Expected::Roll(view), self.roll.radians())];
         if model.lens != LensModel::Pinhole {
             found.push(prior(Expected::K1(self.k1.0), self.k1.1));
         }

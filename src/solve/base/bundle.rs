@@ -110,6 +110,12 @@ impl<const SHARED: usize> Bundle<SHARED> {
             scatter.add_frame(block, clicks.iter().map(alone));
         }
         let free = self.free.iter().filter(|free| **free).count();
-        scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m)
+        let mut covariance = scatter.covariance(&inverse, noise_scale, free, shared.crown.width_m);
+        // What is held is exact, and goes with nothing.
+        for held in (0..SHARED).filter(|&parameter| !self.free[parameter]) {
+            covariance.row_mut(held).fill(0.0);
+            covariance.column_mut(held).fill(0.0);
+        }
+        covariance
     }
 }

@@ -11,7 +11,7 @@ use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState, frame_equations};
 use super::parameters::{K1, OF_BASE, ROTATION, Shared};
 use super::shared_prior::near;
-use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera};
+use crate::camera::{BaseSigma, CameraBase, Ptz, PtzCamera, SharedCovariance};
 use crate::field::FieldModel;
 use crate::geometry::{Angle, median_high};
 use crate::solve::least_squares::{BlockEquations, Stopping, minimise};
@@ -252,6 +252,8 @@ impl Displaced {
     /// How far position and rotation are known.
     fn sigma(&self, scatter: f64) -> BaseSigma {
         let covariance = (self.information / scatter + prior()).try_inverse().unwrap_or_else(variance);
-        BaseSigma::of_covariance(&covariance.fixed_view::<5, 5>(0, 0).into_owned())
+        let mut of_shared = SharedCovariance::zeros();
+        of_shared.fixed_view_mut::<5, 5>(0, 0).copy_from(&covariance.fixed_view::<5, 5>(0, 0));
+        BaseSigma::from_covariance(&of_shared, self.shared.crown.width_m)
     }
 }

@@ -23,7 +23,7 @@ pub struct BaseOptions {
     pub lens: Option<LensModel>,
     /// The pitch; none: chosen by cross-validation between the field's crown, or flat, and a free one.
     pub crown: Option<CrownModel>,
-    /// Also find the principal point. Where paint takes part that is tried in any case.
+    /// Also find the principal point, held near the middle by its prior. True by default.
     pub principal_point: bool,
     /// How to adjust.
     pub adjust: AdjustOptions,
@@ -63,9 +63,9 @@ impl BaseOptions {
 }
 
 impl Default for BaseOptions {
-    /// Everything chosen by the program, the principal point in the middle.
+    /// Everything chosen by the program.
     fn default() -> Self {
-        Self { lens: None, crown: None, principal_point: false, adjust: AdjustOptions::default() }
+        Self { lens: None, crown: None, principal_point: true, adjust: AdjustOptions::default() }
     }
 }
 
@@ -83,8 +83,8 @@ pub struct FrameFit {
 /// A base estimated from clicks, with everything needed to judge it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct BaseEstimate {
-    /// The base with its sigma: of the position the larger of the adjustment's (landmarks that lie off their places in every
-    /// frame included) and the jackknife's over groups of frames.
+    /// The base with its sigma: the adjustment's (landmarks that lie off their places in every frame included), raised where the
+    /// jackknife over groups of frames shows more.
     pub base: CameraBase,
     /// The crown of the pitch, m.
     pub crown_m: f64,
@@ -187,10 +187,7 @@ pub fn estimate_base_on_paint(
     watch: WatchBase<'_>,
 ) -> Result<BaseEstimate, BaseError> {
     let CameraClicks { field, frames, image_size, principal_point } = *clicks;
-    let mut models = models(field, principal_point, options);
-    if start.1.iter().flatten().count() >= MIN_FRAMES {
-        models.extend(off_centre(&models, principal_point));
-    }
+    let models = models(field, principal_point, options);
     let adjustments = Adjustments::new(watch, models.len() * FOLDS);
     let painted = CameraClicks { frames: painted, ..*clicks };
     let fit = chosen_fit(&painted, &models, start, &options.adjust, &adjustments)?;
@@ -248,8 +245,7 @@ fn chosen_fit(
     let (model, reason) = choose(&scores, solved_frames).unwrap_or((pinhole(clicks.field), ModelReason::Prescribed));
     let mut adjusted = adjust_base(clicks, base, ptz, &model, options);
     if let Some(score) = scores.iter().find(|score| score.model == model) {
-        let sigma = &mut adjusted.base.sigma;
-        sigma.position_m = sigma.position_m.sup(&score.position_spread_m);
+        adjusted.base.sigma = adjusted.base.sigma.covering(&score.spread_beyond_chance());
     }
     Ok(ChosenFit { adjusted, model, reason, scores })
 }
@@ -329,14 +325,6 @@ fn models(field: &FieldModel, principal_point: ImagePoint, options: &BaseOptions
     let principal_point = options.principal_point.then_some(principal_point);
     let of_crown = |crown| lenses.iter().map(move |&lens| BaseModel { lens, crown, principal_point });
     crowns.into_iter().flat_map(of_crown).collect()
-}
-
-/// Those of some models that have the richest lens, with the principal point free: many painted lines hold it, where clicks do not.
-fn off_centre(models: &[BaseModel], principal_point: ImagePoint) -> Vec<BaseModel> {
-    let free = |model: &BaseModel| model.principal_point.is_some();
-    let lenses = |model: &&BaseModel| model.lens.follows_focal() || models.iter().all(|other| other.lens == model.lens);
-    let centred = models.iter().filter(|model| !free(model)).filter(lenses);
-    centred.map(|model| BaseModel { principal_point: Some(principal_point), ..*model }).collect()
 }
 
 fn on_field(frame: &FrameClicks, from: &FieldModel, to: &FieldModel) -> FrameClicks {

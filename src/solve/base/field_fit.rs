@@ -5,14 +5,14 @@
 //! landmarks and lines move with them is taken from fields of two sizes, whatever the template's expressions are; where
 //! they do not move in proportion, the fit is repeated at the size found.
 
-use super::adjust::starting;
+use super::adjust::{mean_view, starting};
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
 use super::scatter::USUAL_DISPLACEMENT;
 use super::shared_prior::{Expected, SharedPrior};
 use super::{AdjustOptions, BaseModel, FrameClicks};
-use crate::camera::{BaseSigma, CameraBase, Ptz};
+use crate::camera::{CameraBase, Ptz};
 use crate::field::{Crown, FieldElement, FieldModel};
 use crate::geometry::Vec3;
 use crate::solve::{Observation, ObservedShape};
@@ -46,14 +46,6 @@ pub struct FittedSize {
     /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a field is seen and not the other,
     /// its middle, the origin of `world`, is known half as well as its length, and so is everything that is told from there.
     pub position_sigma_m: Vec3,
-}
-
-impl FittedSize {
-    /// The σ of a base that was found on a field of these sizes, and only on that: with what the sizes leave open.
-    #[must_use]
-    pub fn base_sigma(of_base: BaseSigma, sizes: &[Self]) -> BaseSigma {
-        sizes.iter().fold(of_base, |sigma, size| sigma.with_error_along(size.position_sigma_m))
-    }
 }
 
 /// Where the fit starts: a base and its frames on the field as assumed.
@@ -185,7 +177,8 @@ impl SizeFit<'_> {
         };
         let solved = start.frames.iter().zip(start.ptz).filter(|(_, ptz)| ptz.is_some());
         let frames = solved.map(|(frame, _)| frame.used().filter_map(on_field).collect()).collect();
-        let mut priors = start.options.priors.of_model(start.model, start.image_width_px);
+        let view = mean_view(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
+        let mut priors = start.options.priors.of_model(start.model, start.image_width_px, view);
         priors.extend(self.params.iter().zip(values).enumerate().map(|(size, (param, value))| SharedPrior {
             of: Expected::Larger(param.assumed_m - value, size),
             sigma: param.sigma_m,
@@ -300,8 +293,6 @@ mod tests {
         assert!(one_end[0].sigma_m > 2.4, "{one_end:?}");
         let along = one_end[0].position_sigma_m;
         assert!((along.x - 0.5 * one_end[0].sigma_m).abs() < 0.02 && along.yz().norm() < 0.02, "{along}");
-        let sigma = FittedSize::base_sigma(BaseSigma::default(), &one_end);
-        assert!(sigma.position_m.x > 1.2 && sigma.position_m.z < 0.2, "{sigma:?}");
     }
 
     #[test]

@@ -3,9 +3,8 @@
 use super::adjust::adjust_base;
 use super::progress::Adjustments;
 use super::{AdjustOptions, AdjustedBase, BaseModel, CameraClicks, FrameClicks, LensModel};
-use crate::camera::{CameraBase, Ptz, PtzCamera};
+use crate::camera::{CameraBase, Ptz, PtzCamera, SHARED_PARAMETERS, SharedCovariance, SharedError};
 use crate::field::FieldModel;
-use crate::geometry::Vec3;
 use crate::solve::{Loss, Observation, refine};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -27,8 +26,9 @@ pub struct ModelScore {
     /// Where paint decides: the errors at held-out clicks.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at_clicks: Option<HeldOutErrors>,
-    /// 1-σ of the position by how it moves when a group is held out (jackknife), m.
-    pub position_spread_m: Vec3,
+    /// Covariance of what the frames share by how it moves when a group is held out (jackknife).
+    #[serde(skip)]
+    pub spread: SharedCovariance,
 }
 
 /// Errors at clicks beyond this are wrong names, whatever the model, px at 1920 px width.
@@ -114,7 +114,7 @@ impl CrossValidation<'_> {
         let enough = self.start_ptz.iter().flatten().count() >= MIN_FRAMES;
         let hold_out = |fold| {
             if self.adjustments.are_stopped() {
-                return Fold { errors: Errors::default(), position_m: self.start.position_m };
+                return Fold { errors: Errors::default(), shared: SharedError::zeros() };
             }
             let tried = if enough { self.held_out_frames(model, fold) } else { self.held_out_clicks(model, fold) };
             self.adjustments.made();
@@ -138,7 +138,7 @@ impl CrossValidation<'_> {
             clipped_rms_px,
             held_out: summary.count,
             at_clicks,
-            position_spread_m: jackknife(&folds),
+            spread: jackknife(&folds),
         }
     }
 
@@ -154,7 +154,7 @@ impl CrossValidation<'_> {
             let Some(start) = self.start_ptz[index] else { continue };
             errors.add_halves(&adjusted.base, start, frame, self.clicks.field, &field);
         }
-        Fold { errors, position_m: adjusted.base.position_m }
+        Fold { errors, shared: shared_difference(&adjusted, self.start) }
     }
 
     /// Everything from the clicks of the other groups, judged by the clicks of this one.
@@ -176,7 +176,7 @@ impl CrossValidation<'_> {
             let held_out = frame.observations.iter().filter(|click| click.check);
             errors.add(&camera, held_out.map(|click| click.recrowned(self.clicks.field, &field)));
         }
-        Fold { errors, position_m: adjusted.base.position_m }
+        Fold { errors, shared: shared_difference(&adjusted, self.start) }
     }
 
     fn adjusted(&self, frames: &[FrameClicks], ptz: &[Option<Ptz>], model: &BaseModel) -> (AdjustedBase, FieldModel) {
@@ -190,7 +190,8 @@ impl CrossValidation<'_> {
 /// What one group's holding out gave.
 struct Fold {
     errors: Errors,
-    position_m: Vec3,
+    /// How far what the frames share is from the start's.
+    shared: SharedError,
 }
 
 /// The errors at something held out.
@@ -274,16 +275,38 @@ fn grouped(frame: &FrameClicks) -> impl Iterator<Item = (usize, &Observation)> {
     frame.used().enumerate().map(move |item| (group(item), item.1))
 }
 
-/// 1-σ of the position, m: the delete-a-group jackknife (Wolter, Introduction to Variance Estimation, chapter 4). Unlike
-/// the covariance it sees what the frames have in common and the model has not.
-fn jackknife(folds: &[Fold]) -> Vec3 {
+/// How far what an adjusted base's frames share is from a start's, both in the pan gauge and with k₁ at the same focal length.
+fn shared_difference(adjusted: &AdjustedBase, start: &CameraBase) -> SharedError {
+    let base = &adjusted.base;
+    let (moved_m, turned) = (base.position_m - start.position_m, base.rotation_from(start));
+    let curve = base.distortion;
+    let centre = base.principal_point;
+    let lens = [curve.value, curve.per_1000_px, adjusted.crown_m, centre.x, centre.y];
+    SharedError::from_iterator(moved_m.iter().copied().chain([turned.x, turned.y]).chain(lens))
+}
+
+/// Covariance of what the frames share: the delete-a-group jackknife (Wolter, Introduction to Variance Estimation, chapter 4). Unlike
+/// the covariance of an adjustment it sees what the frames have in common and the model has not.
+fn jackknife(folds: &[Fold]) -> SharedCovariance {
     let count = folds.len() as f64;
-    let mean = folds.iter().fold(Vec3::zeros(), |sum, fold| sum + fold.position_m) / count;
-    let squares = folds.iter().fold(Vec3::zeros(), |sum, fold| {
-        let off = fold.position_m - mean;
-        sum + off.component_mul(&off)
-    });
-    (squares * ((count - 1.0) / count)).map(f64::sqrt)
+    let mean = folds.iter().map(|fold| fold.shared).sum::<SharedError>() / count;
+    let squares: SharedCovariance =
+        folds.iter().map(|fold| (fold.shared - mean) * (fold.shared - mean).transpose()).sum();
+    squares * ((count - 1.0) / count)
+}
+
+/// So much more than the adjustment's variance a few groups show in their worst direction by chance: the largest eigenvalue of a
+/// covariance of as many draws as groups are independent (Marchenko and Pastur, Math. USSR-Sbornik 1, 1967: (1 + √(p / n))² for p
+/// numbers and n draws).
+fn by_chance() -> f64 {
+    (1.0 + (SHARED_PARAMETERS as f64 / (FOLDS - 1) as f64).sqrt()).powi(2)
+}
+
+impl ModelScore {
+    /// What the groups show beyond what an adjustment states, as far as it is not chance.
+    pub(super) fn spread_beyond_chance(&self) -> SharedCovariance {
+        self.spread / by_chance()
+    }
 }
 
 /// Groups into which frames or clicks are dealt.

@@ -3,7 +3,7 @@
 use super::parameters::{CROWN, K1, PRINCIPAL_POINT, ROTATION, SIZE, SLOPE, Shared};
 use crate::camera::CameraBase;
 use crate::field::FieldElement;
-use crate::geometry::{Angle, ImagePoint, Mat3, Vec3};
+use crate::geometry::{Angle, ImagePoint, Mat3, Vec2, Vec3};
 use crate::solve::Loss;
 use crate::solve::residual::{Linearised, Residual};
 use nalgebra::{SMatrix, SVector};
@@ -19,10 +19,10 @@ pub(super) struct SharedPrior {
 /// Which number, and what it should be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Expected {
-    /// The base's downward axis leans neither forward nor backward, rad.
-    Pitch,
-    /// Nor to the side, rad.
-    Roll,
+    /// The base's downward axis leans neither forward nor backward along the mean view direction (unit, `world` x and y), rad.
+    Pitch(Vec2),
+    /// Nor to the side of that direction, rad.
+    Roll(Vec2),
     /// k₁ at the curve's focal length.
     K1(f64),
     /// The change of k₁ per 1000 px.
@@ -46,9 +46,15 @@ impl Expected {
         let down = base.base_from_world.row(1);
         let alone = |value: f64, parameter: usize| (value, [(parameter, 1.0), (parameter, 0.0)]);
         match *self {
-            // Turning by ω moves the downward axis by down × ω.
-            Self::Pitch => (-down[1], [(ROTATION, -down[2]), (ROTATION + 1, 0.0)]),
-            Self::Roll => (down[0], [(ROTATION, 0.0), (ROTATION + 1, -down[2])]),
+            // Turning by ω moves the downward axis by down × ω, of which x and y are −down_z ω_y and down_z ω_x.
+            Self::Pitch(view) => {
+                let lean = -(view.x * down[0] + view.y * down[1]);
+                (lean, [(ROTATION, -view.y * down[2]), (ROTATION + 1, view.x * down[2])])
+            }
+            Self::Roll(view) => {
+                let lean = view.y * down[0] - view.x * down[1];
+                (lean, [(ROTATION, -view.x * down[2]), (ROTATION + 1, -view.y * down[2])])
+            }
             Self::K1(expected) => alone(base.distortion.value - expected, K1),
             Self::Slope(expected) => alone(base.distortion.per_1000_px - expected, SLOPE),
             Self::Crown(expected_m) => alone(shared.crown.height_m - expected_m, CROWN),
@@ -138,8 +144,10 @@ mod tests {
             ..Shared::new(&base, Crown { height_m: 0.15, width_m: 68.0 })
         };
         let from = base.base_from_world * from_rotation_vector(Vec3::new(0.02, -0.05, 0.03));
-        let mut all =
-            vec![Expected::Pitch, Expected::Roll, Expected::K1(0.01), Expected::Slope(0.1), Expected::Crown(0.1)];
+        let mut all = vec![Expected::K1(0.01), Expected::Slope(0.1), Expected::Crown(0.1)];
+        for view in [Vec2::new(0.0, 1.0), Vec2::new(0.8, -0.6)] {
+            all.extend([Expected::Pitch(view), Expected::Roll(view)]);
+        }
         all.extend((0..2).map(|axis| Expected::PrincipalPoint(ImagePoint::new(960.0, 540.0), axis)));
         all.extend((0..3).map(|axis| Expected::Position(Vec3::zeros(), axis)));
         all.extend((0..2).map(|axis| Expected::Turn(from, axis)));

@@ -11,6 +11,7 @@ use crate::field::FieldElement;
 use crate::geometry::{ImagePoint, Vec2, Vec3, median};
 use crate::solve::{BlockEquations, Linearised, Loss, Problem, Residual, Stopping, minimise};
 use nalgebra::SMatrix;
+use std::collections::BTreeSet;
 
 /// When a frame is no longer carried on to. Lengths are px at 1920 px width.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,9 +64,6 @@ const STRIKES: u8 = 3;
 
 /// A point that has moved by no more since it was first seen may be of a graphic, px at 1920 px width.
 const MOVED_PX: f64 = 1.0;
-
-/// The camera has turned if at least this share of the points has moved by more.
-const TURNING: f64 = 0.15;
 
 /// The scales of the robust loss, one after the other, px at 1920 px width.
 const SCALES_PX: [f64; 4] = [24.0, 6.0, 2.0, 1.0];
@@ -180,15 +178,15 @@ impl March<'_> {
             .collect();
         let moved_px =
             |(track, sighting): &(usize, Sighting)| sighting.image.distance_px(directions[*track].first) / self.px;
-        // Graphics stand still in the picture and agree with each other.
-        let turning: Vec<Sighting> =
-            known.iter().filter(|it| moved_px(it) > MOVED_PX).map(|(_, sighting)| *sighting).collect();
-        let is_turning = turning.len() as f64 >= (TURNING * known.len() as f64).max(self.options.min_points as f64);
         let sightings: Vec<Sighting> = known.iter().map(|(_, sighting)| *sighting).collect();
-        let ptz = self.fitted(from, if is_turning { &turning } else { &sightings });
+        let (moving, still): (Vec<_>, Vec<_>) = known.iter().partition(|it| moved_px(it) > MOVED_PX);
+        let [moving, still] =
+            [moving, still].map(|some: Vec<(usize, Sighting)>| some.into_iter().map(|(_, it)| it).collect::<Vec<_>>());
+        let turned = self.turned_camera(from, &moving, &still);
+        let is_turning = turned.is_some();
+        let ptz = turned.unwrap_or_else(|| self.fitted(from, &sightings));
         let camera = PtzCamera::new(self.base.at_origin(), ptz);
-        let agrees_px = self.options.agrees_px * self.px;
-        let agrees = |sighting: &Sighting| sighting.value(&camera).is_some_and(|off| off.norm() <= agrees_px);
+        let agrees = |sighting: &Sighting| self.agrees(&camera, sighting);
         let agreeing: Vec<ImagePoint> = sightings.iter().filter(|it| agrees(it)).map(|it| it.image).collect();
         let enough = (self.options.min_share * sightings.len() as f64).max(self.options.min_points as f64);
         if (agreeing.len() as f64) < enough || !self.spread(&agreeing) || !ptz.is_finite() {
@@ -204,6 +202,36 @@ impl March<'_> {
         }
         self.learn(directions, frame, ptz, &wrong);
         Ok(ptz)
+    }
+
+    /// The camera that the moving points agree with, where they say that it turns; none where it stands still.
+    ///
+    /// Two things stand still in a picture: the scene while the camera does, and a burnt-in graphic always. Two things move: the scene
+    /// while the camera turns, and players always. Shares of points do not tell them apart, because players give many. But the scene is
+    /// all over the picture and moves as one, while a graphic lies in a corner and players run each their own way. So the camera turns
+    /// if the moving points that agree on one turn and zoom are seen in more parts of the picture than those that stand still.
+    fn turned_camera(&self, from: Ptz, moving: &[Sighting], still: &[Sighting]) -> Option<Ptz> {
+        if moving.len() < self.options.min_points {
+            return None;
+        }
+        let ptz = self.fitted(from, moving);
+        let camera = PtzCamera::new(self.base.at_origin(), ptz);
+        let agreeing = moving.iter().filter(|sighting| self.agrees(&camera, sighting));
+        (self.parts_of_picture(agreeing) > self.parts_of_picture(still.iter())).then_some(ptz)
+    }
+
+    /// Whether a camera puts a point where it is seen.
+    fn agrees(&self, camera: &PtzCamera, sighting: &Sighting) -> bool {
+        sighting.value(camera).is_some_and(|off| off.norm() <= self.options.agrees_px * self.px)
+    }
+
+    /// In how many parts of the picture points lie.
+    fn parts_of_picture<'s>(&self, sightings: impl Iterator<Item = &'s Sighting>) -> usize {
+        const COLUMNS: f64 = 12.0;
+        const ROWS: f64 = 7.0;
+        let (width, height) = (f64::from(self.tracks.image_size.width), f64::from(self.tracks.image_size.height));
+        let part = |at: ImagePoint| ((at.x / width * COLUMNS) as i32, (at.y / height * ROWS) as i32);
+        sightings.map(|sighting| part(sighting.image)).collect::<BTreeSet<_>>().len()
     }
 
     /// The camera that most points agree with.
@@ -320,5 +348,91 @@ impl Residual<2, 0, 3> for Sighting {
         let mut by_own = here.by_ptz;
         by_own.column_mut(2).scale_mut(at.ptz().focal_px);
         Some(Linearised { value: here.point.offset_from(self.image), by_shared: SMatrix::zeros(), by_own })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::BaseAngles;
+    use crate::geometry::{ImageSize, Mat3};
+    use crate::track::AnchorSource;
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+    const FRAMES: usize = 40;
+
+    fn base() -> CameraBase {
+        CameraBase::new(Vec3::new(0.0, -60.0, 18.0), BaseAngles::default().base_from_world(), SIZE.centre())
+    }
+
+    /// A camera that pans by some degrees from frame to frame.
+    fn pointed(frame: usize, pan_deg: f64) -> Ptz {
+        Ptz::from_degrees(pan_deg * frame as f64, -12.0, 2400.0)
+    }
+
+    /// Points of the scene all over the picture of frame 0, as the turning camera sees them.
+    fn scene(pan_deg: f64) -> Vec<PointTrack> {
+        let camera = |frame: usize| PtzCamera::new(base().at_origin(), pointed(frame, pan_deg));
+        let starts = (0..15).flat_map(|column| (0..12).map(move |row| (column, row)));
+        let seen = |(column, row): (u32, u32)| {
+            let at = ImagePoint::new(60.0 + 128.0 * f64::from(column), 40.0 + 90.0 * f64::from(row));
+            let ray = camera(0).ray_from_image(at).unwrap();
+            let points = (0..FRAMES).map(|frame| camera(frame).image_from_ray(ray).unwrap()).collect();
+            PointTrack { first: 0, points }
+        };
+        starts.map(seen).collect()
+    }
+
+    /// Points of players that run about in the picture, each its own way.
+    fn players(count: u32) -> Vec<PointTrack> {
+        let run = |player: u32| {
+            let (start, way) = (f64::from(player), 2.4 * f64::from(player));
+            let (x, y) = ((start * 97.0) % 1600.0 + 160.0, (start * 53.0) % 800.0 + 140.0);
+            let at = |frame: usize| {
+                let far = 3.0 * frame as f64;
+                ImagePoint::new(x + far * way.cos(), y + far * way.sin())
+            };
+            PointTrack { first: 0, points: (0..FRAMES).map(at).collect() }
+        };
+        (0..count).map(run).collect()
+    }
+
+    /// A score bug in a corner: many sharp points that stand still.
+    fn graphic() -> Vec<PointTrack> {
+        let corner = (0..20).flat_map(|column| (0..8).map(move |row| (column, row)));
+        let still = |(column, row): (u32, u32)| {
+            let at = ImagePoint::new(80.0 + 15.0 * f64::from(column), 50.0 + 12.0 * f64::from(row));
+            PointTrack { first: 0, points: vec![at; FRAMES] }
+        };
+        corner.map(still).collect()
+    }
+
+    /// How far the carried cameras are off at most, degrees of pan; every frame has to be reached.
+    fn carry_off_deg(tracks: Vec<PointTrack>, pan_deg: f64) -> f64 {
+        let tracks = PointTracks { image_size: SIZE, frames: FRAMES, tracks };
+        let known =
+            Anchor { frame: 0, ptz: pointed(0, pan_deg), covariance: Mat3::identity(), by: AnchorSource::Person };
+        let carried = carry(&base(), &tracks, &[known], &CarryOptions::default());
+        assert_eq!(carried.stops, [], "every frame is reached");
+        let off = |(frame, ptz): (usize, &Option<Ptz>)| {
+            ptz.unwrap().pan.turn_from(pointed(frame, pan_deg).pan).degrees().abs()
+        };
+        carried.ptz.iter().enumerate().map(off).fold(0.0, f64::max)
+    }
+
+    #[test]
+    fn a_camera_that_stands_still_is_carried_however_many_players_run() {
+        let tracks = [scene(0.0), players(120)].concat();
+        let off_deg = carry_off_deg(tracks, 0.0);
+        assert!(off_deg < 0.01, "{off_deg}");
+    }
+
+    #[test]
+    fn a_camera_that_turns_is_followed_past_a_graphic_and_players() {
+        for pan_deg in [0.05, 0.3] {
+            let tracks = [scene(pan_deg), graphic(), players(60)].concat();
+            let off_deg = carry_off_deg(tracks, pan_deg);
+            assert!(off_deg < 0.03, "{pan_deg}: {off_deg}");
+        }
     }
 }
