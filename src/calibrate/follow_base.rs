@@ -83,3 +83,76 @@ fn withdraw(frame: &mut Frame) {
 fn keeps_proposal(frame: &Frame) -> bool {
     frame.solution.as_ref().is_some_and(|solution| solution.proposed.is_some())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{BaseAngles, CameraBase, Ptz};
+    use crate::document::{FieldSpec, FramePtz, PaintEvidence, Solution};
+    use crate::geometry::{ImageSize, Vec3};
+
+    const SIZE: ImageSize = ImageSize::new(1920, 1080);
+
+    /// A frame on a base 17 m high, and the same document with the base 2 m higher.
+    fn raised(source: Option<SolutionSource>, status: FrameStatus) -> (Document, Document) {
+        let base = |height_m: f64| {
+            let position_m = Vec3::new(0.0, -62.0, height_m);
+            CameraBase::new(position_m, BaseAngles::default().base_from_world(), SIZE.centre())
+        };
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let mut camera = Camera::new("main".into(), SIZE);
+        camera.set_base(&base(17.0));
+        document.cameras.push(camera.into());
+        let mut frame = Frame::from_image("1.jpg", "main".into(), SIZE);
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(5.0, -14.0, 2300.0), None));
+        let line_check = Some(PaintEvidence { score: 0.99, ..PaintEvidence::default() });
+        frame.solution = Some(Solution { source, confidence: Some(0.98), line_check, ..Solution::default() });
+        frame.status = status;
+        document.frames.push(frame.into());
+        let mut after = document.clone();
+        after.cameras[0].set_base(&base(19.0));
+        (document, after)
+    }
+
+    #[test]
+    fn cameras_from_pictures_keep_their_lines_and_lose_their_certainty() {
+        for (source, status) in [
+            (SolutionSource::Markings, FrameStatus::Suggested),
+            (SolutionSource::Markings, FrameStatus::Reference),
+            (SolutionSource::Import, FrameStatus::Draft),
+            (SolutionSource::Forest, FrameStatus::Reference),
+        ] {
+            let (before, mut after) = raised(Some(source), status);
+            assert_eq!(follow_bases(&mut after, &before), 0, "{source:?}");
+            let ground = Vec3::new(5.0, 3.0, 0.0);
+            let at =
+                |document: &Document| document.pointed(&document.frames[0]).unwrap().image_from_world(ground).unwrap();
+            let moved_px = at(&before).distance_px(at(&after));
+            assert!(moved_px < 10.0, "{source:?} {status:?}: {moved_px}");
+            let solution = after.frames[0].solution.as_ref().unwrap();
+            assert_eq!((solution.confidence, &solution.line_check), (None, &None), "{source:?} {status:?}");
+            assert_eq!(after.frames[0].status, status);
+        }
+    }
+
+    #[test]
+    fn what_proposes_again_is_withdrawn_and_typed_numbers_stay() {
+        for source in [SolutionSource::Forest, SolutionSource::Tracking] {
+            let (before, mut after) = raised(Some(source), FrameStatus::Suggested);
+            assert_eq!(follow_bases(&mut after, &before), 1, "{source:?}");
+            assert!(after.frames[0].ptz.is_none());
+        }
+        let (before, mut after) = raised(None, FrameStatus::Draft);
+        follow_bases(&mut after, &before);
+        assert_eq!(after.frames, before.frames);
+    }
+
+    #[test]
+    fn a_frame_that_was_found_with_the_new_base_is_not_touched() {
+        let (before, mut after) = raised(Some(SolutionSource::Markings), FrameStatus::Suggested);
+        after.frames[0].ptz = Some(FramePtz::new(Ptz::from_degrees(5.2, -15.0, 2350.0), None));
+        let found = after.frames.clone();
+        follow_bases(&mut after, &before);
+        assert_eq!(after.frames, found);
+    }
+}

@@ -6,7 +6,7 @@
 use crate::camera::{CameraBase, PtzCamera};
 use crate::document::{ENOUGH_EQUATIONS, Proposed};
 use crate::geometry::{Angle, ImageSize};
-use crate::solve::{Observation, PtzPrior, SolveContext, Uncertainty, covariance_in_radians};
+use crate::solve::{Observation, PtzPrior, SolveContext, Uncertainty};
 use nalgebra::SMatrix;
 
 /// One click on a proposal moves it: pan and tilt follow a click that contradicts it, within this 1-σ.
@@ -40,8 +40,7 @@ fn stated_prior(
     used: &[&Observation],
     image_size: ImageSize,
 ) -> Option<PtzPrior> {
-    let own = covariance_in_radians(&proposed.own_covariance?);
-    let stated = Uncertainty::of_known(camera, own, image_size).ok()?;
+    let stated = Uncertainty::from_own(camera, &proposed.own_covariance?, image_size).ok()?;
     let (mut off, mut expected, mut noise) = (0.0, 0.0, 0.0);
     for observation in used {
         let here = observation.shape.jacobian(camera, observation.image)?;

@@ -121,8 +121,11 @@ impl Document {
         if let Some(field) = field {
             // A hundredth of a metre is more than clicks can tell.
             let rounded = |size: &FittedSize| (size.name.clone(), (size.value_m * 100.0).round() / 100.0);
-            field.params.extend(sizes.iter().map(rounded));
-            field.size = Some(FieldSize::Fitted);
+            // What the frames do not show stays as it was assumed.
+            field.params.extend(sizes.iter().filter(|size| !size.is_open()).map(rounded));
+            if sizes.iter().all(|size| !size.is_open()) {
+                field.size = Some(FieldSize::Fitted);
+            }
         }
     }
 }
@@ -134,6 +137,12 @@ const WORTH_SAYING_M: f64 = 0.2;
 #[must_use]
 pub fn describe_size(size: &FittedSize) -> String {
     let what = size.name.trim_end_matches("_m");
+    if size.is_open() {
+        let (assumed_m, sigma_m) = (size.assumed_m, size.sigma_m);
+        return format!(
+            "{what} {assumed_m} m is assumed: the frames do not show it (± {sigma_m:.1} m). What they show lies right; state the field's {what} if it is another"
+        );
+    }
     let mut text = format!("{what} {:.2} ± {:.2} m ({} m assumed)", size.value_m, size.sigma_m, size.assumed_m);
     let along_m = size.position_sigma_m;
     if along_m.norm() > WORTH_SAYING_M {

@@ -34,6 +34,9 @@ const MOST_REFERENCES: usize = 1000;
 /// How many references' features are held while their samples are collected.
 const BATCH: usize = 32;
 
+/// An overlay that is off by no more is right, px at 1920 px width: what a confidence is the probability of.
+const RIGHT_PX: f64 = 10.0;
+
 /// An overlay that is off by more is wrong, px at 1920 px width.
 pub const WRONG_PX: f64 = 20.0;
 
@@ -99,7 +102,7 @@ impl Quality {
     pub fn shown(&self) -> Shown {
         let certain =
             self.asked.iter().filter_map(|asked| asked.found).filter(|found| found.confidence >= Shown::CERTAIN);
-        let right = certain.clone().filter(|found| found.error_px <= WRONG_PX);
+        let right = certain.clone().filter(|found| found.error_px <= RIGHT_PX);
         Shown { certain: certain.count() as u32, right: right.count() as u32 }
     }
 

@@ -72,6 +72,14 @@ impl Uncertainty {
         Ok(Self { clicks: covariance, by_base, base_root: camera.base().sigma.root() })
     }
 
+    /// The same from what the frame's own evidence says as documents hold it: covariance of (pan deg, tilt deg, focal px).
+    ///
+    /// # Errors
+    /// [`SolveError::Undetermined`] if the picture shows too little.
+    pub fn from_own(camera: &PtzCamera, own_covariance_deg: &Mat3, image_size: ImageSize) -> Result<Self, SolveError> {
+        Self::of_known(camera, covariance_in_radians(own_covariance_deg), image_size)
+    }
+
     /// Covariance of (pan rad, tilt rad, focal px), the base's part included.
     #[must_use]
     pub fn ptz_covariance(&self) -> Mat3 {

@@ -6,8 +6,8 @@ use super::shape::ShapeJacobian;
 use super::starts::{camera_distance, find_starts, scan_starts};
 use super::two_point::MIN_RAY_ANGLE_DEG;
 use super::{
-    Candidate, CheckResult, ClickResidual, FrameSolution, Observation, PtzPrior, PtzStep, SolveContext, SolveError,
-    Uncertainty, checks,
+    Candidate, CheckResult, ClickResidual, FrameSolution, Loss, Observation, PtzPrior, PtzStep, SolveContext,
+    SolveError, Uncertainty, checks,
 };
 use crate::camera::{CameraBase, Ptz, PtzCamera};
 use crate::geometry::{Angle, ImageSize};
@@ -39,12 +39,8 @@ pub fn solve_frame(
     let camera = PtzCamera::new(*base, chosen.ptz);
     let residuals: Vec<ClickResidual> =
         used.iter().map(|observation| ClickResidual::of(&camera, observation)).collect();
-    let seen: Vec<Observation> = used
-        .iter()
-        .zip(&residuals)
-        .filter(|(_, residual)| residual.offset_px.is_some())
-        .map(|(observation, _)| *observation)
-        .collect();
+    let seen: Vec<Observation> =
+        used.iter().zip(&residuals).filter_map(|(seen, residual)| as_weighted(seen, residual, context.loss)).collect();
     let prior_equations = if context.prior.is_some() { 3 } else { 0 };
     let equations = prior_equations + seen.iter().map(Observation::equations).sum::<usize>();
     if equations < 3 {
@@ -78,6 +74,13 @@ pub fn solve_frame(
     };
     solution.warnings = checks::warnings(&camera, &used, &solution, context);
     Ok(solution)
+}
+
+/// An observation as much as it took part in the solve: one that the robust loss let go counts for as little in the covariance, as if
+/// its σ were larger by the root of that. None where what it shows has no image.
+fn as_weighted(observation: &Observation, residual: &ClickResidual, loss: Loss) -> Option<Observation> {
+    let (_, weight) = loss.of(squared_sigmas(Some(residual.distance_px()?), observation.sigma_px));
+    Some(Observation { sigma_px: observation.sigma_px / weight.sqrt(), ..*observation })
 }
 
 /// The best camera for clicks that are known to be valid; none if there is none.

@@ -113,6 +113,7 @@ impl Window {
             let answer = Answer {
                 ptz: FramePtz::new(Ptz::from_degrees(-20.0 + 0.004 * frame as f64, -13.0, 1900.0), None),
                 covariance: Mat3::identity(),
+                own_covariance: Mat3::identity(),
                 rms_px: 0.5,
                 worst_corner_sigma_px: 1.0,
                 confidence: 0.5 + 0.0005 * chance as f64,

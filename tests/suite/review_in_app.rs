@@ -262,6 +262,7 @@ pub fn proposal_in(document: &Document, frame: usize, generation: u64, pan_deg: 
         Some(pan_deg) => Ok(Answer {
             ptz: FramePtz::new(Ptz::from_degrees(pan_deg, -14.0, 2300.0), None),
             covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
             rms_px: 1.0,
             worst_corner_sigma_px: 2.0,
             confidence: 0.9,

@@ -517,7 +517,7 @@ fn a_prior_pulls_and_one_landmark_is_then_enough() {
         sigma_pan: Angle::from_degrees(0.5),
         sigma_tilt: Angle::from_degrees(0.5),
         sigma_focal_share: 0.02,
-        by_base: nalgebra::Matrix3x6::zeros(),
+        by_base: nalgebra::SMatrix::zeros(),
     };
     let context = SolveContext { prior: Some(prior), loss: Loss::Squared, ..SolveContext::new(SIZE) };
     let solution = solve_frame(&known_base(), &[one], &context).unwrap();

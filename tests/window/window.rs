@@ -207,6 +207,7 @@ impl Window {
         let answer = Answer {
             ptz: FramePtz::new(truth(frame).ptz(), None),
             covariance: Mat3::identity(),
+            own_covariance: Mat3::identity(),
             rms_px: 0.5,
             worst_corner_sigma_px: 1.0,
             confidence,

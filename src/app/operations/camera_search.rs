@@ -6,12 +6,13 @@ use crate::app::session::{Level, SidePanel};
 use crate::app::{App, Command};
 use crate::calibrate::{
     Abstention, BulkChange, DecidingLandmark, Doubt, FoundCamera, UnclickedAnswer, UnclickedCamera, UnclickedError,
-    UnclickedProgress, camera_from_few_clicks, camera_without_clicks,
+    UnclickedProgress, camera_from_few_clicks, camera_without_clicks, describe_size,
 };
 use crate::document::{CameraId, Click, Document, FrameId, Step, Target};
 use crate::field::LandmarkId;
 use crate::geometry::ImagePoint;
 use crate::proposals::read_picture;
+use crate::solve::base::FittedSize;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -333,12 +334,18 @@ impl TwoCameras {
 fn describe_found(found: &UnclickedCamera) -> String {
     let sigma = found.base.sigma.position_m;
     let (snapped, frames) = (found.snapped_count(), found.frames.len());
+    let assumed: String = found.sizes.iter().filter(|size| size.is_open()).map(describe_assumed).collect();
     format!(
         "Camera found: {}, known to ±{:.1} m. {snapped} of {frames} frames agree with their own painted \
-         lines; look at some before you accept them.",
+         lines; look at some before you accept them.{assumed}",
         place(found),
         sigma.norm()
     )
+}
+
+/// That the frames do not show one of the field's lengths, as a further sentence.
+fn describe_assumed(size: &FittedSize) -> String {
+    format!(" The field's {}.", describe_size(size))
 }
 
 /// Where a camera stands, as a person says it.

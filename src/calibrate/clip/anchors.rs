@@ -33,7 +33,10 @@ fn confidence_of(frame: &Frame) -> Option<f64> {
     if is_persons(frame) {
         return Some(1.0);
     }
-    let confidence = frame.solution.as_ref()?.confidence?;
+    let solution = frame.solution.as_ref()?;
+    // Another program's camera says nothing of how exact it is. It holds weakly, and the points and the paint of the clip judge it.
+    let unstated = (solution.source == Some(SolutionSource::Import)).then_some(SURE);
+    let confidence = solution.confidence.or(unstated)?;
     (confidence >= SURE && !frame.is_carried()).then_some(confidence)
 }
 
@@ -53,4 +56,36 @@ fn of_frame(frame: &Frame, at: usize, field: &FieldModel, base: &CameraBase) -> 
         _ => AnchorSource::Proposal,
     };
     Some((Anchor { frame: at, ptz, covariance, by }, confidence))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Ptz;
+    use crate::document::{FramePtz, Solution};
+    use crate::geometry::ImageSize;
+
+    fn frame(source: SolutionSource, confidence: Option<f64>, status: FrameStatus) -> Frame {
+        let mut frame = Frame::from_image("1.jpg", "main".into(), ImageSize::new(1920, 1080));
+        frame.ptz = Some(FramePtz::new(Ptz::from_degrees(3.0, -10.0, 2400.0), None));
+        frame.solution = Some(Solution { source: Some(source), confidence, ..Solution::default() });
+        frame.status = status;
+        frame
+    }
+
+    #[test]
+    fn imported_cameras_hold_without_a_sigma_and_uncertain_or_tracked_ones_do_not() {
+        use FrameStatus::{Draft, Reference, Suggested};
+        use SolutionSource::{Forest, Import, Markings, Tracking};
+        for (source, confidence, status, holds) in [
+            (Import, None, Draft, Some(SURE)),
+            (Import, None, Reference, Some(1.0)),
+            (Markings, Some(0.97), Suggested, Some(0.97)),
+            (Forest, Some(0.6), Suggested, None),
+            (Forest, None, Suggested, None),
+            (Tracking, Some(0.99), Suggested, None),
+        ] {
+            assert_eq!(confidence_of(&frame(source, confidence, status)), holds, "{source:?} {status:?}");
+        }
+    }
 }

@@ -42,10 +42,6 @@ const FEWEST_CLICKS: usize = 2;
 /// A click farther from where the camera has its landmark contradicts it, px at 1920 px width.
 const CONTRADICTING_PX: f64 = 25.0;
 
-/// A length of the field that is less certain than this is not shown by the frames, m: where they show it, .04 to .13 m is stated
-/// before the floor.
-const OPEN_M: f64 = 0.5;
-
 /// Pictures that are held in memory together.
 const AT_ONCE: usize = 8;
 
@@ -132,7 +128,11 @@ impl Search<'_> {
         };
         let rival = places.find(is_elsewhere);
         let rival_score = rival.as_ref().map_or(0.0, Candidate::score);
-        let other = rival.filter(|_| best.score() < RUNNER_UP_RATIO * rival_score);
+        // A rival with doubts of its own is none to an answer without.
+        let is_rival = |rival: &Candidate| {
+            best.score() < RUNNER_UP_RATIO * rival_score && (rival.doubts.is_empty() || !best.doubts.is_empty())
+        };
+        let other = rival.filter(is_rival);
         let doubts = best.doubts.clone();
         let mut best = Place::of(best, &frames);
         best.camera.evidence.rival = rival_score;
@@ -220,7 +220,7 @@ impl Search<'_> {
             (!lines.is_empty()).then(|| Doubt::LinesMissing { lines: lines.clone() })
         };
         let contradicted = || self.contradicted(&found);
-        match few_snapped(&found, least_snapped).or_else(missing).or_else(|| open_size(&found)).or_else(contradicted) {
+        match few_snapped(&found, least_snapped).or_else(missing).or_else(contradicted) {
             Some(doubt) => Err(uncertain(vec![doubt], found)),
             None => Ok(UnclickedAnswer::Found(Box::new(found))),
         }
@@ -366,7 +366,7 @@ fn few_snapped(found: &UnclickedCamera, least: f64) -> Option<Doubt> {
 /// The doubt about a camera whose frames do not show how large the field is: lines that they do not show, or the position itself, may
 /// be metres off.
 fn open_size(found: &UnclickedCamera) -> Option<Doubt> {
-    let open = found.sizes.iter().find(|size| size.sigma_m > OPEN_M)?;
+    let open = found.sizes.iter().find(|size| size.is_open())?;
     Some(Doubt::SizeOpen { name: open.name.clone(), value_m: open.value_m, sigma_m: open.sigma_m })
 }
 

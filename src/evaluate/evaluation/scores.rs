@@ -105,11 +105,19 @@ fn add_camera(scores: &mut FrameScores, truth: FieldView, estimate: FieldView, s
 }
 
 fn add_sigmas(scores: &mut FrameScores, truth: &PtzCamera, estimate: &PtzCamera, frame: &Frame) {
-    let error = camera_error(truth, estimate);
-    let error = Vec3::new(error.pan.degrees(), error.tilt.degrees(), error.focal_px);
+    let error = error_in_own_bases(truth, estimate);
     let stated = frame.solution.as_ref().and_then(|solution| solution.covariance);
     let squared = stated.and_then(|covariance| squared_sigmas(error, &covariance));
     scores.set(Measure::Sigmas, squared.map(|squared| (squared / 3.0).sqrt()));
+}
+
+/// How far an estimate's pan (deg), tilt (deg) and focal length (px) are from the truth's, each in its own base: that is what the stated
+/// covariance is of. It has the base's error in it as far as pan and tilt follow that; in the truth's base they would err by the
+/// base's rotation as well. The pan gauge, which says nothing, is the same for both.
+fn error_in_own_bases(truth: &PtzCamera, estimate: &PtzCamera) -> Vec3 {
+    let [true_pan, pan] = [truth, estimate].map(|camera| camera.ptz().pan + camera.base().in_pan_gauge().1);
+    let tilt = estimate.ptz().tilt - truth.ptz().tilt;
+    Vec3::new(pan.turn_from(true_pan).degrees(), tilt.degrees(), estimate.ptz().focal_px - truth.ptz().focal_px)
 }
 
 /// A click of the truth was used where the estimate's frame holds a click on the same target that takes part in its solve.

@@ -101,7 +101,7 @@ pub fn adjust_base(
         clicks.zip(&start_ptz).filter_map(|(clicks, ptz): (Vec<_>, _)| Some((clicks, (*ptz)?))).unzip();
     let bundle = Bundle::<OF_BASE> {
         frames: clicks,
-        priors: options.priors.of_model(model, image_width_px, mean_view(start, &ptz)),
+        priors: options.priors.of_model(model, image_width_px, &MeanView::from_frames(start, &ptz)),
         free: free_parameters(model),
         loss: options.loss,
     };
@@ -149,27 +149,46 @@ fn per_1920(image_width_px: u32) -> f64 {
     f64::from(image_width_px) / 1920.0
 }
 
-/// The mean direction in which frames look, seen from above, unit, `world` x and y; across the field where they look all round.
-pub(super) fn mean_view(base: &CameraBase, ptz: &[Ptz]) -> Vec2 {
-    let ahead = |ptz: &Ptz| {
-        let forward = PtzCamera::new(*base, *ptz).cam_from_world().row(2).transpose();
-        forward.xy().try_normalize(1e-9).unwrap_or_default()
-    };
-    ptz.iter().map(ahead).sum::<Vec2>().try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0))
+/// How the frames of a camera look on average: what its priors are about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct MeanView {
+    /// The direction seen from above, unit, `world` x and y; across the field where they look all round.
+    pub along: Vec2,
+    /// The focal length, px: the middle of the frames' on a logarithmic scale.
+    pub focal_px: f64,
+}
+
+impl MeanView {
+    /// Of frames of a base; where there is none, across the field at the focal length of the priors.
+    pub fn from_frames(base: &CameraBase, ptz: &[Ptz]) -> Self {
+        let ahead = |ptz: &Ptz| {
+            let forward = PtzCamera::new(*base, *ptz).cam_from_world().row(2).transpose();
+            forward.xy().try_normalize(1e-9).unwrap_or_default()
+        };
+        let along = ptz.iter().map(ahead).sum::<Vec2>().try_normalize(1e-9).unwrap_or(Vec2::new(0.0, 1.0));
+        let logs: f64 = ptz.iter().map(|ptz| ptz.focal_px.ln()).sum();
+        let focal_px = if ptz.is_empty() { LENS_FOCAL_PX } else { (logs / ptz.len() as f64).exp() };
+        Self { along, focal_px }
+    }
 }
 
 impl BasePriors {
     /// Those of the parameters that a model leaves free.
     ///
-    /// Heads are levelled along and across the direction in which their operators look, whatever the field's axes are: `view` is the
-    /// mean direction of the frames, unit, `world` x and y.
-    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: Vec2) -> Vec<SharedPrior> {
+    /// Heads are levelled along and across the direction in which their operators look, whatever the field's axes are: `view` says
+    /// how the frames look on average.
+    pub(super) fn of_model(&self, model: &BaseModel, image_width_px: u32, view: &MeanView) -> Vec<SharedPrior> {
         let per_1920 = per_1920(image_width_px);
         let prior = |of: Expected, sigma: f64| SharedPrior { of, sigma };
-        let mut found =
-            vec![prior(Expected::Pitch(view), self.pitch.radians()), prior(Expected::Roll(view), self.roll.radians())];
+        let mut found = vec![
+            prior(Expected::Pitch(view.along), self.pitch.radians()),
+            prior(Expected::Roll(view.along), self.roll.radians()),
+        ];
         if model.lens != LensModel::Pinhole {
-            found.push(prior(Expected::K1(self.k1.0), self.k1.1));
+            // A k₁ that does not follow the focal length is the one at the frames' own.
+            let beyond_px = if model.lens.follows_focal() { 0.0 } else { view.focal_px / per_1920 - LENS_FOCAL_PX };
+            let expected = self.k1.0 + self.k1_slope.0 * beyond_px / 1000.0;
+            found.push(prior(Expected::K1(expected), self.k1.1.hypot(self.k1_slope.1 * beyond_px / 1000.0)));
         }
         if model.lens.follows_focal() {
             found.push(prior(Expected::Slope(self.k1_slope.0 / per_1920), self.k1_slope.1 / per_1920));

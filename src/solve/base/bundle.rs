@@ -8,6 +8,7 @@ use super::parameters::Shared;
 use super::scatter::Scatter;
 use super::shared_prior::SharedPrior;
 use crate::camera::Ptz;
+use crate::geometry::median;
 use crate::solve::Loss;
 use crate::solve::least_squares::{
     BlockEquations, BorderedEquations, BorderedStep, Minimum, Problem, Stopping, minimise,
@@ -78,17 +79,32 @@ impl<const SHARED: usize> Bundle<SHARED> {
         minimise(self, start, Stopping { max_iterations, short_step: 0.0, small_gain: SMALL_GAIN })
     }
 
-    /// χ² of the inner half of the clicks over what it should be, at least 1.
+    /// By how much the clicks' variance exceeds what is stated, at least 1: the median of their χ², each over what it should be.
+    ///
+    /// A residual should be smaller than the noise, since its frame's three numbers and its share of what all frames share were fitted
+    /// to it: in a frame of n equations by (n − 3 − its share) / n. With three landmarks that is half, and a paint's single equation has a
+    /// third of the median that a landmark's two have.
     pub fn noise_scale(&self, at: &BundleState) -> f64 {
-        /// Median of χ² with two degrees of freedom.
-        const MEDIAN: f64 = 1.386;
-        let mut squares: Vec<f64> = Vec::new();
+        /// Medians of χ² with one and two degrees of freedom.
+        const MEDIANS: [f64; 2] = [0.455, 1.386];
+        let equations = |clicks: &[BaseClick]| clicks.iter().map(BaseClick::equations).sum::<usize>() as f64;
+        let all: f64 = self.frames.iter().map(|clicks| equations(clicks)).sum();
+        let free = self.free.iter().filter(|free| **free).count() as f64;
+        let mut scales: Vec<f64> = Vec::new();
         for (clicks, ptz) in self.frames.iter().zip(&at.ptz) {
             let view = FrameView::new(&at.shared, *ptz);
-            squares.extend(clicks.iter().filter_map(|click| click.squared_sigmas(&view)));
+            let own = equations(clicks);
+            let left = (own - 3.0 - free * own / all) / own;
+            if left <= 0.0 {
+                // A frame that its clicks just determine says nothing about their noise.
+                continue;
+            }
+            let scale = |click: &BaseClick| {
+                Some(click.squared_sigmas(&view)? / (left * MEDIANS[click.equations().clamp(1, 2) - 1]))
+            };
+            scales.extend(clicks.iter().filter_map(scale));
         }
-        squares.sort_by(f64::total_cmp);
-        squares.get(squares.len() / 2).map_or(1.0, |median| (median / MEDIAN).max(1.0))
+        median(&mut scales).map_or(1.0, |scale| scale.max(1.0))
     }
 
     /// Covariance of the shared parameters: of clicks that scatter so much more than stated, and of landmarks that lie off

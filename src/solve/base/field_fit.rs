@@ -5,7 +5,7 @@
 //! landmarks and lines move with them is taken from fields of two sizes, whatever the template's expressions are; where
 //! they do not move in proportion, the fit is repeated at the size found.
 
-use super::adjust::{mean_view, starting};
+use super::adjust::{MeanView, starting};
 use super::base_click::BaseClick;
 use super::bundle::{Bundle, BundleState};
 use super::parameters::{OF_BASE_AND_SIZE, SIZE, SIZES, Shared, free_parameters};
@@ -46,6 +46,17 @@ pub struct FittedSize {
     /// What that adds to the camera's position, 1-σ along `world` x, y, z, m. Where one end of a field is seen and not the other,
     /// its middle, the origin of `world`, is known half as well as its length, and so is everything that is told from there.
     pub position_sigma_m: Vec3,
+}
+
+/// A length that is less certain is not shown by the frames, m: where they show it, 0.04 to 0.13 m is stated before any floor.
+const OPEN_M: f64 = 0.5;
+
+impl FittedSize {
+    /// Whether the frames do not show the length: what was assumed holds.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.sigma_m > OPEN_M
+    }
 }
 
 /// Where the fit starts: a base and its frames on the field as assumed.
@@ -177,8 +188,8 @@ impl SizeFit<'_> {
         };
         let solved = start.frames.iter().zip(start.ptz).filter(|(_, ptz)| ptz.is_some());
         let frames = solved.map(|(frame, _)| frame.used().filter_map(on_field).collect()).collect();
-        let view = mean_view(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
-        let mut priors = start.options.priors.of_model(start.model, start.image_width_px, view);
+        let view = MeanView::from_frames(start.base, &start.ptz.iter().flatten().copied().collect::<Vec<_>>());
+        let mut priors = start.options.priors.of_model(start.model, start.image_width_px, &view);
         priors.extend(self.params.iter().zip(values).enumerate().map(|(size, (param, value))| SharedPrior {
             of: Expected::Larger(param.assumed_m - value, size),
             sigma: param.sigma_m,

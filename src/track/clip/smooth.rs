@@ -40,7 +40,14 @@ pub fn smooth(frames: &[Unsmoothed], options: &SmoothOptions) -> Vec<Ptz> {
     if frames.len() < LEAST {
         return frames.iter().map(|frame| frame.ptz).collect();
     }
-    let seen: Vec<Vec3> = frames.iter().map(|frame| offset(first, frame.ptz)).collect();
+    // From frame to frame, so that a camera that turns by more than half a circle does not jump.
+    let steps = frames.windows(2).map(|two| offset(two[0].ptz, two[1].ptz));
+    let seen: Vec<Vec3> = std::iter::once(Vec3::zeros())
+        .chain(steps.scan(Vec3::zeros(), |at, step| {
+            *at += step;
+            Some(*at)
+        }))
+        .collect();
     let scatter: Vec<Mat3> = frames.iter().map(|frame| by_log_focal(&frame.covariance, frame.ptz.focal_px)).collect();
     let axes = [0, 1, 2].map(|axis| {
         let values: Vec<f64> = seen.iter().map(|at| at[axis]).collect();

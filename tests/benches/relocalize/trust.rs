@@ -125,7 +125,7 @@ impl Match {
         let fields = Fields::of(self.document.at(&self.folder)).unwrap();
         let base = self.document.camera_of(frame).unwrap().base_for(frame).unwrap();
         let camera = PtzCamera::new(base, answer.ptz.ptz());
-        let stated = Uncertainty::of_stored(&camera, &answer.covariance, frame.image_size);
+        let stated = Uncertainty::from_own(&camera, &answer.own_covariance, frame.image_size).ok();
         let (mut distances, mut chi_squared) = (Vec::new(), Vec::new());
         for click in observations(frame, fields.of_frame(&self.document, frame)).unwrap() {
             let Some(at) = click.shape.point() else { continue };
