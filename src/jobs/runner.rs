@@ -13,9 +13,9 @@ use crate::app::session::Level;
 use crate::app::transfer::TransferAction;
 use crate::app::{Action, BulkFailure, BulkOrder, Effect, Question, ShotFailure, SnapFailure, VideoAction};
 use crate::field::template_named;
-use crate::store::{Location, put_orphan_away, read_orphan, save_orphan};
+use crate::store::{Location, Orphan, put_orphan_away, read_orphan, save_orphan};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// What is left for the window to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -321,6 +321,8 @@ impl Runner {
         self.held = None;
         let failure = |action: Action| match action {
             Action::SaveFailed(_) => Some(action),
+            // Nobody is left to ask.
+            Action::ChangedOutside { path, own: Some(own) } => Some(Action::Notify(Level::Warning, kept_own(&path, &own))),
             // There was no time to give it the document.
             Action::WholeWanted => {
                 Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
@@ -448,11 +450,17 @@ fn actions_of(report: SaverReport) -> Vec<Action> {
             said.into_iter().chain([Action::Saved { revision, at: clock(at), whole: true }]).collect()
         }
         SaverReport::Failed { error, .. } => vec![Action::SaveFailed(error.to_string())],
-        SaverReport::ChangedOutside { path } => vec![Action::ChangedOutside(path)],
+        SaverReport::ChangedOutside { path, own } => vec![Action::ChangedOutside { path, own }],
         SaverReport::Outside(outside) => vec![Action::Outside(outside)],
         SaverReport::NeedsWhole => vec![Action::WholeWanted],
         SaverReport::Broken { message } => vec![Action::SaveFailed(format!("saving failed: {message}"))],
     }
+}
+
+/// What is said of a document that was closed after another program had changed it.
+fn kept_own(path: &Path, own: &Orphan) -> String {
+    let (path, own) = (path.display(), own.path.display());
+    format!("Another program changed {path}; your version is kept as {own}.")
 }
 
 /// The time of day as the window shows it: "12:03:41".

@@ -15,6 +15,7 @@ mod lines;
 mod location;
 mod lock;
 mod orphan;
+mod own_version;
 mod read_only;
 mod replay;
 

@@ -48,6 +48,7 @@ mod masks_in_app;
 mod names_in_app;
 mod nothing_unasked;
 mod operations_in_app;
+mod outside;
 mod paint;
 mod paint_in_app;
 mod places_in_app;

@@ -249,7 +249,7 @@ impl App {
                     self.effects.push(Effect::JournalWhole { document, history, revision: open.revision });
                 }
             }
-            Action::ChangedOutside(path) => self.changed_outside(path),
+            Action::ChangedOutside { path, own } => self.changed_outside(path, own),
             Action::AskOutside => self.session.dialog = Some(Dialog::ChangedOutside),
             Action::ResolveOutside(choice) => self.resolve_outside(choice),
             Action::Outside(outside) => self.merge_outside(&outside),
