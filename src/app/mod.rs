@@ -89,6 +89,7 @@ use point_snaps::PointSnaps;
 use quality::Quality;
 use review::{AcceptSheet, Review};
 use session::Session;
+use crate::document::Frames;
 use std::sync::Arc;
 
 /// The whole application without a window.
@@ -106,6 +107,8 @@ pub struct App {
     review: Review,
     /// While suggestions are about to be accepted together.
     accept_sheet: Option<Arc<AcceptSheet>>,
+    /// The frames as they were when it was opened.
+    asked_to_accept: Option<Frames>,
     quality: Quality,
     /// Tells the time of what people do; none: it is not written down.
     clock: Option<fn() -> jiff::Timestamp>,

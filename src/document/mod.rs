@@ -80,6 +80,7 @@
 
 pub(crate) mod adapters;
 mod at;
+mod beneath;
 mod camera;
 mod camera_id;
 mod click;

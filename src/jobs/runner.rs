@@ -53,6 +53,8 @@ enum Kind {
     SnapPoints(u64),
     /// It exports or imports; the order's ticket.
     Transfer(u64),
+    /// It reads what concerns the open document alone.
+    Beside,
     /// Anything that runs to its end.
     Other,
 }
@@ -107,6 +109,8 @@ pub struct Runner {
     jobs: Vec<RunningJob>,
     tasks: Vec<Task>,
     reports: Vec<Action>,
+    /// What was opened, until the application has taken in what was reported before it.
+    ready: Option<Box<Ready>>,
 }
 
 impl Runner {
@@ -123,6 +127,7 @@ impl Runner {
             jobs: Vec::new(),
             tasks: Vec::new(),
             reports: Vec::new(),
+            ready: None,
         }
     }
 
@@ -142,7 +147,10 @@ impl Runner {
                 let template = template_named(&name, &folder).map(Box::new);
                 Ok(Outcome::Action(Action::TemplateRead { of, name, template }))
             }),
-            Effect::CancelOpening => self.give_up(|kind| kind == Kind::Opening),
+            Effect::CancelOpening => {
+                self.give_up(|kind| kind == Kind::Opening);
+                self.ready = None;
+            }
             Effect::EstimateBase { with_size, with_paint, document, folder, camera } => {
                 let pictures = self.pictures.clone();
                 self.begin("base", Kind::Estimate, move |watch| {
@@ -237,7 +245,7 @@ impl Runner {
                 });
             }
             Effect::CancelTransfer => self.give_up(|kind| matches!(kind, Kind::Transfer(_))),
-            Effect::LoadCamera(path) => self.begin("camera", Kind::Other, move |_| {
+            Effect::LoadCamera(path) => self.begin("camera", Kind::Beside, move |_| {
                 camera_with_base(&path).map(|camera| Outcome::Action(Action::CameraLoaded(Box::new(camera))))
             }),
             Effect::Ask(question) => return Some(Request::Ask(question)),
@@ -249,14 +257,16 @@ impl Runner {
 
     /// What has happened since the last call.
     pub fn poll(&mut self) -> Vec<Action> {
+        if let Some(ready) = self.ready.take() {
+            return self.let_in(*ready);
+        }
         let mut actions = std::mem::take(&mut self.reports);
         actions.extend(self.poll_jobs());
-        let mut opened = None;
         for task in &mut self.tasks {
             while let Some(report) = task.background.poll() {
                 match report {
                     _ if task.given_up => {}
-                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => opened = Some(ready),
+                    BackgroundReport::Done(Ok(Outcome::Opened(ready))) => self.ready = Some(ready),
                     BackgroundReport::Progress(action) | BackgroundReport::Done(Ok(Outcome::Action(action))) => {
                         actions.push(action);
                     }
@@ -283,7 +293,7 @@ impl Runner {
                             ticket,
                             result: Err(format!("Internal error (please report it): {message}")),
                         }),
-                        Kind::Opening | Kind::BurntIn | Kind::Other => {
+                        Kind::Opening | Kind::BurntIn | Kind::Beside | Kind::Other => {
                             Action::Failed(format!("internal error (please report it): {message}"))
                         }
                     }),
@@ -291,13 +301,8 @@ impl Runner {
             }
         }
         self.tasks.retain(|task| !task.background.is_over());
-        if let Some(ready) = opened {
-            // What was open before is written first; its last words matter no more than a failure.
-            actions.extend(self.close());
-            match self.start_saver(*ready) {
-                Ok(action) => actions.push(action),
-                Err(error) => actions.push(Action::Failed(error.to_string())),
-            }
+        if self.ready.is_some() {
+            (self.wake)();
         }
         let reports = self.trainer.as_ref().map(Trainer::poll).unwrap_or_default();
         actions.extend(reports.into_iter().map(|report| match report {
@@ -312,6 +317,19 @@ impl Runner {
         }));
         let reports = self.saver.as_ref().map(Saver::reports).unwrap_or_default();
         actions.extend(reports.into_iter().flat_map(actions_of));
+        actions
+    }
+
+    /// Puts a document that was opened in the place of the one before. The application has taken in all that was reported until
+    /// now, and its edits are with that one's saver; what is reported later of that one concerns nobody.
+    fn let_in(&mut self, ready: Ready) -> Vec<Action> {
+        self.give_up(|kind| !matches!(kind, Kind::Opening | Kind::Other));
+        // What was open before is written first; its last words matter no more than a failure.
+        let mut actions = self.close();
+        actions.push(match self.start_saver(ready) {
+            Ok(opened) => opened,
+            Err(error) => Action::Failed(error.to_string()),
+        });
         actions
     }
 
@@ -336,7 +354,7 @@ impl Runner {
     /// Whether something is still under way.
     #[must_use]
     pub fn is_busy(&self) -> bool {
-        !self.jobs.is_empty() || !self.tasks.is_empty()
+        !self.jobs.is_empty() || !self.tasks.is_empty() || self.ready.is_some()
     }
 
     /// Runs an operation on a thread of its own.
@@ -402,6 +420,9 @@ impl Runner {
 
     /// Opens what a task finds out.
     fn open(&mut self, name: &str, path: impl FnOnce(OpenWatch<'_>) -> Result<PathBuf, JobError> + Send + 'static) {
+        // Whoever asks for another document does not wait for the one before.
+        self.give_up(|kind| kind == Kind::Opening);
+        self.ready = None;
         let held = self.held.clone();
         self.begin(name, Kind::Opening, move |watch| {
             let tell = |text| watch.tell(Action::Progress(text));
@@ -412,7 +433,7 @@ impl Runner {
     /// Begins a task that reads or writes files beside the open document.
     fn begin_beside(&mut self, name: &str, task: impl FnOnce(&Location) -> Result<Action, JobError> + Send + 'static) {
         if let Some(location) = self.held.clone() {
-            self.begin(name, Kind::Other, move |_| task(&location).map(Outcome::Action));
+            self.begin(name, Kind::Beside, move |_| task(&location).map(Outcome::Action));
         }
     }
 
@@ -546,6 +567,70 @@ mod tests {
         bench.app.update(opened());
         bench.wait();
         assert!(bench.app.operations.probe.taken.is_empty());
+    }
+
+    /// A folder with a document of this many frames.
+    fn project(frames: usize) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut document = Document::new(FieldSpec::new("soccer"));
+        let frame = |index: usize| crate::document::Frame::from_image(&index.to_string(), "main".into(), SIZE).into();
+        document.frames.extend((0..frames).map(frame));
+        let location = Location::for_new_document(&folder.path().join("project.json")).unwrap();
+        crate::store::write_document(&location, &document, false).unwrap();
+        folder
+    }
+
+    const SIZE: crate::geometry::ImageSize = crate::geometry::ImageSize::new(64, 48);
+
+    #[test]
+    fn what_was_reported_before_a_document_opened_still_concerns_the_one_before() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        bench.runner.begin("word", Kind::Other, |_| {
+            Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned())))
+        });
+        let mut batches = Vec::new();
+        while bench.runner.is_busy() {
+            bench.woken.recv().unwrap();
+            batches.push(bench.runner.poll());
+        }
+        let opened = |batch: &Vec<Action>| batch.iter().any(|action| matches!(action, Action::Opened(_)));
+        let last = batches.iter().position(|batch| opened(batch)).unwrap();
+        assert_eq!(batches[last].len(), 1, "nothing is reported along with it");
+        assert!(batches[..last].iter().chain(&batches[last + 1..]).flatten().count() > 0, "the word is not lost");
+    }
+
+    #[test]
+    fn the_document_that_is_asked_for_last_opens_alone() {
+        let mut bench = Bench::new();
+        let (first, last) = (project(1), project(2));
+        bench.runner.carry_out(Effect::Open(first.path().to_path_buf()));
+        bench.runner.carry_out(Effect::Open(last.path().to_path_buf()));
+        bench.wait();
+        assert_eq!(bench.app.open().unwrap().document.frames.len(), 2);
+        assert!(!first.path().join("project.json.lock").exists(), "the other one is let go of");
+    }
+
+    #[test]
+    fn what_was_read_for_another_document_is_passed_over() {
+        let mut bench = Bench::new();
+        let folder = project(1);
+        let (go_on, wait) = channel();
+        bench.runner.begin("read", Kind::Beside, move |_| {
+            let _: Result<(), _> = wait.recv();
+            Ok(Outcome::Action(Action::Notify(Level::Info, "of another document".to_owned())))
+        });
+        bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
+        while bench.app.open().is_none_or(|open| open.document.frames.is_empty()) {
+            bench.woken.recv().unwrap();
+            for action in bench.runner.poll() {
+                bench.app.update(action);
+            }
+        }
+        go_on.send(()).unwrap();
+        bench.wait();
+        assert!(bench.app.session.notices.iter().all(|notice| notice.text != "of another document"));
     }
 
     #[test]

@@ -202,6 +202,19 @@ pub fn write_document(location: &Location, document: &Document, replace: bool) -
     write_atomically(path, text.as_bytes()).map_err(|source| StoreError::from_io("write", path, source))
 }
 
+/// Refuses a document that another program has open; to be asked before the work begins whose result is to replace it.
+///
+/// # Errors
+/// It is open elsewhere, or cannot be written.
+pub fn refuse_open(path: &Path) -> Result<(), StoreError> {
+    let Ok(location) = Location::find(path) else { return Ok(()) };
+    if !location.lock().exists() {
+        return Ok(());
+    }
+    let read_only = |reason| StoreError::ReadOnly { path: location.file().to_path_buf(), reason };
+    lock(&location).map(drop).map_err(read_only)
+}
+
 /// Sets a journal aside that holds edits which belong to no document here.
 fn set_orphan_aside(path: &Path) -> Result<(), StoreError> {
     let holds_edits = match read_regular(path) {

@@ -22,6 +22,8 @@ mod replay;
 pub(crate) use atomic::write_atomically;
 #[cfg(feature = "cli")]
 pub(crate) use atomic::{write_new, write_output};
+#[cfg(feature = "cli")]
+pub(crate) use disk::refuse_open;
 pub use disk::{Access, Opened, Recovery, Store, open, read, write_document};
 pub use document_store::{DocumentStore, Others, Outside};
 pub use error::StoreError;

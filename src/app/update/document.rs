@@ -114,6 +114,8 @@ impl App {
 
     /// Takes the path that was asked for.
     pub(super) fn answer(&mut self, question: Question, path: PathBuf) {
+        // A file dialog asks before a file is replaced; who types a path has not been asked.
+        let is_typed = matches!(self.session.dialog, Some(Dialog::Path(_)));
         self.session.dialog = None;
         match (question, &self.open) {
             (Question::Project | Question::Folder | Question::Video, _) => self.open_path(path),
@@ -126,7 +128,7 @@ impl App {
                 });
             }
             (Question::ExportAs(_) | Question::DatasetTo | Question::ImportFrom(_), Some(_)) => {
-                self.place_chosen(question, path);
+                self.place_chosen(question, path, !is_typed);
             }
             (Question::CompareWith, Some(_)) => self.compare(path),
             (Question::CameraFrom, Some(_)) => self.effects.push(Effect::LoadCamera(path)),
