@@ -27,7 +27,7 @@ mod still_runs;
 mod unclicked;
 mod which_camera;
 
-pub use after_merge::{SolvedAfterMerge, solve_after_merge};
+pub(crate) use after_merge::{SolvedAfterMerge, solve_after_merge};
 pub use base_change::{CameraChange, camera_change};
 pub(crate) use base_estimation::camera_alone;
 pub use base_estimation::{BaseEstimationError, BaseProblem, EstimatedBase, LandmarkFit, describe_mirrored};

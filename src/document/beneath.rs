@@ -1,7 +1,7 @@
 //! A step that the program made while a person went on: it goes beneath what the person did since, so that undo takes back the
 //! person's own steps first, and redo stays.
 
-use super::{Document, History, Shared, Step};
+use super::{Document, Frame, History, Shared, Step};
 
 impl History<Document> {
     /// How many steps can be undone.
@@ -30,23 +30,27 @@ fn take_shots(state: &mut Document, before: &Document, after: &Document) {
     state.shots.clone_from(&after.shots);
     for position in 0..state.frames.len() {
         let frame = &state.frames[position];
-        let same_place = |document: &Document| {
-            let there = document.frames.get(position).filter(|there| there.id == frame.id);
-            there.or_else(|| document.frames.by_id(&frame.id)).cloned()
+        let Some(marked) = find_frame(after, position, frame).filter(|marked| marked.clip != frame.clip) else {
+            continue;
         };
-        let Some(marked) = same_place(after).filter(|marked| marked.clip != frame.clip) else { continue };
-        if same_place(before).is_some_and(|known: Shared<_>| known.is_same(frame)) {
-            state.frames[position] = marked;
+        if find_frame(before, position, frame).is_some_and(|known| known.is_same(frame)) {
+            state.frames[position] = marked.clone();
         } else {
             state.frames[position].clip.clone_from(&marked.clip);
         }
     }
 }
 
+/// A frame in another state, where it most likely stands at the same position.
+fn find_frame<'a>(document: &'a Document, position: usize, frame: &Frame) -> Option<&'a Shared<Frame>> {
+    let there = document.frames.get(position).filter(|there| there.id == frame.id);
+    there.or_else(|| document.frames.by_id(&frame.id))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Clip, FieldSpec, Frame, Shot, ShotEnd, ShotKind};
+    use crate::document::{Clip, FieldSpec, Shot, ShotEnd, ShotKind};
     use crate::geometry::ImageSize;
 
     fn comment(history: &mut History<Document>, document: &mut Document, frame: usize, text: &str) {

@@ -1,6 +1,6 @@
 //! The document that two versions started from, where one of them may come from an earlier state than the other.
 
-use super::{Document, Frame, Shared, SplitDocument};
+use super::{Document, Frame, FrameId, Shared, SplitDocument};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// What people had done in the last state that a session and another program's version can both have started from, frame by frame
@@ -46,18 +46,23 @@ pub(crate) fn common_base(opened: &Document, written: &Document, theirs: &Docume
 }
 
 fn common_frames(opened: &Document, written: &Document, theirs: &Document) -> Vec<Shared<Frame>> {
-    let common = |frame: &Shared<Frame>| {
-        let (opened, written) = (opened.frames.by_id(&frame.id), written.frames.by_id(&frame.id));
-        let Some(theirs) = theirs.frames.by_id(&frame.id) else { return opened };
-        match (opened, written) {
-            (_, Some(written)) if theirs.has_content_of(written) => Some(written),
-            (Some(opened), _) if theirs.revision >= opened.revision => Some(opened),
-            _ => None,
-        }
-    };
-    let in_opened: BTreeSet<_> = opened.frames.iter().map(|frame| &frame.id).collect();
+    let in_opened: BTreeSet<&FrameId> = opened.frames.iter().map(|frame| &frame.id).collect();
     let added = written.frames.iter().filter(|frame| !in_opened.contains(&frame.id));
-    opened.frames.iter().chain(added).filter_map(common).cloned().collect()
+    let frames = opened.frames.iter().chain(added);
+    frames.filter_map(|frame| common_frame(&frame.id, [opened, written, theirs])).cloned().collect()
+}
+
+fn common_frame<'a>(
+    id: &FrameId,
+    [opened, written, theirs]: [&'a Document; 3],
+) -> Option<&'a Shared<Frame>> {
+    let (opened, written) = (opened.frames.by_id(id), written.frames.by_id(id));
+    let Some(theirs) = theirs.frames.by_id(id) else { return opened };
+    match (opened, written) {
+        (_, Some(written)) if theirs.has_content_of(written) => Some(written),
+        (Some(opened), _) if theirs.revision >= opened.revision => Some(opened),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

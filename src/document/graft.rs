@@ -33,8 +33,8 @@ pub fn graft(edits: &[Edit], onto: &Document) -> Merged {
             *known = frame.into();
         }
     }
-    document.count_edits_since(onto);
     show_suggestions(&mut document, [onto, onto]);
+    document.count_edits_since(onto);
     Merged { document, conflicts }
 }
 

@@ -3,7 +3,7 @@
 //! Only what people did is joined. What the program suggests is taken out first and laid on the result, in frames that nobody has
 //! touched: a proposal never competes with a label.
 
-use super::{Camera, Document, Frame, Shared, SplitDocument, Suggestion};
+use super::{Camera, Document, Frame, FrameId, Shared, SplitDocument, Suggestion};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -83,16 +83,21 @@ fn raise_revisions(document: &mut Document, sides: [&Document; 2]) {
 pub(super) fn show_suggestions(document: &mut Document, sides: [&Document; 2]) {
     for position in 0..document.frames.len() {
         let frame = &document.frames[position];
+        if !frame.is_untouched() {
+            continue;
+        }
         let base = document.camera_of(frame).and_then(Camera::base);
-        let suggestion = sides.into_iter().find_map(|side| {
-            let shown = side.frames.by_id(&frame.id).filter(|shown| shown.shows_suggestion())?;
-            let suggestion = Suggestion::in_frame(shown, side.camera_of(shown).and_then(Camera::base).as_ref())?;
-            (suggestion.base == base).then_some(suggestion)
-        });
-        if let Some(suggestion) = suggestion.filter(|_| frame.is_untouched()) {
+        let suggestions = sides.into_iter().filter_map(|side| shown_suggestion(side, &frame.id));
+        if let Some(suggestion) = suggestions.into_iter().find(|suggestion| suggestion.base == base) {
             suggestion.show_in(&mut document.frames[position]);
         }
     }
+}
+
+/// What a document shows as suggested for a frame.
+fn shown_suggestion(document: &Document, id: &FrameId) -> Option<Suggestion> {
+    let frame = document.frames.by_id(id)?;
+    Suggestion::in_frame(frame, document.camera_of(frame).and_then(Camera::base).as_ref())
 }
 
 /// Values in their order, each with what tells it apart.
@@ -110,19 +115,22 @@ enum Choice {
 
 /// Whose value is taken, of the base's, ours and theirs.
 fn choose<V>([base, ours, theirs]: [Option<&V>; 3], is_same: fn(&V, &V) -> bool) -> Choice {
-    let same = |one: Option<&V>, other: Option<&V>| match (one, other) {
-        (Some(one), Some(other)) => is_same(one, other),
-        (one, other) => one.is_none() && other.is_none(),
-    };
-    if same(ours, theirs) || same(base, ours) {
+    if are_same(ours, theirs, is_same) || are_same(base, ours, is_same) {
         Choice::Theirs
-    } else if same(base, theirs) {
+    } else if are_same(base, theirs, is_same) {
         Choice::Ours
     } else if ours.is_none() {
         // What they made of something that we removed stays.
         Choice::Theirs
     } else {
         Choice::Conflict
+    }
+}
+
+fn are_same<V>(one: Option<&V>, other: Option<&V>, is_same: fn(&V, &V) -> bool) -> bool {
+    match (one, other) {
+        (Some(one), Some(other)) => is_same(one, other),
+        (one, other) => one.is_none() && other.is_none(),
     }
 }
 

@@ -3,15 +3,13 @@
 use super::atomic::{copy_aside, is_pipe_or_device, keep_backup, set_aside, write_atomically, write_new, write_output};
 use super::calls;
 use super::history_file::{self, HistoryFile, HistoryLeftOut};
-use super::journal::{DocumentHash, Journal, JournalContent, Pending};
+use super::journal::{DocumentHash, Journal, JournalContent, Pending, hash_of};
 use super::lock::{Lock, lock};
 use super::own_version::OwnVersion;
 use super::replay::Replay;
 use super::{DocumentStore, Location, Orphan, Others, Outside, ReadOnly, StoreError};
 use crate::document::{Document, Edit, History, common_base, document_from_bytes, document_to_string};
 use crate::files::{read_regular, read_regular_within, remove_stray_files};
-use crate::geometry::hex;
-use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 use std::fs;
 use std::io;
@@ -325,11 +323,6 @@ fn read_document(location: &Location) -> Result<(Document, DocumentHash), StoreE
         StoreError::Read { path: path.to_path_buf(), source, backup }
     })?;
     Ok((document, hash_of(&bytes)))
-}
-
-/// The SHA-256 of a document's bytes.
-pub(super) fn hash_of(bytes: &[u8]) -> DocumentHash {
-    hex(&Sha256::digest(bytes))
 }
 
 impl Store {

@@ -2,46 +2,29 @@
 //! and joined with what is there.
 
 use super::atomic::{file_name, folder_of, set_aside, write_new_as};
-use super::disk::hash_of;
-use super::journal::{JournalContent, Pending};
+use super::journal::{JournalContent, Pending, hash_of};
 use super::own_version::{base_of, is_own_version, list_own_version, read_own_version};
-use super::{Location, StoreError};
-use crate::document::{Document, Edit, Merged, document_from_bytes, document_to_string, graft, merge};
+use super::{Location, Orphan, OrphanEdits, StoreError};
+use crate::document::{document_from_bytes, document_to_string, graft};
 use crate::files::read_regular;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Edits that were set aside because they start from another document than the one beside them.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Orphan {
-    /// Their journal, or what a window held.
-    pub path: PathBuf,
-    /// The names of its edits, oldest first.
-    pub edits: Vec<String>,
-}
-
-/// The edits of an orphan, and the document they start from, where one of the versions beside the document is it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OrphanEdits {
-    /// The document that the edits start from.
-    pub base: Option<Document>,
-    /// The edits, oldest first.
-    pub edits: Vec<Edit>,
-}
-
 /// The edits that are set aside beside a document.
 #[must_use]
 pub fn orphans(location: &Location) -> Vec<Orphan> {
-    let list = |path: PathBuf| {
-        if is_own_version(location, &path) {
-            list_own_version(path)
-        } else if is_journal(location, &path) {
-            list_journal(path)
-        } else {
-            None
-        }
-    };
-    siblings(location).into_iter().filter_map(list).collect()
+    siblings(location).into_iter().filter_map(|path| list_orphan(location, path)).collect()
+}
+
+/// A file beside a document as it is listed; none where it is something else.
+fn list_orphan(location: &Location, path: PathBuf) -> Option<Orphan> {
+    if is_own_version(location, &path) {
+        list_own_version(path)
+    } else if is_journal(location, &path) {
+        list_journal(path)
+    } else {
+        None
+    }
 }
 
 /// Whether a file beside a document is a journal that was set aside.
@@ -80,44 +63,14 @@ pub fn read_orphan(location: &Location, orphan: &Path) -> Result<OrphanEdits, St
     Ok(OrphanEdits { base: None, edits: JournalContent::parse(&bytes).into_edits() })
 }
 
-impl OrphanEdits {
-    /// Joins the edits with a document. Where it is not known what they start from, the frames that people edited take the place
-    /// of those in the document.
-    #[must_use]
-    pub fn merged_into(&self, document: &Document) -> Merged {
-        match self.document() {
-            Some((base, ours)) => merge(base, &ours, document),
-            None => graft(&self.edits, document),
-        }
-    }
-
-    /// The document that the edits lead to; none where it is not known what they start from.
-    pub(crate) fn result(&self) -> Option<Document> {
-        self.document().map(|(_, ours)| ours)
-    }
-
-    /// The document that the edits start from, and the one they lead to as far as they fit.
-    fn document(&self) -> Option<(&Document, Document)> {
-        let base = self.base.as_ref()?;
-        let mut ours = base.clone();
-        for edit in &self.edits {
-            if let Err(misfit) = edit.clone().apply(&mut ours) {
-                log::warn!("{}: {misfit}", edit.name);
-                break;
-            }
-        }
-        Some((base, ours))
-    }
-}
-
 /// Writes what an orphan's edits lead to as a document of its own beside the document; where.
 ///
 /// # Errors
 /// The orphan or the document cannot be read, or nothing can be written there.
 pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreError> {
     let edits = read_orphan(location, orphan)?;
-    let document = match edits.document() {
-        Some((_, ours)) => ours,
+    let document = match edits.result() {
+        Some(ours) => ours,
         None => graft(&edits.edits, &super::read(location.file())?.1).document,
     };
     let file = location.file();

@@ -5,8 +5,7 @@
 //! that is on disk no more.
 
 use super::atomic::{file_name, with_suffix, write_atomically, write_new_as};
-use super::disk::hash_of;
-use super::journal::DocumentHash;
+use super::journal::{DocumentHash, hash_of};
 use super::{Location, Orphan, OrphanEdits, StoreError};
 use crate::document::{Change, Document, Edit, Frames, SplitDocument, document_from_bytes, document_to_string};
 use crate::files::read_regular;

@@ -42,6 +42,7 @@ mod gold_in_app;
 mod headless;
 mod identity;
 mod journal;
+mod kept_edits;
 mod killed;
 mod library;
 mod masks_in_app;

@@ -54,7 +54,7 @@ fn save(headless: &mut Headless) {
 }
 
 /// Whether the file holds what the window shows.
-fn is_written(open: &touchline::app::OpenProject) -> bool {
+pub fn is_written(open: &touchline::app::OpenProject) -> bool {
     read(&open.file).is_ok_and(|(_, document, recovery)| recovery.is_empty() && document.frames == open.document.frames)
 }
 

@@ -6,7 +6,7 @@ use crate::app::OutsideChoice;
 use crate::app::effect::Effect;
 use crate::app::session::{Dialog, Level, Mode};
 use crate::calibrate::{SolvedAfterMerge, solve_after_merge};
-use crate::document::{Document, Frame, Merged, Shared, Step, merge};
+use crate::document::{Document, Frame, Merged, Step, merge};
 use crate::field::FieldError;
 use crate::store::{Orphan, OrphanEdits, Outside};
 use std::path::{Path, PathBuf};
@@ -166,13 +166,13 @@ impl App {
 
 /// The frames with clicks or a decision in which a merge put others in their place, or that it removed.
 fn replaced_labels(before: &Document, now: &Document) -> Vec<String> {
-    let is_label = |frame: &&Shared<Frame>| !frame.without_suggestion().is_untouched();
-    let gives_way = |frame: &&Shared<Frame>| match now.frames.by_id(&frame.id) {
-        Some(now) => (&now.clicks, now.status) != (&frame.clicks, frame.status),
-        None => true,
-    };
-    let labels = before.frames.iter().filter(is_label);
-    labels.filter(gives_way).map(|frame| frame.name()).collect()
+    let labels = before.frames.iter().filter(|frame| !frame.without_suggestion().is_untouched());
+    labels.filter(|frame| gives_way(frame, now)).map(|frame| frame.name()).collect()
+}
+
+/// Whether a document has other clicks or another decision in a frame, or lacks it.
+fn gives_way(frame: &Frame, now: &Document) -> bool {
+    now.frames.by_id(&frame.id).is_none_or(|now| (&now.clicks, now.status) != (&frame.clicks, frame.status))
 }
 
 /// The first of some names; the rest is counted.
