@@ -82,6 +82,7 @@ pub use update::MAX_SCALE;
 pub use versioned::Versioned;
 pub use video::VideoAction;
 
+use crate::document::Frames;
 use current::FreshSolve;
 use operation::{Report, RequestId};
 use operations::Operations;
@@ -89,7 +90,6 @@ use point_snaps::PointSnaps;
 use quality::Quality;
 use review::{AcceptSheet, Review};
 use session::Session;
-use crate::document::Frames;
 use std::sync::Arc;
 
 /// The whole application without a window.

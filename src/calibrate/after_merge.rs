@@ -107,7 +107,8 @@ mod tests {
         let mut camera = Camera::new("main".into(), SIZE);
         camera.set_base(&base(1.0));
         document.cameras.push(camera.into());
-        document.frames = ["a", "b"].map(|name| Frame::from_image(name, "main".into(), SIZE).into()).into_iter().collect();
+        document.frames =
+            ["a", "b"].map(|name| Frame::from_image(name, "main".into(), SIZE).into()).into_iter().collect();
         document
     }
 
@@ -120,7 +121,8 @@ mod tests {
             let at = camera.image_from_world(world).unwrap();
             document.frames[index].clicks.push(Click::landmark(landmark.into(), at));
         }
-        let solved = calibrate(document, &FrameLookup::of(document), &document.frames[index].clone(), &field, index).unwrap();
+        let solved =
+            calibrate(document, &FrameLookup::of(document), &document.frames[index].clone(), &field, index).unwrap();
         document.frames[index].record(&solved);
         document.frames[index].status = FrameStatus::Reference;
     }

@@ -291,7 +291,8 @@ mod tests {
         let mut numbers = before.clone();
         numbers.cameras[0].click_noise_px = Some(2.0);
         let change = BulkChange::Numbers(Box::new(numbers));
-        let solve = |document: &Document, change| BulkSolve { document: document.clone(), folder: PathBuf::new(), change };
+        let solve =
+            |document: &Document, change| BulkSolve { document: document.clone(), folder: PathBuf::new(), change };
         let solved = solve(&before, change).run(&|_| ControlFlow::Continue(())).unwrap();
         let mut now = before.clone();
         let mask = PixelBox { x: 1.0, y: 2.0, width: 30.0, height: 8.0 };

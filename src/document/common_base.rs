@@ -52,10 +52,7 @@ fn common_frames(opened: &Document, written: &Document, theirs: &Document) -> Ve
     frames.filter_map(|frame| common_frame(&frame.id, [opened, written, theirs])).cloned().collect()
 }
 
-fn common_frame<'a>(
-    id: &FrameId,
-    [opened, written, theirs]: [&'a Document; 3],
-) -> Option<&'a Shared<Frame>> {
+fn common_frame<'a>(id: &FrameId, [opened, written, theirs]: [&'a Document; 3]) -> Option<&'a Shared<Frame>> {
     let (opened, written) = (opened.frames.by_id(id), written.frames.by_id(id));
     let Some(theirs) = theirs.frames.by_id(id) else { return opened };
     match (opened, written) {
@@ -125,6 +122,9 @@ mod tests {
         let before = document(&["", ""]);
         let opened = edited(&before, 0, "of an earlier session");
         let Merged { document, conflicts } = merged(&opened, &opened, &edited(&before, 1, "theirs"));
-        assert_eq!((comments(&document), &conflicts[..]), (vec!["of an earlier session", "theirs"], &["0".to_owned()][..]));
+        assert_eq!(
+            (comments(&document), &conflicts[..]),
+            (vec!["of an earlier session", "theirs"], &["0".to_owned()][..])
+        );
     }
 }

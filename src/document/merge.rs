@@ -34,7 +34,8 @@ fn merge_edits(base: &Document, ours: &Document, theirs: &Document) -> Merged {
         document.frames.iter().map(|frame| (frame.id.clone(), frame.clone())).collect()
     };
     let is_same_frame = |one: &Shared<Frame>, other: &Shared<Frame>| one.has_content_of(other);
-    let frames = join([&frames(base), &frames(ours), &frames(theirs)], is_same_frame, |frame| conflicts.push(frame.name()));
+    let frames =
+        join([&frames(base), &frames(ours), &frames(theirs)], is_same_frame, |frame| conflicts.push(frame.name()));
     let cameras = |document: &Document| -> Keyed<_, _> {
         document.cameras.iter().map(|camera| (camera.id.clone(), camera.clone())).collect()
     };
@@ -260,7 +261,10 @@ mod tests {
         let Merged { document, conflicts } = merge(&base, &ours, &theirs);
         assert_eq!(conflicts, [""; 0], "nobody changed a frame on both sides");
         let statuses: Vec<FrameStatus> = document.frames.iter().map(|frame| frame.status).collect();
-        assert_eq!(statuses, [FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Suggested]);
+        assert_eq!(
+            statuses,
+            [FrameStatus::Reference, FrameStatus::Suggested, FrameStatus::Suggested, FrameStatus::Suggested]
+        );
         let pan_deg = |at: usize| document.frames[at].ptz.as_ref().map(|ptz| ptz.pan_deg);
         assert_eq!([pan_deg(0), pan_deg(1), pan_deg(2)], [None, Some(1.0), Some(2.0)]);
         assert_eq!(document.frames[3].comment.as_deref(), Some(" ours"), "a suggestion replaces no comment");

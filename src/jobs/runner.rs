@@ -340,7 +340,9 @@ impl Runner {
         let failure = |action: Action| match action {
             Action::SaveFailed(_) => Some(action),
             // Nobody is left to ask.
-            Action::ChangedOutside { path, own: Some(own) } => Some(Action::Notify(Level::Warning, kept_own(&path, &own))),
+            Action::ChangedOutside { path, own: Some(own) } => {
+                Some(Action::Notify(Level::Warning, kept_own(&path, &own)))
+            }
             // There was no time to give it the document.
             Action::WholeWanted => {
                 Some(Action::SaveFailed("the last edits do not fit what was saved before".to_owned()))
@@ -587,9 +589,9 @@ mod tests {
         let mut bench = Bench::new();
         let folder = project(1);
         bench.runner.carry_out(Effect::Open(folder.path().to_path_buf()));
-        bench.runner.begin("word", Kind::Other, |_| {
-            Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned())))
-        });
+        bench
+            .runner
+            .begin("word", Kind::Other, |_| Ok(Outcome::Action(Action::Notify(Level::Info, "a word".to_owned()))));
         let mut batches = Vec::new();
         while bench.runner.is_busy() {
             bench.woken.recv().unwrap();

@@ -355,12 +355,7 @@ impl Store {
     }
 
     /// A store whose journal holds no edit that the file lacks.
-    fn begun(
-        location: Location,
-        journal: Journal,
-        written: Option<(Document, DocumentHash)>,
-        lock: Lock,
-    ) -> Self {
+    fn begun(location: Location, journal: Journal, written: Option<(Document, DocumentHash)>, lock: Lock) -> Self {
         let opened = written.as_ref().map(|(document, _)| document.clone());
         let (own, announced) = (None, None);
         Self { location, journal, written, opened, own, announced, behind: false, needs_whole: false, lock }

@@ -32,6 +32,6 @@ pub use history_file::HistoryLeftOut;
 pub use location::Location;
 pub(crate) use location::{PROJECT_FILE, PROJECT_SUFFIX};
 pub use orphan::{orphans, read_orphan};
-pub use orphan_edits::{Orphan, OrphanEdits};
 pub(crate) use orphan::{put_orphan_away, save_orphan};
+pub use orphan_edits::{Orphan, OrphanEdits};
 pub use read_only::ReadOnly;

@@ -76,7 +76,8 @@ pub fn save_orphan(location: &Location, orphan: &Path) -> Result<PathBuf, StoreE
     let file = location.file();
     let text =
         document_to_string(&document).map_err(|source| StoreError::Write { path: file.to_path_buf(), source })?;
-    write_new_as(file, "recovered", ".json", text.as_bytes()).map_err(|source| StoreError::from_io("write", file, source))
+    write_new_as(file, "recovered", ".json", text.as_bytes())
+        .map_err(|source| StoreError::from_io("write", file, source))
 }
 
 /// Puts an orphan away whose edits are in the document; the file stays, under another name.

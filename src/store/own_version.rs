@@ -120,7 +120,9 @@ fn names_of_edits(base: &Document, own: &Document) -> Vec<String> {
     for change in &Edit::between(&base, &own, "").changes {
         match change {
             Change::Frame { frame, .. } => names.push(format!("Changes in {}", frame.name())),
-            Change::Insert { frames, .. } => names.extend(frames.iter().map(|frame| format!("New frame {}", frame.name()))),
+            Change::Insert { frames, .. } => {
+                names.extend(frames.iter().map(|frame| format!("New frame {}", frame.name())))
+            }
             Change::Remove(frames) => names.push(format!("Frames removed: {}", frames.len())),
             Change::Cameras(_) => names.push("Changes in the cameras".to_owned()),
             Change::Field(_) => names.push("Changes in the field".to_owned()),
@@ -162,7 +164,10 @@ mod tests {
         let read = read_own_version(&path).unwrap();
         assert_eq!(read.merged_into(&base).document.frames, own.frames);
         fs::remove_file(base_of(&path)).unwrap();
-        assert_eq!(read_own_version(&path).unwrap().merged_into(&base).document.frames[0].comment, own.frames[0].comment);
+        assert_eq!(
+            read_own_version(&path).unwrap().merged_into(&base).document.frames[0].comment,
+            own.frames[0].comment
+        );
         version.remove();
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }

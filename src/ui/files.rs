@@ -61,7 +61,9 @@ impl Files {
         self.open = None;
         match report {
             BackgroundReport::Done(Picked::Path(path)) => Some(Action::Answer(question, path)),
-            BackgroundReport::Done(Picked::NoDialog) | BackgroundReport::Panicked(_) => Some(Action::TypePath(question)),
+            BackgroundReport::Done(Picked::NoDialog) | BackgroundReport::Panicked(_) => {
+                Some(Action::TypePath(question))
+            }
             BackgroundReport::Done(Picked::Nothing) | BackgroundReport::Progress(()) => None,
         }
     }

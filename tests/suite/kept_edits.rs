@@ -61,7 +61,17 @@ impl World {
         drop(root);
         let random = rng(&format!("kept_edits {number}"));
         let (window, seen) = (None, vec![fs::read(folder.path().join("project.json")).unwrap()]);
-        Self { random, folder, other, _other_root: other_root, window, seen, live: BTreeSet::new(), made: 0, story: Vec::new() }
+        Self {
+            random,
+            folder,
+            other,
+            _other_root: other_root,
+            window,
+            seen,
+            live: BTreeSet::new(),
+            made: 0,
+            story: Vec::new(),
+        }
     }
 
     fn file(&self) -> PathBuf {
@@ -90,7 +100,9 @@ impl World {
         };
         let asked = window.app.session.dialog.clone();
         match self.random.random_range(0..20) {
-            _ if asked == Some(Dialog::ChangedOutside) && self.random.random_range(0..4) > 0 => self.answer(&mut window),
+            _ if asked == Some(Dialog::ChangedOutside) && self.random.random_range(0..4) > 0 => {
+                self.answer(&mut window)
+            }
             0..6 => self.edit(&mut window),
             6 => self.undo(&mut window),
             7..9 => self.propose(&mut window),
@@ -168,7 +180,11 @@ impl World {
     fn write_outside(&mut self) {
         let file = self.file();
         self.seen.push(fs::read(&file).unwrap());
-        let from = if self.random.random_range(0..2) == 0 { self.seen.len() - 1 } else { self.random.random_range(0..self.seen.len()) };
+        let from = if self.random.random_range(0..2) == 0 {
+            self.seen.len() - 1
+        } else {
+            self.random.random_range(0..self.seen.len())
+        };
         let mut document = document_from_bytes(&self.seen[from]).unwrap();
         let frame = self.random.random_range(0..document.frames.len());
         let mark = self.mark();

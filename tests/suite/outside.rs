@@ -123,7 +123,9 @@ fn what_the_window_holds_is_kept_beside_as_soon_as_a_change_is_seen() {
     headless.act(Action::GoTo(1));
     headless.act(Action::SetComment("mine".to_owned()));
     headless.act(Action::ResolveOutside(OutsideChoice::TakeTheirs));
-    headless.wait_until("the other version", |app| app.open().unwrap().document.frames[1].comment.as_deref() == Some("theirs"));
+    headless.wait_until("the other version", |app| {
+        app.open().unwrap().document.frames[1].comment.as_deref() == Some("theirs")
+    });
     let [orphan] = &headless.app.session.orphans[..] else { panic!("{:?}", headless.app.session.orphans) };
     assert_eq!(orphan.edits, ["Changes in 0.jpg", "Changes in 1.jpg"]);
     let orphan = orphan.path.clone();

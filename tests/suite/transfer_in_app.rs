@@ -199,7 +199,8 @@ fn a_typed_path_replaces_no_file_unasked() {
     // A file dialog has asked.
     headless.act(Action::Command(Command::Export));
     headless.answer(Question::ExportAs(Format::Csv), &precious);
-    headless.wait_until("writing", |app| app.session.notices.iter().any(|notice| notice.text.contains("written as csv")));
+    headless
+        .wait_until("writing", |app| app.session.notices.iter().any(|notice| notice.text.contains("written as csv")));
     assert_ne!(std::fs::read_to_string(&precious).unwrap(), "precious");
 }
 

@@ -190,7 +190,8 @@ fn put_mask(document: &mut Document, shown: usize, mask: RangedMask, scope: Mask
         MaskScope::FromHere => Some((here, mask.to.filter(|to| Some(*to) >= here))),
         MaskScope::UpToHere => Some((mask.from.filter(|from| Some(*from) <= here), here)),
         MaskScope::Shot | MaskScope::Selected => {
-            let numbers: Option<Vec<u64>> = frames.iter().map(|&index| document.frames.get(index).and_then(|frame| number(frame))).collect();
+            let numbers: Option<Vec<u64>> =
+                frames.iter().map(|&index| document.frames.get(index).and_then(|frame| number(frame))).collect();
             numbers.map(|numbers| (numbers.iter().min().copied(), numbers.iter().max().copied()))
         }
     };

@@ -152,7 +152,10 @@ impl App {
         match solved {
             Ok(SolvedAfterMerge { solved: 0, withdrawn, .. }) => self.tell_withdrawn(withdrawn),
             Ok(SolvedAfterMerge { solved, withdrawn, .. }) => {
-                text += &format!(" Solved again on the merged base or field: {solved} {}.", if solved == 1 { "frame" } else { "frames" });
+                text += &format!(
+                    " Solved again on the merged base or field: {solved} {}.",
+                    if solved == 1 { "frame" } else { "frames" }
+                );
                 self.tell_withdrawn(withdrawn);
             }
             Err(error) => {

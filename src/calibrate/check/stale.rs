@@ -77,6 +77,9 @@ mod tests {
         assert_eq!(check_solutions(document.at(Path::new(""))), []);
         document.cameras[0].set_base(&CameraBase::new(Vec3::new(4.0, -62.0, 17.0), upright, size.centre()));
         let problems = check_solutions(document.at(Path::new("")));
-        assert!(matches!(&problems[..], [Problem { frame: Some(0), fault: Fault::StaleSolution { .. }, .. }]), "{problems:?}");
+        assert!(
+            matches!(&problems[..], [Problem { frame: Some(0), fault: Fault::StaleSolution { .. }, .. }]),
+            "{problems:?}"
+        );
     }
 }
